@@ -1,0 +1,1 @@
+"""The avatar adapter: a game engine, its voice and its streams behind RoIS components."""

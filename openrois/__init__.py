@@ -1,0 +1,5 @@
+"""The control plane of OpenRoIS: types, engine, sessions and gateway. It never imports media, game engine or robot code."""
+
+from openrois.version import __version__
+
+__all__ = ["__version__"]

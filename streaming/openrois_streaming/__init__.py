@@ -1,0 +1,1 @@
+"""The media plane: sources, encoders, fan-out and peer connections."""
