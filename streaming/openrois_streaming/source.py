@@ -1,0 +1,91 @@
+"""Raw frames and the contract of whatever makes them: cameras, game engines, synthetic pictures and sounds."""
+
+from collections.abc import AsyncIterator
+from contextlib import AbstractAsyncContextManager
+from dataclasses import dataclass
+from typing import Literal, Protocol, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+PixelFormat = Literal["bgra", "bgr24", "i420"]
+
+SAMPLE_RATE = 48_000
+"""Samples per second and channel of all raw audio."""
+
+FrameT_co = TypeVar("FrameT_co", covariant=True)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RawVideo:
+    """One picture.
+
+    `data` (uint8) has the shape (height, width, 4) for `bgra`, (height, width, 3) for `bgr24`, and (height * 3 / 2,
+    width) for `i420`: the Y plane, then U, then V, BT.601 limited range, width and height even. It may be a strided
+    view. Whoever yields a frame gives its pixels away: the source neither changes nor reuses them afterwards.
+
+    `sequence` counts the pictures of one source; a gap is a picture that was never made or never arrived.
+    `captured_at` is the moment the picture shows, in seconds of the media clock.
+
+    Raises:
+        ValueError: `data` does not have the shape or type that `format`, `width` and `height` promise.
+    """
+
+    data: NDArray[np.uint8]
+    format: PixelFormat
+    width: int
+    height: int
+    sequence: int
+    captured_at: float
+
+    def __post_init__(self) -> None:
+        if self.data.dtype != np.uint8 or self.data.shape != picture_shape(self.format, self.width, self.height):
+            raise ValueError(
+                f"a {self.width}x{self.height} {self.format} picture cannot be {self.data.dtype} {self.data.shape}"
+            )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RawAudio:
+    """A block of sound: `samples` is int16 of shape (n, channels), 48 kHz, one or two channels.
+
+    `captured_at` is the moment of the first sample, in seconds of the media clock.
+
+    Raises:
+        ValueError: `samples` has another shape or type.
+    """
+
+    samples: NDArray[np.int16]
+    captured_at: float
+
+    def __post_init__(self) -> None:
+        if self.samples.dtype != np.int16 or self.samples.ndim != 2 or self.samples.shape[1] not in (1, 2):
+            raise ValueError(f"a block of sound cannot be {self.samples.dtype} {self.samples.shape}")
+
+
+class MediaSource(Protocol[FrameT_co]):
+    """Owns a device or a renderer, and its pace.
+
+    `open()` acquires on entry and releases on exit (within a bounded time), and yields an iterator of frames as they
+    become due. The iterator ends when the source has ended and raises when it has failed. A source can be opened again
+    after it was closed; it is never open twice at once.
+    """
+
+    def open(self) -> AbstractAsyncContextManager[AsyncIterator[FrameT_co]]:
+        """Acquire the source for as long as the context lasts."""
+        ...
+
+
+def picture_shape(pixel_format: PixelFormat, width: int, height: int) -> tuple[int, ...]:
+    """The shape of the array that holds a picture.
+
+    Raises:
+        ValueError: a size below 2x2, or an odd one for `i420`, whose colour planes have half of it.
+    """
+    if width < 2 or height < 2:
+        raise ValueError(f"{width}x{height} is no size of a picture")
+    if pixel_format == "i420":
+        if width % 2 or height % 2:
+            raise ValueError(f"i420 needs an even width and height, not {width}x{height}")
+        return (height * 3 // 2, width)
+    return (height, width, 4 if pixel_format == "bgra" else 3)
