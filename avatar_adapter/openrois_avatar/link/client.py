@@ -1,0 +1,229 @@
+"""The game engine's side of the engine link: blocking sockets and one writer thread, made for a render loop.
+
+    with connect_from_environment(Hello("puppet", "1.0", VideoShape(640, 360, 30))) as link:
+        while link.connected:
+            for command in link.poll_commands():
+                ...
+            link.send_video(pixels, 640, 360, 640 * 4, PixelFormat.BGRA, time.monotonic_ns())
+
+Nothing here waits for the adapter: pictures go to a mailbox that holds the newest one, sound and events to short
+queues, and a thread writes them out. It needs the standard library and NumPy only.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import selectors
+import socket
+import threading
+import time
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import replace
+from types import TracebackType
+from typing import Any, Final, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from openrois_avatar.link.address import ADDRESS_VARIABLE, SECRET_VARIABLE, connect_socket, parse_address
+from openrois_avatar.link.messages import Bye, Command, Event, Hello, LinkError, Welcome
+from openrois_avatar.link.outbox import Outbox
+from openrois_avatar.link.protocol import Audio, Message, Parser, PixelFormat, Sender, Video, encode
+
+STALL_TIMEOUT: Final = 10.0
+"""Seconds after which an adapter that reads nothing counts as gone."""
+FAREWELL_TIMEOUT: Final = 0.5
+"""Seconds that `close` gives the writer to send what is queued, above all the last events."""
+_READ_SIZE: Final = 64 * 1024
+
+
+class LinkClient:
+    """A connection to the adapter, used by one thread; `connected` tells a render loop when to stop."""
+
+    def __init__(self, stream: socket.socket) -> None:
+        """Use `connect`; `stream` is connected and nothing has been said on it."""
+        self._stream = stream
+        self._parser = Parser(Sender.ADAPTER)
+        self._commands: deque[Command] = deque()
+        self._selector = selectors.DefaultSelector()
+        self._selector.register(stream, selectors.EVENT_READ)
+        self._outbox = Outbox()
+        self._reason: str | None = None
+        self._writer = threading.Thread(target=self._write, name="engine-link", daemon=True)
+
+    @classmethod
+    def connect(cls, address: str, hello: Hello, timeout: float = 5.0) -> Self:
+        """Connect, greet, and wait for the adapter's welcome; `timeout` seconds at most for all of it.
+
+        Raises:
+            LinkError: nobody answers, the adapter refuses (the text has its reason), or it breaks the protocol.
+        """
+        deadline = time.monotonic() + timeout
+        stream = connect_socket(parse_address(address), timeout)
+        client = cls(stream)
+        try:
+            client._greet(hello, deadline)
+        except (OSError, LinkError) as error:
+            client._release()
+            raise LinkError(str(error)) from error
+        stream.settimeout(STALL_TIMEOUT)
+        client._writer.start()
+        return client
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, _kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
+        self.close("the engine failed" if error else "the engine ends")
+
+    @property
+    def connected(self) -> bool:
+        """False once the adapter is gone, said goodbye, or broke the protocol; `reason` then says which."""
+        return self._reason is None
+
+    @property
+    def reason(self) -> str | None:
+        """Why the link is over, None while it is not."""
+        return self._reason
+
+    @property
+    def dropped_video(self) -> int:
+        """Pictures replaced by a newer one before they could be sent."""
+        return self._outbox.dropped_video
+
+    @property
+    def dropped_audio(self) -> int:
+        """Blocks of sound dropped, oldest first, because the adapter read too slowly."""
+        return self._outbox.dropped_audio
+
+    def send_video(
+        self,
+        pixels: Any,
+        width: int,
+        height: int,
+        stride: int,
+        format: PixelFormat,
+        timestamp_ns: int,
+        bottom_up: bool = False,
+    ) -> None:
+        """Send a picture captured at `timestamp_ns` (CLOCK_MONOTONIC); it replaces one that still waits.
+
+        `pixels` is any C-contiguous buffer. `bytes` are kept as they are, anything else is copied, so that the caller
+        may draw the next picture into the same buffer at once.
+
+        Raises:
+            LinkError: the numbers do not describe the pixels.
+        """
+        own = pixels if isinstance(pixels, bytes) else bytes(memoryview(pixels).cast("B"))
+        picture = Video(0, timestamp_ns, width, height, stride, format, own, bottom_up)
+        self._outbox.put_video(lambda sequence: replace(picture, sequence=sequence))
+
+    def send_audio(self, samples: NDArray[np.int16], timestamp_ns: int) -> None:
+        """Send a block of 48 kHz sound, shape (n, channels), whose first sample was made at `timestamp_ns`.
+
+        Raises:
+            LinkError: more than 64 KiB, or neither one nor two channels.
+        """
+        block = Audio(0, timestamp_ns, samples.shape[1], np.ascontiguousarray(samples, dtype="<i2").tobytes())
+        self._outbox.put_audio(lambda sequence: replace(block, sequence=sequence))
+
+    def send_event(self, event: Event) -> None:
+        """Send an event. Events are never dropped: a link on which 256 of them wait is closed instead."""
+        if not self._outbox.put_event(event):
+            self._end("the adapter does not read: too many events wait")
+
+    def poll_commands(self, timeout: float = 0.0) -> list[Command]:
+        """The commands that arrived since the last call, in order; waits up to `timeout` seconds for a first one.
+
+        Never raises: when the link is over the list is empty and `connected` is False.
+        """
+        deadline = time.monotonic() + timeout
+        try:
+            while self.connected and self._selector.select(self._patience(deadline)):
+                self._receive()
+        except (OSError, LinkError) as error:
+            self._end(str(error))
+        commands = list(self._commands)
+        self._commands.clear()
+        return commands
+
+    def close(self, reason: str = "the engine ends") -> None:
+        """Send the events that wait and a goodbye, and release everything; half a second at most. May be repeated."""
+        self._outbox.finish(Bye(reason))
+        self._writer.join(FAREWELL_TIMEOUT)
+        self._end(reason)
+        self._writer.join()  # returns at once: the socket is shut down and the outbox aborted
+        self._release()
+
+    def _patience(self, deadline: float) -> float:
+        return 0.0 if self._commands else max(0.0, deadline - time.monotonic())
+
+    def _greet(self, hello: Hello, deadline: float) -> None:
+        _send(self._stream, hello)
+        messages: list[Message] = []
+        while not messages:
+            self._stream.settimeout(max(0.001, deadline - time.monotonic()))
+            messages = self._read()
+        first, *later = messages
+        if not isinstance(first, Welcome):
+            raise LinkError(f"refused: {first.reason}" if isinstance(first, Bye) else "refused")
+        for message in later:
+            self._take(message)
+
+    def _receive(self) -> None:
+        for message in self._read():
+            self._take(message)
+
+    def _read(self) -> list[Message]:
+        data = self._stream.recv(_READ_SIZE)
+        if not data:
+            raise LinkError("the adapter closed the connection")
+        return self._parser.feed(data)
+
+    def _take(self, message: Message) -> None:
+        if isinstance(message, Bye):
+            self._end(message.reason)
+        elif isinstance(message, Command):
+            self._commands.append(message)
+
+    def _write(self) -> None:
+        try:
+            while (message := self._outbox.take()) is not None:
+                _send(self._stream, message)
+        except (OSError, LinkError) as error:
+            self._end(str(error))
+
+    def _end(self, reason: str) -> None:
+        """Keep the first reason, and wake whoever waits for the socket or the outbox; called from either thread."""
+        if self._reason is None:
+            self._reason = reason
+        self._outbox.abort()
+        with contextlib.suppress(OSError):  # it may be down already
+            self._stream.shutdown(socket.SHUT_RDWR)
+
+    def _release(self) -> None:
+        self._selector.close()
+        self._stream.close()
+
+
+def connect_from_environment(
+    hello: Hello, timeout: float = 10.0, environ: Mapping[str, str] = os.environ
+) -> LinkClient:
+    """Connect to the adapter that started this process; `hello` goes out with the secret it handed over.
+
+    Raises:
+        LinkError: as `LinkClient.connect`, or the two variables of the engine link are not set.
+    """
+    try:
+        address, secret = environ[ADDRESS_VARIABLE], environ[SECRET_VARIABLE]
+    except KeyError as missing:
+        raise LinkError(f"{missing.args[0]} is not set: start the engine from the adapter") from missing
+    return LinkClient.connect(address, replace(hello, secret=secret), timeout)
+
+
+def _send(stream: socket.socket, message: Message) -> None:
+    header, payload = encode(message)
+    stream.sendall(header)
+    stream.sendall(payload)

@@ -1,0 +1,108 @@
+"""What an engine still has to send: the newest picture, a little sound, every event. Used by `client` only."""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from collections.abc import Callable
+from typing import Final, Generic, TypeVar
+
+from openrois_avatar.link.messages import Bye, Event
+from openrois_avatar.link.protocol import Audio, Message, Video
+
+MAX_AUDIO_BLOCKS: Final = 25
+"""Half a second of 20 ms blocks."""
+MAX_EVENTS: Final = 256
+
+_Item = TypeVar("_Item")
+
+
+class Outbox:
+    """Filled by the render loop and emptied by one writer thread: events first, then sound, then the newest picture."""
+
+    def __init__(self) -> None:
+        self._changed = threading.Condition()
+        self._events: deque[Event | Bye] = deque()
+        self._audio = _Lossy[Audio](MAX_AUDIO_BLOCKS)
+        self._video = _Lossy[Video](1)
+        self._open = True
+        self._aborted = False
+
+    @property
+    def dropped_video(self) -> int:
+        """Pictures that a newer one replaced."""
+        return self._video.dropped
+
+    @property
+    def dropped_audio(self) -> int:
+        """Blocks of sound that newer ones pushed out."""
+        return self._audio.dropped
+
+    def put_event(self, event: Event) -> bool:
+        """Queue an event; False if there is no room."""
+        with self._changed:
+            if len(self._events) >= MAX_EVENTS:
+                return False
+            self._events.append(event)
+            self._changed.notify()
+            return True
+
+    def put_audio(self, block: Callable[[int], Audio]) -> None:
+        """Queue the block that `block` makes of its sequence number; the oldest gives way."""
+        with self._changed:
+            self._audio.put(block)
+            self._changed.notify()
+
+    def put_video(self, picture: Callable[[int], Video]) -> None:
+        """Put the picture that `picture` makes of its sequence number into the mailbox."""
+        with self._changed:
+            self._video.put(picture)
+            self._changed.notify()
+
+    def take(self) -> Message | None:
+        """The next message, as soon as there is one; None when there will be none any more."""
+        with self._changed:
+            while True:
+                message = None if self._aborted else self._next()
+                if message is not None or not self._open:
+                    return message
+                self._changed.wait()
+
+    def finish(self, farewell: Bye) -> None:
+        """End after the events that wait, and `farewell`; sound and pictures are left out."""
+        with self._changed:
+            if self._open:
+                self._audio.queue.clear()
+                self._video.queue.clear()
+                self._events.append(farewell)
+            self._open = False
+            self._changed.notify()
+
+    def abort(self) -> None:
+        """End now; what waits is lost."""
+        with self._changed:
+            self._open = False
+            self._aborted = True
+            self._changed.notify()
+
+    def _next(self) -> Message | None:
+        queues = (self._events, self._audio.queue, self._video.queue)
+        return next((queue.popleft() for queue in queues if queue), None)
+
+
+class _Lossy(Generic[_Item]):
+    """A queue that numbers what is put in and drops the oldest."""
+
+    def __init__(self, size: int) -> None:
+        self.queue: deque[_Item] = deque()
+        self.dropped = 0
+        self._size = size
+        self._sequence = 0
+
+    def put(self, make: Callable[[int], _Item]) -> None:
+        """Append what `make` makes of the next sequence number."""
+        if len(self.queue) >= self._size:
+            self.queue.popleft()
+            self.dropped += 1
+        self.queue.append(make(self._sequence))
+        self._sequence += 1
