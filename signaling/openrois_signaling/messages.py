@@ -1,0 +1,153 @@
+"""The messages of the signaling channel, as they stand in the params of the `signaling.*` methods.
+
+All are immutable and refuse unknown fields. `method` of a message is its JSON-RPC method, `wire()` its params.
+"""
+
+from typing import Annotated, Any, ClassVar, Literal, Self
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic_core import PydanticCustomError
+
+SDP_LIMIT = 48 * 1024
+"""Bytes of one session description; Chromium's answer to 16 sections has 20 kB."""
+
+CANDIDATE_LIMIT = 1024
+"""Bytes of one candidate line; with IPv6 addresses and all extensions it has 250."""
+
+CANDIDATES_LIMIT = 64
+"""Candidates that one peer may send, over all its generations."""
+
+SECTIONS_LIMIT = 16
+"""m-sections of one peer connection; they are reused, never removed."""
+
+ID_LIMIT = 256
+"""Characters of a stream id or peer id, which are `<engine_id>/<32 hexadecimal digits>`."""
+
+REASON_LIMIT = 256
+"""Characters of the reason in a bye."""
+
+MID_LIMIT = 64
+"""Characters of a mid (RFC 8843 recommends at most 3)."""
+
+GENERATION_LIMIT = 2**31 - 1
+"""The greatest generation; a peer that renegotiates every second reaches it after 68 years."""
+
+TOO_LONG = "too_long_for_signaling"
+"""The pydantic error type of a value that has the right shape and exceeds a limit of this module."""
+
+MediaKind = Literal["audio", "video"]
+Direction = Literal["recvonly", "sendonly", "sendrecv"]
+"""Seen from the application: `recvonly` is a stream that the application receives."""
+
+
+def _at_most(limit: int) -> AfterValidator:
+    def check(text: str) -> str:
+        if len(text.encode()) > limit:
+            raise PydanticCustomError(TOO_LONG, "more than {limit} bytes", {"limit": limit})
+        return text
+
+    return AfterValidator(check)
+
+
+Identifier = Annotated[str, Field(min_length=1), _at_most(ID_LIMIT)]
+Mid = Annotated[str, Field(min_length=1), _at_most(MID_LIMIT)]
+Sdp = Annotated[str, Field(min_length=1), _at_most(SDP_LIMIT)]
+Generation = Annotated[int, Field(strict=True, ge=1, le=GENERATION_LIMIT)]
+
+
+class _Value(BaseModel):
+    model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+
+class _Message(_Value):
+    method: ClassVar[str]
+    peer_id: Identifier
+
+    def wire(self) -> dict[str, Any]:
+        """The params as JSON values, without optional fields that are absent."""
+        return self.model_dump(mode="json", exclude_none=True)
+
+
+class StreamSection(_Value):
+    """Which m-section of an offer carries which stream."""
+
+    mid: Mid
+    stream_id: Identifier
+    component_ref: Annotated[str, Field(min_length=1, max_length=1024)]
+    kind: MediaKind
+    direction: Direction
+
+
+class Offer(_Message):
+    """The engine's description number `generation` of the peer connection `peer_id`; `replaces` names the one it ends.
+
+    `streams` lists the sections that carry a stream now; sections that are not listed are idle.
+    """
+
+    method: ClassVar[str] = "signaling.offer"
+    generation: Generation
+    sdp: Sdp
+    streams: Annotated[tuple[StreamSection, ...], Field(strict=False, max_length=SECTIONS_LIMIT)]
+    replaces: Identifier | None = None
+
+
+class Answer(_Message):
+    """The application's description for the offer of the same generation."""
+
+    method: ClassVar[str] = "signaling.answer"
+    generation: Generation
+    sdp: Sdp
+
+
+class Candidate(_Message):
+    """One ICE candidate of the sender, belonging to the description of `generation`.
+
+    `candidate` is an RFC 8839 candidate-attribute as `RTCIceCandidate.candidate` gives it; None or "" says that there
+    will be no more. A candidate names its m-section by `sdp_mid`, `sdp_m_line_index`, or both.
+    """
+
+    method: ClassVar[str] = "signaling.candidate"
+    generation: Generation
+    candidate: Annotated[str, _at_most(CANDIDATE_LIMIT)] | None
+    sdp_mid: Annotated[str, _at_most(MID_LIMIT)] | None = None
+    sdp_m_line_index: Annotated[int, Field(strict=True, ge=0, le=2**16 - 1)] | None = None
+
+    @model_validator(mode="after")
+    def _names_a_section(self) -> Self:
+        if self.candidate and self.sdp_mid is None and self.sdp_m_line_index is None:
+            raise PydanticCustomError("no_section", "neither sdp_mid nor sdp_m_line_index")
+        return self
+
+    @property
+    def is_last(self) -> bool:
+        """Whether it only says that there are no more candidates."""
+        return not self.candidate
+
+    def wire(self) -> dict[str, Any]:
+        """The params as JSON values; `candidate` stands there also when it is None."""
+        return super().wire() | {"candidate": self.candidate}
+
+
+class Restart(_Message):
+    """The application's request for a new peer connection in place of `peer_id`."""
+
+    method: ClassVar[str] = "signaling.restart"
+
+
+class Bye(_Message):
+    """The deliberate end of a peer connection; `reason` is a sentence for a person."""
+
+    method: ClassVar[str] = "signaling.bye"
+    reason: Annotated[str, Field(max_length=REASON_LIMIT)]
+
+
+class IceServer(_Value):
+    """A STUN or TURN server in the form of the W3C dictionary RTCIceServer, with password credentials only."""
+
+    urls: Annotated[tuple[Annotated[str, Field(min_length=1, max_length=512)], ...], Field(strict=False, min_length=1)]
+    username: Annotated[str, Field(max_length=512)] | None = None
+    credential: Annotated[str, Field(max_length=512)] | None = Field(default=None, repr=False)
+
+    def wire(self) -> dict[str, Any]:
+        """The dictionary as JSON values, without credentials where there are none."""
+        return self.model_dump(mode="json", exclude_none=True)

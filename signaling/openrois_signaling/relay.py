@@ -1,0 +1,119 @@
+"""Carries signaling between an application and the engine that owns a peer connection. It never parses SDP.
+
+The relay stands in the gateway. Both ends are opaque to it: the owner is an application's session, the engine is
+whatever a message upwards is handed to. An engine announces a peer by its first offer (`register`); from then on
+messages about that peer pass only between these two, until it is forgotten.
+"""
+
+from collections.abc import Awaitable, Callable, Hashable
+from dataclasses import dataclass
+from typing import Generic, TypeAlias, TypeVar
+
+from openrois_signaling.messages import CANDIDATES_LIMIT, Answer, Candidate, Restart
+
+RATE = 10.0
+"""Messages per second that one application may send in the long run."""
+
+BURST = 100.0
+"""Messages one application may send at once: two peers with all their candidates need 70."""
+
+PEERS_PER_OWNER = 64
+"""Peer connections of one application: one for each engine, two while one replaces another."""
+
+OwnerT = TypeVar("OwnerT", bound=Hashable)
+EngineT = TypeVar("EngineT", bound=Hashable)
+Upward: TypeAlias = Answer | Candidate | Restart
+
+
+@dataclass(slots=True)
+class _Peer(Generic[OwnerT, EngineT]):
+    owner: OwnerT
+    engine: EngineT
+    candidates: int = 0
+
+
+@dataclass(slots=True)
+class _Bucket:
+    tokens: float
+    filled: float
+
+    def take(self, now: float) -> bool:
+        self.tokens = min(BURST, self.tokens + (now - self.filled) * RATE)
+        self.filled = now
+        if self.tokens < 1:
+            return False
+        self.tokens -= 1
+        return True
+
+
+class Relay(Generic[OwnerT, EngineT]):
+    """Peer ids, their two ends, and what an owner may send.
+
+    Args:
+        forward: hands a message to an engine and returns its `return_code`; what it raises passes through.
+        clock: monotonic seconds.
+    """
+
+    def __init__(self, forward: Callable[[EngineT, Upward], Awaitable[str]], clock: Callable[[], float]) -> None:
+        self._forward = forward
+        self._clock = clock
+        self._peers: dict[str, _Peer[OwnerT, EngineT]] = {}
+        self._buckets: dict[OwnerT, _Bucket] = {}
+
+    def register(self, peer_id: str, owner: OwnerT, engine: EngineT) -> bool:
+        """Note the two ends of a peer. Registering it again with the same ends is fine.
+
+        Returns:
+            False if the id belongs to other ends, or the owner has as many peers as it may; nothing changed then, and
+            the offer that brought it must not be passed on.
+        """
+        known = self._peers.get(peer_id)
+        if known is not None:
+            return known.owner == owner and known.engine == engine
+        if sum(peer.owner == owner for peer in self._peers.values()) >= PEERS_PER_OWNER:
+            return False
+        self._peers[peer_id] = _Peer(owner, engine)
+        return True
+
+    def owner(self, peer_id: str, engine: EngineT) -> OwnerT | None:
+        """Who gets what `engine` says about `peer_id`; None if the peer is unknown or another engine's."""
+        peer = self._peers.get(peer_id)
+        return peer.owner if peer is not None and peer.engine == engine else None
+
+    def forget(self, peer_id: str, engine: EngineT) -> None:
+        """The peer ended, says `engine`. Unknown peers and those of another engine are left alone."""
+        if self.owner(peer_id, engine) is not None:
+            del self._peers[peer_id]
+
+    def forget_owner(self, owner: OwnerT) -> list[tuple[str, EngineT]]:
+        """The application is gone; returns the peers it had, each with its engine."""
+        gone = [(peer_id, peer.engine) for peer_id, peer in self._peers.items() if peer.owner == owner]
+        for peer_id, _ in gone:
+            del self._peers[peer_id]
+        self._buckets.pop(owner, None)
+        return gone
+
+    def forget_engine(self, engine: EngineT) -> list[tuple[str, OwnerT]]:
+        """The engine is gone; returns the peers it had, each with its owner."""
+        gone = [(peer_id, peer.owner) for peer_id, peer in self._peers.items() if peer.engine == engine]
+        for peer_id, _ in gone:
+            del self._peers[peer_id]
+        return gone
+
+    async def send(self, owner: OwnerT, message: Upward) -> str:
+        """Pass a message of `owner` on to the engine of its peer and return the `return_code`.
+
+        OUT_OF_RESOURCES: the owner sends faster than `RATE`, or the peer has had all its candidates. UNSUPPORTED: the
+        peer is unknown or belongs to somebody else; which of the two is not told.
+        """
+        now = self._clock()
+        if not self._buckets.setdefault(owner, _Bucket(BURST, now)).take(now):
+            return "OUT_OF_RESOURCES"
+        peer = self._peers.get(message.peer_id)
+        if peer is None or peer.owner != owner:
+            return "UNSUPPORTED"
+        if isinstance(message, Candidate):
+            if peer.candidates >= CANDIDATES_LIMIT:
+                return "OUT_OF_RESOURCES"
+            peer.candidates += 1
+        return await self._forward(peer.engine, message)
