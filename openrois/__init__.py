@@ -1,4 +1,4 @@
-"""The control plane of OpenRoIS: types, engine, sessions and gateway. It never imports media, game engine or robot code."""
+"""The control plane of OpenRoIS: types, engine, sessions, gateway. It imports no media, game engine or robot code."""
 
 from openrois.version import __version__
 

@@ -1,0 +1,127 @@
+"""One application at one engine: what it has bound, subscribed, started and connected, and how it is told.
+
+The same class stands on both sides of a hop. At a gateway the session is an application's and the rules of reservation
+hold; at an adapter it is the gateway's, which is trusted: it has checked the application behind it already.
+"""
+
+import asyncio
+import logging
+import secrets
+import time
+from collections.abc import Awaitable, Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from openrois.command_log import CommandLog
+from openrois.contract import Client
+from openrois.engine import Engine
+from openrois.event_log import EventLog
+from openrois.reservations import Reservations
+from openrois.tasks import TaskScope
+from openrois.types.codes import CompletedStatus, StreamStatus
+from openrois.types.messages import Completed
+from openrois.types.streams import StreamStatusNotification
+from openrois.types.values import date_time
+
+__all__ = ["ApplicationSession", "EngineHost"]
+
+_log = logging.getLogger(__name__)
+
+Notify = Callable[..., None]
+
+
+@dataclass
+class EngineHost:
+    """An engine and what its sessions share.
+
+    Attributes:
+        engine: the engine that is spoken to.
+        tasks: owns the commands; they go on when the application that started them is gone.
+        reservations: who holds which component.
+        sleep: waits for some seconds, between the commands of a sequence.
+        wall_clock: epoch seconds.
+    """
+
+    engine: Engine
+    tasks: TaskScope
+    reservations: Reservations = field(default_factory=Reservations)
+    sleep: Callable[[float], Awaitable[None]] = asyncio.sleep
+    wall_clock: Callable[[], float] = time.time
+
+
+class ApplicationSession:
+    """The state of one connection that speaks RoIS to the engine.
+
+    Args:
+        host: the engine and what is shared.
+        notify: sends a notification to the application: method, params, and `droppable=True` for events.
+        trusted: the other side is the parent engine; it needs no reservations.
+        passes: sees every extension notification on its way to the application, and says whether it goes on.
+    """
+
+    def __init__(
+        self,
+        host: EngineHost,
+        notify: Notify,
+        *,
+        trusted: bool = False,
+        passes: Callable[[str, Mapping[str, Any]], bool] = lambda _method, _params: True,
+    ) -> None:
+        self.host = host
+        self.engine = host.engine
+        self.trusted = trusted
+        self.commands = CommandLog()
+        self.events = EventLog(self.engine, notify)
+        self.client = Client(secrets.token_hex(16), self._take_extension_notification)
+        self.streams: dict[str, str] = {}
+        self.extended = False
+        self._notify = notify
+        self._passes = passes
+        self._stop_listening = self.engine.on_change(self._tree_changed)
+
+    def may_operate(self, component_ref: str) -> bool:
+        """Tell whether this session may change what the component does."""
+        return self.trusted or self.host.reservations.is_held(component_ref, self)
+
+    def completed(self, command_id: str, status: CompletedStatus) -> None:
+        """Tell the application how a command ended."""
+        self._notify("rois.command.completed", Completed(command_id=command_id, status=status).model_dump(mode="json"))
+
+    def _tree_changed(self) -> None:
+        self._end_lost_streams()
+        self._notify("rois.system.profile_changed", {})
+
+    def _end_lost_streams(self) -> None:
+        """Announce the end of streams whose engine is no longer there to announce it."""
+        for stream_id, component_ref in tuple(self.streams.items()):
+            if component_ref not in self.engine.directory.component_profiles:
+                notice = StreamStatusNotification(
+                    stream_id=stream_id,
+                    component_ref=component_ref,
+                    status=StreamStatus.STREAMING_NOT_CONNECTED,
+                    timestamp=date_time(self.host.wall_clock()),
+                )
+                self._take_extension_notification(notice.method, notice.model_dump(mode="json"))
+
+    def _take_extension_notification(self, method: str, params: Mapping[str, Any]) -> None:
+        if not self._passes(method, params):
+            return
+        if method == StreamStatusNotification.method:
+            notice = StreamStatusNotification.model_validate(params)
+            self.events.stream_status(notice)
+            if notice.status is StreamStatus.STREAMING_NOT_CONNECTED:
+                self.streams.pop(notice.stream_id, None)
+        if self.extended:
+            self._notify(method, params)
+
+    async def leave(self) -> None:
+        """Give back reservations, subscriptions and streams. What runs goes on."""
+        self.host.reservations.release_all(self)
+        self.streams.clear()
+        await self.events.clear()
+        await self.engine.extension.forget(self.client.client_id)
+
+    async def close(self) -> None:
+        """Leave for good."""
+        self._stop_listening()
+        await self.leave()

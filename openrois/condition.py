@@ -1,0 +1,153 @@
+"""Conditions: a subset of CQL2-Text. Empty for everything, or comparisons joined by AND.
+
+A comparison is `property = 'text'` or `property LIKE 'pattern'`; a quote inside the text is doubled. In a pattern `%`
+stands for any text, `_` for one character, and a backslash takes either as it is. Keywords may be in any case; a
+property may stand in double quotes. Parsing and matching take time linear in the condition (times the text, for LIKE).
+"""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
+
+from openrois.errors import BadParameter
+
+__all__ = ["Comparison", "Condition", "parse_condition"]
+
+MAX_LENGTH: Final = 4096
+
+_TOKEN: Final = re.compile(
+    r"\s*(?:(?P<name>[A-Za-z_:][A-Za-z0-9_.:]*)"
+    r'|"(?P<quoted>[A-Za-z_:][A-Za-z0-9_.:]*)"'
+    r"|'(?P<text>[^']*(?:''[^']*)*)'"
+    r"|(?P<equals>=)"
+    r"|(?P<end>$))"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """One comparison of a property with a text or a pattern."""
+
+    property: str
+    pattern: bool
+    text: str
+
+    def matches(self, value: str) -> bool:
+        """Tell whether `value` satisfies it."""
+        return _like(self.text, value) if self.pattern else value == self.text
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """Comparisons that must all hold; with none, everything matches."""
+
+    comparisons: tuple[Comparison, ...] = ()
+
+    def matches(self, properties: Mapping[str, str]) -> bool:
+        """Tell whether every comparison holds; a property that is absent satisfies none."""
+        return all(c.property in properties and c.matches(properties[c.property]) for c in self.comparisons)
+
+    def value_of(self, name: str) -> str | None:
+        """Return the text that property `name` must equal, or None where the condition does not say."""
+        return next((c.text for c in self.comparisons if c.property == name and not c.pattern), None)
+
+    def without(self, *names: str) -> "Condition":
+        """Return the condition without the comparisons of the properties `names`."""
+        return Condition(tuple(c for c in self.comparisons if c.property not in names))
+
+
+def parse_condition(text: str, properties: frozenset[str]) -> Condition:
+    """Read a condition.
+
+    Args:
+        text: the condition.
+        properties: the properties that may be named.
+
+    Raises:
+        BadParameter: it cannot be read, is longer than 4096 characters, or names another property.
+    """
+    if len(text) > MAX_LENGTH:
+        raise BadParameter(f"a condition has at most {MAX_LENGTH} characters")
+    tokens = _Tokens(text)
+    comparisons: list[Comparison] = []
+    if tokens.kind != "end":
+        comparisons.append(_comparison(tokens, properties))
+        while tokens.is_keyword("AND"):
+            tokens.advance()
+            comparisons.append(_comparison(tokens, properties))
+    if tokens.kind != "end":
+        raise BadParameter(f"the condition goes on where it should end, at character {tokens.position}")
+    return Condition(tuple(comparisons))
+
+
+class _Tokens:
+    """A cursor over the tokens of a condition; `kind` and `value` are the token under it."""
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+        self._end = 0
+        self.advance()
+
+    def advance(self) -> None:
+        match = _TOKEN.match(self._text, self._end)
+        if match is None or match.lastgroup is None:
+            raise BadParameter(f"the condition cannot be read at character {self._end}")
+        self.kind, self.value = match.lastgroup, match[match.lastgroup]
+        self.position, self._end = match.start(match.lastgroup), match.end()
+
+    def is_keyword(self, keyword: str) -> bool:
+        return self.kind == "name" and self.value.upper() == keyword
+
+
+def _comparison(tokens: _Tokens, properties: frozenset[str]) -> Comparison:
+    if tokens.kind not in ("name", "quoted"):
+        raise BadParameter(f"a property is expected at character {tokens.position} of the condition")
+    name = tokens.value
+    if name not in properties:
+        raise BadParameter(f"a condition cannot ask for {name!r} here; it can ask for {', '.join(sorted(properties))}")
+    tokens.advance()
+    pattern = tokens.is_keyword("LIKE")
+    if not pattern and tokens.kind != "equals":
+        raise BadParameter(f"= or LIKE is expected at character {tokens.position} of the condition")
+    tokens.advance()
+    if tokens.kind != "text":
+        raise BadParameter(f"a text in quotes is expected at character {tokens.position} of the condition")
+    text = tokens.value.replace("''", "'")
+    tokens.advance()
+    return Comparison(name, pattern, text)
+
+
+def _like(pattern: str, value: str) -> bool:
+    """Match by the greedy two-pointer walk: after a failure only the last `%` is tried one character further."""
+    items = _pattern_items(pattern)
+    at, item = 0, 0
+    star, star_at = -1, 0
+    while at < len(value):
+        if item < len(items) and items[item] == "%":
+            star, star_at, item = item, at, item + 1
+        elif item < len(items) and (items[item] == "_" or items[item] == "\\" + value[at]):
+            at, item = at + 1, item + 1
+        elif star >= 0:
+            star_at += 1
+            at, item = star_at, star + 1
+        else:
+            return False
+    return all(rest == "%" for rest in items[item:])
+
+
+def _pattern_items(pattern: str) -> list[str]:
+    """Split a pattern into `%`, `_`, and literal characters, each marked by a backslash."""
+    items: list[str] = []
+    escaped = False
+    for character in pattern:
+        if escaped or character not in "%_\\":
+            items.append("\\" + character)
+            escaped = False
+        elif character == "\\":
+            escaped = True
+        else:
+            items.append(character)
+    if escaped:
+        items.append("\\\\")
+    return items

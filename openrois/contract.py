@@ -1,0 +1,109 @@
+"""The component contract: the five methods of everything that an `Engine` can be made of.
+
+`discover`, `query`, `invoke`, `subscribe`, `unsubscribe`. A registry of components in this process has them, so has
+the proxy of an engine at the other end of a connection, and so has the engine itself. Rules that every implementation
+keeps, checked by one contract suite:
+
+* Methods return values or raise `RoISError`; an unknown component, command, query or event raises `Unsupported`.
+* `invoke` returns when the command has ended, so it may take long; whoever calls it owns the task it runs in.
+* `set_parameter` is a command and `get_parameter` a query, whatever the component.
+* A `Sink` is called synchronously, must not block and must not raise. No event that happens once the component has
+  taken the subscription is lost, even if it arrives before `subscribe` returns. After `unsubscribe` was called the sink
+  is not called again.
+* When a bus goes away every sink on it gets `SubscriptionLost` once, and everything that waits fails with
+  `EngineUnreachable`.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Protocol
+
+from openrois.types.messages import Argument, Result
+from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile
+
+__all__ = ["Client", "ComponentBus", "Directory", "Event", "Extension", "Sink", "SubscriptionLost"]
+
+
+@dataclass(frozen=True, slots=True)
+class Directory:
+    """What a bus offers: the engine's profile and the profile of every component in its tree, by component_ref."""
+
+    profile: HRIEngineProfile
+    component_profiles: Mapping[str, HRIComponentProfile] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """Something happened in a component. `expire` is the DateTime until which its details are kept, or empty."""
+
+    event_id: str
+    event_type: str
+    component_ref: str
+    expire: str
+    results: tuple[Result, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class SubscriptionLost:
+    """No more events will come."""
+
+    reason: str
+
+
+Sink = Callable[[Event | SubscriptionLost], None]
+"""Takes the events of one subscription, in order."""
+
+
+class ComponentBus(Protocol):
+    """Components that can be found, asked, told and listened to."""
+
+    async def discover(self) -> Directory:
+        """Return what there is now."""
+        ...
+
+    async def query(self, component_ref: str, query_type: str) -> tuple[Result, ...]:
+        """Ask a component."""
+        ...
+
+    async def invoke(
+        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = ()
+    ) -> tuple[Result, ...]:
+        """Tell a component to do something and wait until it is done."""
+        ...
+
+    async def subscribe(self, component_ref: str, event_type: str, sink: Sink) -> str:
+        """Listen to one kind of event of a component and return the id that ends it."""
+        ...
+
+    async def unsubscribe(self, subscribe_id: str) -> None:
+        """Stop listening; an unknown id is ignored."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Client:
+    """The application that an extension call comes from, wherever it is.
+
+    Attributes:
+        client_id: opaque, unguessable, the same over any number of hops.
+        notify: sends the application a notification of an extension; must not block.
+    """
+
+    client_id: str
+    notify: Callable[[str, Mapping[str, Any]], None]
+
+
+class Extension(Protocol):
+    """What a bus can do beyond the five methods: the streaming and signaling methods, which need to know who asks."""
+
+    async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
+        """Ask and return the result, `return_code` included.
+
+        Raises:
+            RoISError: the call failed before any engine answered it.
+        """
+        ...
+
+    async def forget(self, client_id: str) -> None:
+        """Say that a client is gone for good: its streams end. An unknown client is ignored."""
+        ...

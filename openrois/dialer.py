@@ -1,0 +1,51 @@
+"""The adapter's side of the connection to its parent: dial, serve, and dial again for ever."""
+
+import asyncio
+import logging
+import time
+from collections.abc import Awaitable, Callable
+
+from websockets.exceptions import InvalidHandshake
+
+from openrois.application import EngineHost
+from openrois.backoff import Backoff
+from openrois.remote.serve import serve_engine
+from openrois.transport.websocket import dial
+
+__all__ = ["serve_parent"]
+
+_log = logging.getLogger(__name__)
+
+
+async def serve_parent(
+    host: EngineHost,
+    url: str,
+    *,
+    sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
+    clock: Callable[[], float] = time.monotonic,
+) -> None:
+    """Serve an engine to the gateway at `url` until cancelled; a connection that ends is made again.
+
+    Args:
+        host: the engine.
+        url: `ws://host:port/adapter` of the gateway.
+        sleep: waits for some seconds between attempts: 1 s, then half as long again each time, at most 30 s.
+        clock: monotonic seconds, to tell a connection that lasted from one that was refused.
+
+    Raises:
+        websockets.exceptions.InvalidURI: `url` is no WebSocket address.
+    """
+    backoff = Backoff()
+    while True:
+        started = clock()
+        try:
+            async with dial(url) as stream:
+                _log.info("connected to %s", url)
+                started = clock()
+                closed = await serve_engine(host, stream)
+                _log.warning("the gateway is gone: %s", closed)
+        except (OSError, TimeoutError, InvalidHandshake) as error:
+            _log.info("no gateway at %s: %s", url, error)
+        delay = backoff.after(clock() - started)
+        _log.info("trying again in %.1f s", delay)
+        await sleep(delay)

@@ -1,0 +1,212 @@
+"""The engine: a component bus made of component buses. Gateway and adapter are both one of these.
+
+A reference is `<engine_id>/<name>` from the adapter to the application; the engine routes by the id that leads it and
+never rewrites it. The ids of a tree are unique, so the tree has no cycle and a route no second choice.
+"""
+
+import asyncio
+import logging
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+from openrois.contract import Client, ComponentBus, Directory, Extension, Sink
+from openrois.errors import BadParameter, Unsupported
+from openrois.types.messages import Argument, Result
+from openrois.types.profiles import HRIEngineProfile, RoISIdentifier
+from openrois.types.references import engine_of, is_engine_id
+
+__all__ = ["Engine"]
+
+_log = logging.getLogger(__name__)
+
+MAX_DEPTH: Final = 8
+"""How deep engines may stand below one another."""
+
+
+@dataclass(slots=True)
+class _Child:
+    bus: ComponentBus
+    directory: Directory
+
+
+class Engine:
+    """An engine with a name of its own and any number of buses attached; itself a `ComponentBus`.
+
+    A bus whose root has the engine's own id brings the engine's own components; every other is a sub-engine.
+    """
+
+    def __init__(self, engine_id: str) -> None:
+        if not is_engine_id(engine_id):
+            raise BadParameter(f"{engine_id!r} is no engine id: it is empty, too long, or has a slash")
+        self.engine_id = engine_id
+        self._children: list[_Child] = []
+        self._routes: dict[str, ComponentBus] = {}
+        self._subscriptions: dict[str, ComponentBus] = {}
+        self._listeners: list[Callable[[], None]] = []
+        self._directory = self._merge()
+
+    async def attach(self, bus: ComponentBus) -> None:
+        """Add a bus and tell the listeners.
+
+        Raises:
+            BadParameter: its profile is broken, names an id that the tree has already (a cycle is that too), or
+                stands too deep. Nothing was added.
+            RoISError: it could not be asked.
+        """
+        directory = await bus.discover()
+        self._check(directory, other_than=None)
+        self._children.append(_Child(bus, directory))
+        self._changed()
+
+    async def refresh(self, bus: ComponentBus) -> None:
+        """Ask an attached bus again what it offers and tell the listeners; a bus that is not attached is ignored.
+
+        Raises:
+            BadParameter: the new profile is not acceptable; the old one still stands.
+            RoISError: it could not be asked.
+        """
+        directory = await bus.discover()
+        child = next((child for child in self._children if child.bus is bus), None)
+        if child is not None:
+            self._check(directory, other_than=child)
+            child.directory = directory
+            self._changed()
+
+    def detach(self, bus: ComponentBus) -> None:
+        """Take a bus away and tell the listeners; a bus that is not attached is ignored."""
+        remaining = [child for child in self._children if child.bus is not bus]
+        if len(remaining) < len(self._children):
+            self._children = remaining
+            self._subscriptions = {key: owner for key, owner in self._subscriptions.items() if owner is not bus}
+            self._changed()
+
+    def on_change(self, listener: Callable[[], None]) -> Callable[[], None]:
+        """Call `listener`, which must not block, whenever the tree changes; return what ends that."""
+        self._listeners.append(listener)
+        return lambda: self._listeners.remove(listener)
+
+    def _check(self, directory: Directory, other_than: _Child | None) -> None:
+        ids = directory.profile.engine_ids()
+        own = ids[0] == self.engine_id and len(ids) == 1
+        taken = {self.engine_id} if not own else set()
+        for child in self._children:
+            if child is not other_than:
+                taken.update(child.directory.profile.engine_ids())
+        for engine_id in ids:
+            if not is_engine_id(engine_id):
+                raise BadParameter(f"{engine_id!r} is no engine id: it is empty, too long, or has a slash")
+            if engine_id in taken:
+                raise BadParameter(f"the engine id {engine_id!r} is taken in this tree")
+            taken.add(engine_id)
+        if _depth(directory.profile) >= MAX_DEPTH:
+            raise BadParameter(f"engines stand at most {MAX_DEPTH} deep")
+        for ref in directory.profile.component_refs():
+            if engine_of(ref) not in ids:
+                raise BadParameter(f"the component {ref!r} does not begin with the id of an engine that offers it")
+            if ref not in directory.component_profiles:
+                raise BadParameter(f"the component {ref!r} has no profile")
+
+    def _changed(self) -> None:
+        self._directory = self._merge()
+        self._routes = {
+            engine_id: child.bus for child in self._children for engine_id in child.directory.profile.engine_ids()
+        }
+        for listener in tuple(self._listeners):
+            listener()
+
+    def _merge(self) -> Directory:
+        own = [c.directory for c in self._children if c.directory.profile.identifier.code == self.engine_id]
+        below = [c.directory for c in self._children if c.directory.profile.identifier.code != self.engine_id]
+        profile = HRIEngineProfile(
+            identifier=RoISIdentifier(code=self.engine_id),
+            sub_profiles=tuple(directory.profile for directory in below),
+            component_ids=tuple(ref for directory in own for ref in directory.profile.component_ids),
+        )
+        components = {ref: p for directory in (*own, *below) for ref, p in directory.component_profiles.items()}
+        return Directory(profile, components)
+
+    @property
+    def directory(self) -> Directory:
+        """What the tree offers now."""
+        return self._directory
+
+    async def discover(self) -> Directory:
+        """Return what the tree offers now."""
+        return self._directory
+
+    def route(self, ref_or_id: str) -> ComponentBus:
+        """Return the bus behind which the engine stands that leads `ref_or_id`.
+
+        Raises:
+            Unsupported: no such engine is in the tree.
+        """
+        bus = self._routes.get(engine_of(ref_or_id))
+        if bus is None:
+            raise Unsupported(f"there is no engine for {ref_or_id[:200]!r}")
+        return bus
+
+    async def query(self, component_ref: str, query_type: str) -> tuple[Result, ...]:
+        """Ask a component of the tree."""
+        return await self.route(component_ref).query(component_ref, query_type)
+
+    async def invoke(
+        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = ()
+    ) -> tuple[Result, ...]:
+        """Run a command of a component of the tree to its end."""
+        return await self.route(component_ref).invoke(component_ref, command_type, arguments)
+
+    async def subscribe(self, component_ref: str, event_type: str, sink: Sink) -> str:
+        """Listen to a component of the tree."""
+        bus = self.route(component_ref)
+        subscribe_id = await bus.subscribe(component_ref, event_type, sink)
+        self._subscriptions[subscribe_id] = bus
+        return subscribe_id
+
+    async def unsubscribe(self, subscribe_id: str) -> None:
+        """Stop listening."""
+        bus = self._subscriptions.pop(subscribe_id, None)
+        if bus is not None:
+            await bus.unsubscribe(subscribe_id)
+
+    @property
+    def extension(self) -> Extension:
+        """The streaming and signaling methods of the whole tree, routed by the id or reference in their params."""
+        return _TreeExtension(self)
+
+    def extensions(self) -> tuple[Extension, ...]:
+        """Return the extensions of the buses attached here that have one."""
+        found = (extension_of(child.bus) for child in self._children)
+        return tuple(extension for extension in found if extension is not None)
+
+
+def extension_of(bus: ComponentBus) -> Extension | None:
+    """Return the extension of a bus, or None where it has the five methods only."""
+    extension: Extension | None = getattr(bus, "extension", None)
+    return extension
+
+
+def _depth(profile: HRIEngineProfile) -> int:
+    return 1 + max((_depth(below) for below in profile.sub_profiles), default=0)
+
+
+@dataclass(frozen=True, slots=True)
+class _TreeExtension:
+    """The extension of an engine: finds the bus an extension call is for."""
+
+    engine: Engine
+
+    async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
+        """Pass a call to the engine named by its component_ref, stream_id or peer_id."""
+        key = next((params[name] for name in ("component_ref", "stream_id", "peer_id") if name in params), "")
+        extension = extension_of(self.engine.route(str(key)))
+        if extension is None:
+            raise Unsupported(f"the engine of {str(key)[:200]!r} has no streams")
+        return await extension.call(method, params, client)
+
+    async def forget(self, client_id: str) -> None:
+        """Tell every bus that a client is gone; one that fails does not keep the others from hearing it."""
+        told = (extension.forget(client_id) for extension in self.engine.extensions())
+        for outcome in await asyncio.gather(*told, return_exceptions=True):
+            if isinstance(outcome, Exception):
+                _log.info("an engine could not be told that a client is gone: %s", outcome)

@@ -1,0 +1,137 @@
+"""The subscriptions of one application and the details of the events it was told."""
+
+import time
+from collections import OrderedDict, deque
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Final
+
+from openrois.contract import Event, SubscriptionLost
+from openrois.engine import Engine
+from openrois.errors import BadParameter, OutOfResources
+from openrois.jsonrpc.session import Reply
+from openrois.types.messages import EventNotification, Result, SubscribeResult
+from openrois.types.references import new_id
+from openrois.types.streams import StreamStatusNotification
+
+__all__ = ["EventLog"]
+
+MAX_SUBSCRIPTIONS: Final = 1024
+MAX_DETAILS: Final = 1024
+MAX_HELD: Final = 256
+DETAIL_LIFETIME: Final = 60.0
+
+_STATUS_EVENT: Final = "notify_stream_status"
+
+
+@dataclass
+class _Subscription:
+    """One subscription; events that come before its reply has left are held back until then."""
+
+    subscribe_id: str
+    component_ref: str
+    event_type: str
+    bus_id: str = ""
+    open: bool = False
+    held: deque[Event] = field(default_factory=lambda: deque(maxlen=MAX_HELD))
+
+
+class EventLog:
+    """What one application has subscribed to and what it may ask details of."""
+
+    def __init__(
+        self, engine: Engine, notify: Callable[..., None], clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self._engine = engine
+        self._notify = notify
+        self._clock = clock
+        self._subscriptions: dict[str, _Subscription] = {}
+        self._details: OrderedDict[str, tuple[float, tuple[Result, ...]]] = OrderedDict()
+
+    async def subscribe(self, component_ref: str, event_type: str, *, of_streams: bool) -> Reply:
+        """Subscribe and return the reply, after which events flow.
+
+        Args:
+            component_ref: whose event.
+            event_type: which event.
+            of_streams: the component's engine tells each application about its own streams, so that no subscription
+                of its own is needed and none sees another's streams.
+
+        Raises:
+            OutOfResources: the application has too many subscriptions.
+            RoISError: the component refused.
+        """
+        if len(self._subscriptions) >= MAX_SUBSCRIPTIONS:
+            raise OutOfResources(f"one application has at most {MAX_SUBSCRIPTIONS} subscriptions")
+        subscription = _Subscription(new_id(self._engine.engine_id), component_ref, event_type)
+        self._subscriptions[subscription.subscribe_id] = subscription
+        if not (of_streams and event_type == _STATUS_EVENT):
+            try:
+                subscription.bus_id = await self._engine.subscribe(
+                    component_ref, event_type, lambda item: self._take(subscription, item)
+                )
+            except BaseException:
+                del self._subscriptions[subscription.subscribe_id]
+                raise
+        return Reply(SubscribeResult(subscribe_id=subscription.subscribe_id), lambda: self._open(subscription))
+
+    async def unsubscribe(self, subscribe_id: str) -> None:
+        """End a subscription; an unknown id is ignored."""
+        subscription = self._subscriptions.pop(subscribe_id, None)
+        if subscription is not None and subscription.bus_id:
+            await self._engine.unsubscribe(subscription.bus_id)
+
+    async def clear(self) -> None:
+        """End every subscription."""
+        for subscribe_id in tuple(self._subscriptions):
+            await self.unsubscribe(subscribe_id)
+
+    def details(self, event_id: str) -> tuple[Result, ...]:
+        """Return the results of an event that this application was told.
+
+        Raises:
+            BadParameter: it was never told, or too long ago.
+        """
+        expires, results = self._details.get(event_id, (0.0, ()))
+        if self._clock() >= expires:
+            raise BadParameter(f"there are no details of an event {event_id[:200]!r}")
+        return results
+
+    def stream_status(self, notice: StreamStatusNotification) -> None:
+        """Turn a status notification of an own stream into the event, for each subscription to it."""
+        component_ref = notice.component_ref
+        results = (
+            Result(name="timestamp", data_type_ref="DateTime", value=notice.timestamp),
+            Result(name="status", data_type_ref="Stream_Status", value=notice.status.value),
+            Result(name="stream_id", data_type_ref="string", value=notice.stream_id),
+        )
+        event = Event(new_id(self._engine.engine_id), _STATUS_EVENT, component_ref, "", results)
+        for subscription in tuple(self._subscriptions.values()):
+            if subscription.event_type == _STATUS_EVENT and subscription.component_ref == component_ref:
+                self._take(subscription, event)
+
+    def _open(self, subscription: _Subscription) -> None:
+        subscription.open = True
+        while subscription.held:
+            self._tell(subscription, subscription.held.popleft())
+
+    def _take(self, subscription: _Subscription, item: Event | SubscriptionLost) -> None:
+        if isinstance(item, SubscriptionLost):
+            self._subscriptions.pop(subscription.subscribe_id, None)
+        elif subscription.open:
+            self._tell(subscription, item)
+        else:
+            subscription.held.append(item)
+
+    def _tell(self, subscription: _Subscription, event: Event) -> None:
+        self._details[event.event_id] = (self._clock() + DETAIL_LIFETIME, event.results)
+        while len(self._details) > MAX_DETAILS:
+            self._details.popitem(last=False)
+        notification = EventNotification(
+            event_id=event.event_id,
+            event_type=event.event_type,
+            subscribe_id=subscription.subscribe_id,
+            expire=event.expire,
+            results=event.results,
+        )
+        self._notify("rois.event.notify_event", notification.model_dump(mode="json"), droppable=True)

@@ -1,0 +1,56 @@
+"""Adapters at the gateway: each connection is asked for its profile, checked, and becomes part of the tree."""
+
+import asyncio
+import logging
+
+from openrois.application import EngineHost
+from openrois.errors import BadParameter, RoISError
+from openrois.jsonrpc.session import RpcSession
+from openrois.remote.proxy import RemoteProxy
+from openrois.transport.stream import MessageStream, StreamClosed
+
+__all__ = ["serve_adapter"]
+
+_log = logging.getLogger(__name__)
+
+POLICY_VIOLATION = 1008
+
+
+async def serve_adapter(host: EngineHost, stream: MessageStream) -> StreamClosed:
+    """Attach the engine at the other end for as long as the connection lasts; return why it ended.
+
+    A profile that cannot be had or is not acceptable closes the connection with 1008 and the reason. The same holds for
+    a later one, after the adapter said `rois.system.profile_changed`.
+    """
+    session = RpcSession(stream)
+    changed = asyncio.Event()
+    proxy = RemoteProxy(session, changed.set)
+    session.notifications = proxy.notifications()
+    engine = host.engine
+    attaching = host.tasks.start(_keep_attached(host, session, proxy, changed))
+    try:
+        return await session.run()
+    finally:
+        attaching.cancel()
+        engine.detach(proxy)
+        proxy.lost("the connection to the engine has ended")
+        host.reservations.keep_only(set(engine.directory.component_profiles))
+
+
+async def _keep_attached(host: EngineHost, session: RpcSession, proxy: RemoteProxy, changed: asyncio.Event) -> None:
+    try:
+        await host.engine.attach(proxy)
+        _log.info("attached %s", ", ".join(host.engine.directory.profile.engine_ids()[1:]))
+        while True:
+            await changed.wait()
+            changed.clear()
+            await host.engine.refresh(proxy)
+    except BadParameter as error:
+        await _refuse(session, str(error))
+    except RoISError as error:
+        await _refuse(session, f"no usable profile: {error}")
+
+
+async def _refuse(session: RpcSession, reason: str) -> None:
+    _log.warning("an adapter was refused: %s", reason)
+    await session.close(POLICY_VIOLATION, reason[:100])

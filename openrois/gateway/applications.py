@@ -1,0 +1,78 @@
+"""Applications at the gateway: each connection's session, its methods, and its share of signaling."""
+
+import time
+from collections.abc import Mapping
+from typing import Any
+
+from openrois_signaling.messages import Bye, IceServer, Offer
+from openrois_signaling.methods import IceServers, signaling_methods
+from openrois_signaling.methods import InvalidParams as InvalidSignaling
+from openrois_signaling.relay import Relay, Upward
+
+from openrois.application import ApplicationSession, EngineHost
+from openrois.errors import RoISError
+from openrois.interfaces import base_methods, stream_methods
+from openrois.jsonrpc.session import Handler, InvalidParams, RpcSession
+from openrois.transport.stream import MessageStream, StreamClosed
+from openrois.types.references import engine_of
+
+__all__ = ["serve_application"]
+
+ICE_SERVERS_TTL = 3600
+"""Seconds for which an application may keep the answer of `signaling.ice_servers`."""
+
+
+async def serve_application(host: EngineHost, stream: MessageStream, ice_servers: tuple[str, ...]) -> StreamClosed:
+    """Serve one application until its connection ends; return why it did."""
+    session = RpcSession(stream)
+    signaling = _Signaling(host)
+    app = ApplicationSession(host, session.notify, passes=signaling.passes)
+    signaling.app = app
+    session.methods = {**base_methods(app), **stream_methods(app), **signaling.methods(ice_servers)}
+    try:
+        return await session.run()
+    finally:
+        await app.close()
+
+
+class _Signaling:
+    """The relay of one application: its own peer connections are all it can name."""
+
+    app: ApplicationSession
+
+    def __init__(self, host: EngineHost) -> None:
+        self._host = host
+        self._relay: Relay[str, str] = Relay(self._forward, time.monotonic)
+
+    def passes(self, method: str, params: Mapping[str, Any]) -> bool:
+        """Note which peers an engine opens and ends; an offer for a peer that the application can't have is dropped."""
+        peer_id = str(params.get("peer_id", ""))
+        if method == Offer.method:
+            return self._relay.register(peer_id, self.app.client.client_id, engine_of(peer_id))
+        if method == Bye.method:
+            self._relay.forget(peer_id, engine_of(peer_id))
+        return True
+
+    def methods(self, ice_servers: tuple[str, ...]) -> dict[str, Handler]:
+        """Return the `signaling.*` methods; whoever calls one gets the extensions' notifications."""
+        offered = IceServers(tuple(IceServer(urls=(url,)) for url in ice_servers), ICE_SERVERS_TTL)
+        table = signaling_methods(self._relay, self.app.client.client_id, lambda: offered)
+
+        def answering(name: str) -> Handler:
+            async def answer(params: dict[str, Any]) -> dict[str, Any]:
+                self.app.extended = True
+                try:
+                    return await table[name](params)
+                except InvalidSignaling as error:
+                    raise InvalidParams(error.errors) from None
+
+            return answer
+
+        return {name: answering(name) for name in table}
+
+    async def _forward(self, _engine_id: str, message: Upward) -> str:
+        try:
+            result = await self._host.engine.extension.call(message.method, message.wire(), self.app.client)
+        except RoISError as error:
+            return error.return_code.value
+        return str(result.get("return_code", "ERROR"))

@@ -1,0 +1,48 @@
+"""`openrois gateway`: run a gateway until it is told to stop."""
+
+import argparse
+import asyncio
+import signal
+import sys
+from collections.abc import Sequence
+
+import uvloop
+
+from openrois.gateway.server import run_gateway
+from openrois.gateway.settings import GatewaySettings
+from openrois.logs import set_up_logging
+
+__all__ = ["main"]
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Run the command and return its exit status: 0 when stopped, 1 when it could not start, 2 for wrong usage."""
+    parser = argparse.ArgumentParser(prog="openrois gateway", description="The main HRI engine, on one port.")
+    parser.add_argument("--host", default="127.0.0.1", help="loopback address to listen on (%(default)s)")
+    parser.add_argument("--port", type=int, default=8765, help="TCP port (%(default)s)")
+    parser.add_argument("--engine-id", default="gateway", help="the gateway's own id (%(default)s)")
+    parser.add_argument(
+        "--ice-server", action="append", default=[], metavar="URL", help="a STUN server for streams (repeatable)"
+    )
+    parser.add_argument("--verbose", action="store_true", help="log more")
+    chosen = parser.parse_args(arguments)
+    set_up_logging(verbose=chosen.verbose)
+    try:
+        settings = GatewaySettings(chosen.host, chosen.port, chosen.engine_id, tuple(chosen.ice_server))
+    except ValueError as error:
+        parser.error(str(error))
+    try:
+        uvloop.run(_run(settings))
+    except OSError as error:
+        print(f"openrois gateway: {settings.host}:{settings.port}: {error.strerror or error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+async def _run(settings: GatewaySettings) -> None:
+    stopped = asyncio.Event()
+    for name in (signal.SIGINT, signal.SIGTERM):
+        asyncio.get_running_loop().add_signal_handler(name, stopped.set)
+    async with run_gateway(settings) as gateway:
+        print(f"listening {gateway.url}", flush=True)
+        await stopped.wait()

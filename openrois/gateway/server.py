@@ -1,0 +1,136 @@
+"""The gateway's one port: the web demo, applications, adapters, and whether it is alive."""
+
+import asyncio
+import logging
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import AsyncExitStack, asynccontextmanager
+from dataclasses import dataclass
+from typing import Final
+from urllib.parse import urlsplit
+
+from aiohttp import WSCloseCode, web
+
+from openrois.application import EngineHost
+from openrois.engine import Engine
+from openrois.gateway.adapters import serve_adapter
+from openrois.gateway.applications import serve_application
+from openrois.gateway.page import page_response
+from openrois.gateway.settings import GatewaySettings
+from openrois.gateway.socket import ADAPTER, APPLICATION, ServerSocket, SocketProfile
+from openrois.tasks import TaskScope
+from openrois.transport.stream import MessageStream
+
+__all__ = ["Gateway", "run_gateway"]
+
+_log = logging.getLogger(__name__)
+
+MAX_CONNECTIONS: Final = 1024
+"""Applications and adapters at a time; one more is answered 503."""
+
+_SHUTDOWN_TIMEOUT: Final = 1.0
+_LOOPBACK_NAMES: Final = {"localhost", "127.0.0.1", "::1"}
+
+
+@dataclass(frozen=True, slots=True)
+class Gateway:
+    """A gateway that runs.
+
+    Attributes:
+        url: where a browser finds it.
+        engine: the main HRI engine.
+    """
+
+    url: str
+    engine: Engine
+
+
+@asynccontextmanager
+async def run_gateway(settings: GatewaySettings) -> AsyncIterator[Gateway]:
+    """Run a gateway for as long as the block does.
+
+    Raises:
+        OSError: the port is taken, or the address is not this machine's.
+    """
+    async with TaskScope() as tasks, AsyncExitStack() as stack:
+        host = EngineHost(Engine(settings.engine_id), tasks)
+        server = _Server(host, settings.ice_servers)
+        runner = web.AppRunner(server.app, access_log=None, shutdown_timeout=_SHUTDOWN_TIMEOUT)
+        await runner.setup()
+        stack.push_async_callback(runner.cleanup)
+        site = web.TCPSite(runner, settings.host, settings.port)
+        await site.start()
+        port = runner.addresses[0][1]
+        shown = f"[{settings.host}]" if ":" in settings.host else settings.host
+        yield Gateway(f"http://{shown}:{port}/", host.engine)
+
+
+class _Server:
+    """The HTTP side: which path is what, who is let in, and the sockets that are open."""
+
+    def __init__(self, host: EngineHost, ice_servers: tuple[str, ...]) -> None:
+        self._host = host
+        self._ice_servers = ice_servers
+        self._sockets: set[ServerSocket] = set()
+        self.app = web.Application(middlewares=[_guard])
+        self.app.router.add_get("/healthz", self._healthz)
+        self.app.router.add_get("/adapter", self._adapter)
+        self.app.router.add_get("/{path:.*}", self._page_or_application)
+        self.app.on_shutdown.append(self._close_all)
+
+    async def _healthz(self, _request: web.Request) -> web.Response:
+        return web.json_response({"status": "ok", "engines": list(self._host.engine.directory.profile.engine_ids())})
+
+    async def _page_or_application(self, request: web.Request) -> web.StreamResponse:
+        if _wants_websocket(request):
+            return await self._serve(
+                request, APPLICATION, lambda stream: serve_application(self._host, stream, self._ice_servers)
+            )
+        return page_response(request.match_info["path"])
+
+    async def _adapter(self, request: web.Request) -> web.StreamResponse:
+        if not _wants_websocket(request):
+            raise web.HTTPUpgradeRequired(text="adapters connect here by WebSocket\n")
+        return await self._serve(request, ADAPTER, lambda stream: serve_adapter(self._host, stream))
+
+    async def _serve(
+        self, request: web.Request, profile: SocketProfile, serve: Callable[[MessageStream], Awaitable[object]]
+    ) -> web.StreamResponse:
+        if len(self._sockets) >= MAX_CONNECTIONS:
+            raise web.HTTPServiceUnavailable(text="the gateway has as many connections as it takes\n")
+        socket = ServerSocket(request, profile)
+        await socket.prepare()
+        self._sockets.add(socket)
+        pinging = asyncio.ensure_future(socket.keep_alive())
+        try:
+            closed = await serve(socket)
+            _log.debug("%s: %s", request.path, closed)
+        finally:
+            self._sockets.discard(socket)
+            pinging.cancel()
+            await asyncio.wait({pinging})
+        return socket.response
+
+    async def _close_all(self, _app: web.Application) -> None:
+        await asyncio.gather(
+            *(socket.close(WSCloseCode.GOING_AWAY, "the gateway stops") for socket in tuple(self._sockets))
+        )
+
+
+def _wants_websocket(request: web.Request) -> bool:
+    return request.headers.get("Upgrade", "").lower() == "websocket"
+
+
+@web.middleware
+async def _guard(
+    request: web.Request, handler: Callable[[web.Request], Awaitable[web.StreamResponse]]
+) -> web.StreamResponse:
+    """Refuse what another web site's page could send: without authentication, being on this machine is all there is.
+
+    A page of another site is told by its `Origin`; a site whose name was rebound to a loopback address by its `Host`.
+    """
+    if (urlsplit(f"//{request.host}").hostname or "") not in _LOOPBACK_NAMES:
+        raise web.HTTPForbidden(text="this gateway answers to localhost only\n")
+    origin = request.headers.get("Origin")
+    if origin is not None and (urlsplit(origin).hostname or "") not in _LOOPBACK_NAMES:
+        raise web.HTTPForbidden(text="this gateway answers pages of this machine only\n")
+    return await handler(request)

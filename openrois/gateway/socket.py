@@ -1,0 +1,95 @@
+"""The server's side of a WebSocket as a message stream, on aiohttp."""
+
+import asyncio
+from typing import Final
+
+from aiohttp import WSCloseCode, WSMsgType, web
+
+from openrois.transport.stream import StreamClosed
+
+__all__ = ["ADAPTER", "APPLICATION", "ServerSocket", "SocketProfile"]
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class SocketProfile:
+    """The bounds of one kind of connection.
+
+    Attributes:
+        max_message: bytes of one incoming message; a longer one ends the connection with 1009.
+        ping_interval: seconds between pings.
+        ping_timeout: seconds after a ping within which something has to come, or the connection is cut.
+    """
+
+    max_message: int
+    ping_interval: float
+    ping_timeout: float
+
+
+APPLICATION: Final = SocketProfile(max_message=64 << 10, ping_interval=5.0, ping_timeout=5.0)
+ADAPTER: Final = SocketProfile(max_message=1 << 20, ping_interval=2.0, ping_timeout=3.0)
+
+_CLOSE_TIMEOUT: Final = 1.0
+
+
+class ServerSocket:
+    """One accepted connection; a `MessageStream` that pings by itself while it is received from."""
+
+    def __init__(self, request: web.Request, profile: SocketProfile) -> None:
+        # aiohttp's limit excludes the number itself.
+        self.response = web.WebSocketResponse(
+            autoping=False, compress=False, max_msg_size=profile.max_message + 1, timeout=_CLOSE_TIMEOUT
+        )
+        self._request = request
+        self._profile = profile
+        self._heard = asyncio.Event()
+
+    async def prepare(self) -> None:
+        """Answer the upgrade."""
+        await self.response.prepare(self._request)
+
+    async def keep_alive(self) -> None:
+        """Ping for ever; a side that stays silent after a ping is cut off: it may not read a close frame either."""
+        while True:
+            await asyncio.sleep(self._profile.ping_interval)
+            self._heard.clear()
+            try:
+                async with asyncio.timeout(self._profile.ping_timeout):
+                    await self.response.ping()
+                    await self._heard.wait()
+            except (TimeoutError, ConnectionError):
+                self.abort()
+                return
+
+    async def receive(self) -> str:
+        """Return the next text message; a binary one ends the connection with 1003."""
+        while True:
+            message = await self.response.receive()
+            self._heard.set()
+            if message.type is WSMsgType.TEXT:
+                text: str = message.data
+                return text
+            if message.type is WSMsgType.PING:
+                await self.response.pong(message.data)
+            elif message.type is WSMsgType.BINARY:
+                await self.close(WSCloseCode.UNSUPPORTED_DATA, "text messages only")
+                raise StreamClosed(WSCloseCode.UNSUPPORTED_DATA, "text messages only")
+            elif message.type is not WSMsgType.PONG:
+                raise StreamClosed(self.response.close_code or 1006, str(message.extra or ""))
+
+    async def send(self, text: str) -> None:
+        """Send one text message; waits while the other side is slow."""
+        try:
+            await self.response.send_str(text)
+        except ConnectionError as error:
+            raise StreamClosed(self.response.close_code or 1006) from error
+
+    async def close(self, code: int = 1000, reason: str = "") -> None:
+        """Close with the closing handshake, for at most a second, then cut."""
+        await self.response.close(code=code, message=reason.encode()[:123])
+
+    def abort(self) -> None:
+        """Cut the connection."""
+        if self._request.transport is not None:
+            self._request.transport.abort()

@@ -1,0 +1,17 @@
+"""The RoIS interfaces as method tables over one `ApplicationSession`: thin, one module each."""
+
+from openrois.application import ApplicationSession
+from openrois.interfaces import command, event, query, stream, system
+from openrois.jsonrpc.session import Handler
+
+__all__ = ["base_methods"]
+
+
+def base_methods(app: ApplicationSession) -> dict[str, Handler]:
+    """Return the operations of the base wire; what is not in it answers -32601."""
+    return {**system.methods(app), **command.methods(app), **query.methods(app), **event.methods(app)}
+
+
+def stream_methods(app: ApplicationSession) -> dict[str, Handler]:
+    """Return `openrois.hello` and the streaming verbs for an application."""
+    return stream.methods(app)

@@ -1,0 +1,191 @@
+"""The Command interface (RoIS_HRI::CommandIF): find, reserve, parametrise and run components."""
+
+import logging
+
+from openrois.application import ApplicationSession
+from openrois.component import check_arguments
+from openrois.condition import parse_condition
+from openrois.errors import BadParameter, OutOfResources, RoISError, Unsupported
+from openrois.interfaces import stream
+from openrois.interfaces.operation import operation
+from openrois.interfaces.selection import COMPONENT_PROPERTIES, matching
+from openrois.jsonrpc.session import Handler, Reply
+from openrois.sequence import commands_of, run_sequence
+from openrois.types.codes import CompletedStatus, ComponentFunction
+from openrois.types.messages import (
+    Argument,
+    CommandResultParams,
+    CommandUnit,
+    ComponentParams,
+    ConditionParams,
+    ExecuteParams,
+    Parameter,
+    ParametersResult,
+    ReferenceResult,
+    Result,
+    ResultsResult,
+    ReturnResult,
+    SearchResult,
+    SetParameterParams,
+    SetParameterResult,
+)
+from openrois.types.profiles import HRIComponentProfile
+from openrois.types.references import engine_of, new_id
+from openrois.types.streams import STREAM_METHODS
+
+__all__ = ["methods"]
+
+_log = logging.getLogger(__name__)
+
+
+def methods(app: ApplicationSession) -> dict[str, Handler]:
+    """Return the interface's method table."""
+    commands = _Commands(app)
+    return {
+        "rois.command.search": operation(ConditionParams, SearchResult, commands.search),
+        "rois.command.bind": operation(ComponentParams, ReturnResult, commands.bind),
+        "rois.command.bind_any": operation(ConditionParams, ReferenceResult, commands.bind_any),
+        "rois.command.release": operation(ComponentParams, ReturnResult, commands.release),
+        "rois.command.get_parameter": operation(ComponentParams, ParametersResult, commands.get_parameter),
+        "rois.command.set_parameter": operation(SetParameterParams, SetParameterResult, commands.set_parameter),
+        "rois.command.execute": operation(ExecuteParams, ReturnResult, commands.execute),
+        "rois.command.get_command_result": operation(CommandResultParams, ResultsResult, commands.get_command_result),
+    }
+
+
+class _Commands:
+    """The operations of one application."""
+
+    def __init__(self, app: ApplicationSession) -> None:
+        self._app = app
+
+    def _profile(self, component_ref: str) -> HRIComponentProfile:
+        profile = self._app.engine.directory.component_profiles.get(component_ref)
+        if profile is None:
+            raise Unsupported(f"there is no component {component_ref[:200]!r}")
+        return profile
+
+    async def search(self, params: ConditionParams) -> SearchResult:
+        condition = parse_condition(params.condition, COMPONENT_PROPERTIES)
+        return SearchResult(component_ref_list=tuple(matching(self._app.engine, condition)))
+
+    async def bind(self, params: ComponentParams) -> ReturnResult:
+        self._bind(params.component_ref)
+        return ReturnResult()
+
+    def _bind(self, component_ref: str) -> None:
+        if self._profile(component_ref).function is ComponentFunction.ACTUATION:
+            self._app.host.reservations.bind(component_ref, self._app)
+
+    async def bind_any(self, params: ConditionParams) -> ReferenceResult:
+        refs = matching(self._app.engine, parse_condition(params.condition, COMPONENT_PROPERTIES))
+        if not refs:
+            raise Unsupported("no component satisfies the condition")
+        for component_ref in refs:
+            try:
+                self._bind(component_ref)
+            except OutOfResources:
+                continue
+            return ReferenceResult(component_ref=component_ref)
+        raise OutOfResources("every component that satisfies the condition is bound by another application")
+
+    async def release(self, params: ComponentParams) -> ReturnResult:
+        self._profile(params.component_ref)
+        self._app.host.reservations.release(params.component_ref, self._app)
+        return ReturnResult()
+
+    async def get_parameter(self, params: ComponentParams) -> ParametersResult:
+        self._profile(params.component_ref)
+        stored = await self._app.engine.query(params.component_ref, "get_parameter")
+        return ParametersResult(
+            parameters=tuple(Parameter(name=p.name, data_type_ref=p.data_type_ref, value=p.value) for p in stored)
+        )
+
+    async def set_parameter(self, params: SetParameterParams) -> Reply:
+        unit = CommandUnit(
+            component_ref=params.component_ref,
+            command_type="set_parameter",
+            command_id=new_id(self._app.engine.engine_id),
+            arguments=tuple(Argument.model_validate(p.model_dump()) for p in params.parameters),
+        )
+        self._check_operable(unit)
+        self._check_arguments(unit)
+        self._app.commands.accept([unit.command_id])
+        return Reply(
+            SetParameterResult(command_id=unit.command_id),
+            lambda: self._start(ExecuteParams(command_unit_list=(unit,))),
+        )
+
+    async def execute(self, params: ExecuteParams) -> Reply:
+        units = commands_of(params.command_unit_list)
+        if not units:
+            raise BadParameter("there is no command in the sequence")
+        for unit in units:
+            self._check_operable(unit)
+        for unit in units:
+            self._check_arguments(unit)
+        self._check_ids(units)
+        self._app.commands.accept([unit.command_id for unit in units])
+        return Reply(ReturnResult(), lambda: self._start(params))
+
+    def _check_operable(self, unit: CommandUnit) -> None:
+        profile = self._profile(unit.component_ref)
+        if unit.command_type == "set_parameter":
+            known = bool(profile.parameter_profiles)
+        else:
+            known = profile.command(unit.command_type) is not None
+        if not known:
+            raise Unsupported(f"{unit.component_ref} has no command {unit.command_type[:200]!r}")
+        if profile.function is ComponentFunction.ACTUATION and not self._app.may_operate(unit.component_ref):
+            raise OutOfResources(f"{unit.component_ref} has to be bound first")
+
+    def _check_arguments(self, unit: CommandUnit) -> None:
+        profile = self._profile(unit.component_ref)
+        command = profile.command(unit.command_type)
+        check_arguments(profile.parameter_profiles if command is None else command.arguments, unit.arguments)
+
+    def _check_ids(self, units: list[CommandUnit]) -> None:
+        engine_ids = self._app.engine.directory.profile.engine_ids()
+        seen: set[str] = set()
+        for unit in units:
+            command_id = unit.command_id
+            if not command_id or command_id in seen or command_id in self._app.commands:
+                raise BadParameter(f"the command_id {command_id[:200]!r} is empty or taken")
+            if engine_of(command_id) in engine_ids and not self._app.trusted:
+                raise BadParameter("a command_id cannot begin with the id of an engine and a slash")
+            seen.add(command_id)
+
+    def _start(self, params: ExecuteParams) -> None:
+        self._app.host.tasks.start(run_sequence(params.command_unit_list, self._run, self._skip, self._app.host.sleep))
+
+    async def _run(self, unit: CommandUnit) -> CompletedStatus:
+        status = CompletedStatus.OK
+        results: tuple[Result, ...] = ()
+        try:
+            results = await self._outcome(unit)
+        except RoISError as error:
+            status = error.completed_status
+            _log.info("%s of %s ended %s: %s", unit.command_type, unit.component_ref, status, error)
+        except Exception:
+            # Whatever went wrong inside, the application is owed its one `completed`.
+            status = CompletedStatus.ERROR
+            _log.exception("%s of %s failed", unit.command_type, unit.component_ref)
+        self._finish(unit, status, results)
+        return status
+
+    async def _outcome(self, unit: CommandUnit) -> tuple[Result, ...]:
+        if unit.command_type in STREAM_METHODS and stream.has_streams(self._app, unit.component_ref):
+            return await stream.run_verb(self._app, unit)
+        return await self._app.engine.invoke(unit.component_ref, unit.command_type, unit.arguments)
+
+    def _skip(self, unit: CommandUnit) -> None:
+        self._finish(unit, CompletedStatus.ABORT, ())
+
+    def _finish(self, unit: CommandUnit, status: CompletedStatus, results: tuple[Result, ...]) -> None:
+        self._app.commands.finish(unit.command_id, results)
+        self._app.completed(unit.command_id, status)
+
+    async def get_command_result(self, params: CommandResultParams) -> ResultsResult:
+        if params.condition:
+            raise BadParameter("the condition of get_command_result is empty")
+        return ResultsResult(results=self._app.commands.results(params.command_id))

@@ -1,0 +1,44 @@
+"""The Event interface (RoIS_HRI::EventIF): subscribe, unsubscribe, get_event_detail."""
+
+from openrois.application import ApplicationSession
+from openrois.condition import parse_condition
+from openrois.errors import BadParameter
+from openrois.interfaces import stream
+from openrois.interfaces.operation import operation
+from openrois.interfaces.selection import COMPONENT_PROPERTIES, the_one
+from openrois.jsonrpc.session import Handler, Reply
+from openrois.types.messages import (
+    DetailParams,
+    ResultsResult,
+    ReturnResult,
+    SubscribeParams,
+    SubscribeResult,
+    UnsubscribeParams,
+)
+
+__all__ = ["methods"]
+
+
+def methods(app: ApplicationSession) -> dict[str, Handler]:
+    """Return the interface's method table."""
+
+    async def subscribe(params: SubscribeParams) -> Reply:
+        condition = parse_condition(params.condition, COMPONENT_PROPERTIES)
+        name = params.event_type
+        component_ref = the_one(app.engine, condition, lambda profile: profile.has_event(name))
+        return await app.events.subscribe(component_ref, name, of_streams=stream.has_streams(app, component_ref))
+
+    async def unsubscribe(params: UnsubscribeParams) -> ReturnResult:
+        await app.events.unsubscribe(params.subscribe_id)
+        return ReturnResult()
+
+    async def get_event_detail(params: DetailParams) -> ResultsResult:
+        if params.condition:
+            raise BadParameter("the condition of get_event_detail is empty")
+        return ResultsResult(results=app.events.details(params.event_id))
+
+    return {
+        "rois.event.subscribe": operation(SubscribeParams, SubscribeResult, subscribe),
+        "rois.event.unsubscribe": operation(UnsubscribeParams, ReturnResult, unsubscribe),
+        "rois.event.get_event_detail": operation(DetailParams, ResultsResult, get_event_detail),
+    }

@@ -1,0 +1,40 @@
+"""One operation of RoIS as a JSON-RPC method: a failure in RoIS terms becomes a result with its return code."""
+
+import logging
+from collections.abc import Awaitable, Callable
+from typing import Any, TypeVar
+
+from pydantic import BaseModel
+
+from openrois.errors import RoISError
+from openrois.jsonrpc.session import Handler, Reply, method
+from openrois.types.messages import ReturnResult
+
+__all__ = ["operation"]
+
+_log = logging.getLogger(__name__)
+
+Params = TypeVar("Params", bound=BaseModel)
+
+
+def operation(
+    params: type[Params],
+    result: type[ReturnResult],
+    function: Callable[[Params], Awaitable[ReturnResult | Reply]],
+) -> Handler:
+    """Return the handler of an operation.
+
+    Args:
+        params: the model of its params; what does not fit is answered with -32602.
+        result: the model of its result; a failure answers it with defaults and the failure's return code.
+        function: does it; returns the result, or raises `RoISError`.
+    """
+
+    async def answer(checked: Params) -> Any:
+        try:
+            return await function(checked)
+        except RoISError as error:
+            _log.debug("%s: %s", type(checked).__name__, error)
+            return result(return_code=error.return_code)
+
+    return method(params, answer)

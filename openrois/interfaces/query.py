@@ -1,0 +1,40 @@
+"""The Query interface (RoIS_HRI::QueryIF)."""
+
+from typing import Final
+
+from openrois.application import ApplicationSession
+from openrois.condition import Condition, parse_condition
+from openrois.errors import BadParameter
+from openrois.interfaces import stream
+from openrois.interfaces.operation import operation
+from openrois.interfaces.selection import COMPONENT_PROPERTIES, the_one
+from openrois.jsonrpc.session import Handler
+from openrois.types.messages import QueryParams, Result, ResultsResult
+
+__all__ = ["methods"]
+
+_STREAM_STATUS: Final = "get_stream_status"
+
+
+def methods(app: ApplicationSession) -> dict[str, Handler]:
+    """Return the interface's method table."""
+
+    async def query(params: QueryParams) -> ResultsResult:
+        name = params.query_type
+        properties = COMPONENT_PROPERTIES | {"stream_id"} if name == _STREAM_STATUS else COMPONENT_PROPERTIES
+        condition = parse_condition(params.condition, properties)
+        component_ref = the_one(app.engine, condition.without("stream_id"), lambda profile: profile.has_query(name))
+        if name == _STREAM_STATUS:
+            return ResultsResult(results=await _stream_status(app, component_ref, condition))
+        return ResultsResult(results=await app.engine.query(component_ref, name))
+
+    return {"rois.query.query": operation(QueryParams, ResultsResult, query)}
+
+
+async def _stream_status(app: ApplicationSession, component_ref: str, condition: Condition) -> tuple[Result, ...]:
+    """Answer get_stream_status; a query has no arguments, so the stream_id stands in the condition."""
+    stream_id = condition.value_of("stream_id")
+    if stream_id is None:
+        raise BadParameter("say which stream: ... AND stream_id = '...'")
+    status = await stream.query_status(app, stream_id, component_ref)
+    return (Result(name="status", data_type_ref="Stream_Status", value=status.value),)

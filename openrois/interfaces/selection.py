@@ -1,0 +1,39 @@
+"""Which components a condition means."""
+
+from collections.abc import Callable
+from typing import Final
+
+from openrois.condition import Condition
+from openrois.engine import Engine
+from openrois.errors import BadParameter, Unsupported
+from openrois.types.profiles import HRIComponentProfile
+
+__all__ = ["COMPONENT_PROPERTIES", "matching", "the_one"]
+
+COMPONENT_PROPERTIES: Final = frozenset({"component_ref", "component_type"})
+"""The properties of a component that a condition can ask for; `component_type` is the full URN."""
+
+
+def matching(engine: Engine, condition: Condition) -> list[str]:
+    """Return the refs of the components that satisfy a condition, in the order of the profile."""
+    return [
+        ref
+        for ref, profile in engine.directory.component_profiles.items()
+        if condition.matches({"component_ref": ref, "component_type": profile.identifier.code})
+    ]
+
+
+def the_one(engine: Engine, condition: Condition, declares: Callable[[HRIComponentProfile], bool]) -> str:
+    """Return the ref of the only component that satisfies a condition and declares a message.
+
+    Raises:
+        Unsupported: no component does.
+        BadParameter: several do; the condition has to name one.
+    """
+    profiles = engine.directory.component_profiles
+    refs = [ref for ref in matching(engine, condition) if declares(profiles[ref])]
+    if not refs:
+        raise Unsupported("no component that satisfies the condition has this message")
+    if len(refs) > 1:
+        raise BadParameter(f"{len(refs)} components have this message: name one with component_ref = '...'")
+    return refs[0]

@@ -1,0 +1,161 @@
+"""The Streaming interface (clause 8.2.2.5), as methods of its own and behind execute, query and subscribe.
+
+Both forms end in the same calls of the engine's extension. A stream belongs to the session that connected it: to every
+other it looks like one that does not exist.
+"""
+
+from collections.abc import Awaitable, Callable, Mapping
+from typing import Any, Final, TypeVar
+
+from pydantic import ValidationError
+
+from openrois.application import ApplicationSession
+from openrois.engine import extension_of
+from openrois.errors import BadParameter, ComponentFailed, OutOfResources, Unsupported, error_for
+from openrois.interfaces.operation import operation
+from openrois.jsonrpc.session import Handler
+from openrois.types.codes import ReturnCode, StreamStatus
+from openrois.types.messages import CommandUnit, Parameter, Result, ReturnResult
+from openrois.types.streams import (
+    STREAM_METHODS,
+    ConnectStreamParams,
+    ConnectStreamResult,
+    HelloParams,
+    HelloResult,
+    StreamParams,
+    StreamStatusResult,
+)
+
+__all__ = ["has_streams", "methods", "query_status", "run_verb"]
+
+MAX_STREAMS: Final = 16
+
+Outcome = TypeVar("Outcome", bound=ReturnResult)
+
+
+def has_streams(app: ApplicationSession, component_ref: str) -> bool:
+    """Tell whether the component's engine has the streaming methods and tells applications about their own streams."""
+    return extension_of(app.engine.route(component_ref)) is not None
+
+
+def methods(app: ApplicationSession) -> dict[str, Handler]:
+    """Return the method table: `openrois.hello` and `rois.stream.*`."""
+
+    async def hello(_params: HelloParams) -> HelloResult:
+        app.extended = True
+        return HelloResult(client_id=app.client.client_id)
+
+    async def connect(params: ConnectStreamParams) -> ConnectStreamResult:
+        app.extended = True
+        return ConnectStreamResult(stream_id=await connect_stream(app, params.component_ref, params.parameters))
+
+    def acting(verb: str) -> Callable[[StreamParams], Awaitable[ReturnResult]]:
+        async def act(params: StreamParams) -> ReturnResult:
+            app.extended = True
+            await act_on_stream(app, verb, params.stream_id)
+            return ReturnResult()
+
+        return act
+
+    async def status(params: StreamParams) -> StreamStatusResult:
+        app.extended = True
+        return StreamStatusResult(status=await query_status(app, params.stream_id))
+
+    return {
+        "openrois.hello": operation(HelloParams, HelloResult, hello),
+        "rois.stream.connect_stream": operation(ConnectStreamParams, ConnectStreamResult, connect),
+        **{
+            STREAM_METHODS[verb]: operation(StreamParams, ReturnResult, acting(verb))
+            for verb in ("disconnect_stream", "suspend_stream", "resume_stream")
+        },
+        "rois.stream.query_stream_status": operation(StreamParams, StreamStatusResult, status),
+    }
+
+
+async def connect_stream(app: ApplicationSession, component_ref: str, parameters: tuple[Parameter, ...]) -> str:
+    """Connect a stream of a component and return its id.
+
+    Raises:
+        Unsupported: there is no such component, or it has no streams.
+        OutOfResources: this application has too many.
+        RoISError: the engine refused.
+    """
+    if component_ref not in app.engine.directory.component_profiles:
+        raise Unsupported(f"there is no component {component_ref[:200]!r}")
+    if len(app.streams) >= MAX_STREAMS:
+        raise OutOfResources(f"one application has at most {MAX_STREAMS} streams")
+    params = {"component_ref": component_ref, "parameters": [p.model_dump(mode="json") for p in parameters]}
+    result = await _call(app, "rois.stream.connect_stream", params, ConnectStreamResult)
+    app.streams[result.stream_id] = component_ref
+    return result.stream_id
+
+
+async def act_on_stream(app: ApplicationSession, verb: str, stream_id: str) -> None:
+    """Suspend, resume or disconnect a stream of this application.
+
+    Raises:
+        Unsupported: it has no such stream.
+        RoISError: the engine refused.
+    """
+    _require_own(app, stream_id)
+    await _call(app, STREAM_METHODS[verb], {"stream_id": stream_id}, ReturnResult)
+    if verb == "disconnect_stream":
+        app.streams.pop(stream_id, None)
+
+
+async def query_status(app: ApplicationSession, stream_id: str, component_ref: str | None = None) -> StreamStatus:
+    """Return the status of a stream of this application.
+
+    Args:
+        app: who asks.
+        stream_id: the stream.
+        component_ref: the component it must be a stream of, if the question names one.
+
+    Raises:
+        Unsupported: it has no such stream.
+        RoISError: the engine did not answer.
+    """
+    _require_own(app, stream_id, component_ref)
+    result = await _call(app, "rois.stream.query_stream_status", {"stream_id": stream_id}, StreamStatusResult)
+    return result.status
+
+
+async def run_verb(app: ApplicationSession, unit: CommandUnit) -> tuple[Result, ...]:
+    """Run a streaming verb that came as a command unit.
+
+    Raises:
+        BadParameter: the stream_id is missing.
+        RoISError: as the verb's own function.
+    """
+    if unit.command_type == "connect_stream":
+        stored = await app.engine.query(unit.component_ref, "get_parameter")
+        chosen = tuple(
+            Parameter(name=p.name, data_type_ref=p.data_type_ref, value=p.value)
+            for p in stored
+            if p.name in ("encoding_parameters", "transport_parameters")
+        )
+        stream_id = await connect_stream(app, unit.component_ref, chosen)
+        return (Result(name="stream_id", data_type_ref="string", value=stream_id),)
+    stream_id = next((argument.value for argument in unit.arguments if argument.name == "stream_id"), "")
+    if not stream_id:
+        raise BadParameter(f"{unit.command_type} needs the argument stream_id")
+    _require_own(app, stream_id, unit.component_ref)
+    await act_on_stream(app, unit.command_type, stream_id)
+    return ()
+
+
+def _require_own(app: ApplicationSession, stream_id: str, component_ref: str | None = None) -> None:
+    owner = app.streams.get(stream_id)
+    if owner is None or component_ref not in (None, owner):
+        raise Unsupported(f"there is no stream {stream_id[:200]!r}")
+
+
+async def _call(app: ApplicationSession, method: str, params: Mapping[str, Any], model: type[Outcome]) -> Outcome:
+    answer = await app.engine.extension.call(method, params, app.client)
+    try:
+        result = model.model_validate(answer)
+    except ValidationError as error:
+        raise ComponentFailed(f"the engine's answer to {method} is malformed") from error
+    if result.return_code is not ReturnCode.OK:
+        raise error_for(result.return_code, f"the engine refused {method}")
+    return result

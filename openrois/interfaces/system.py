@@ -1,0 +1,47 @@
+"""The System interface (RoIS_HRI::SystemIF): connect, disconnect, get_profile."""
+
+from openrois.application import ApplicationSession
+from openrois.condition import parse_condition
+from openrois.interfaces.operation import operation
+from openrois.interfaces.selection import COMPONENT_PROPERTIES, matching
+from openrois.jsonrpc.session import Handler
+from openrois.types.messages import ConditionParams, NoParams, ProfileResult, ReturnResult
+from openrois.types.profiles import HRIEngineProfile
+
+__all__ = ["methods"]
+
+
+def methods(app: ApplicationSession) -> dict[str, Handler]:
+    """Return the interface's method table."""
+
+    async def connect(_params: NoParams) -> ReturnResult:
+        return ReturnResult()
+
+    async def disconnect(_params: NoParams) -> ReturnResult:
+        await app.leave()
+        return ReturnResult()
+
+    async def get_profile(params: ConditionParams) -> ProfileResult:
+        condition = parse_condition(params.condition, COMPONENT_PROPERTIES)
+        kept = set(matching(app.engine, condition))
+        directory = app.engine.directory
+        return ProfileResult(
+            profile=_restrict(directory.profile, kept),
+            component_profiles={ref: profile for ref, profile in directory.component_profiles.items() if ref in kept},
+        )
+
+    return {
+        "rois.system.connect": operation(NoParams, ReturnResult, connect),
+        "rois.system.disconnect": operation(NoParams, ReturnResult, disconnect),
+        "rois.system.get_profile": operation(ConditionParams, ProfileResult, get_profile),
+    }
+
+
+def _restrict(profile: HRIEngineProfile, kept: set[str]) -> HRIEngineProfile:
+    """Return the tree of engines with only the components in `kept`."""
+    return HRIEngineProfile(
+        identifier=profile.identifier,
+        sub_profiles=tuple(_restrict(below, kept) for below in profile.sub_profiles),
+        component_ids=tuple(ref for ref in profile.component_ids if ref in kept),
+        parameter_profiles=profile.parameter_profiles,
+    )

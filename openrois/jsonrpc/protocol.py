@@ -1,0 +1,210 @@
+"""JSON-RPC 2.0 without input or output: text in, events out, text to send.
+
+A `Peer` knows which of its own requests are unanswered and how to read and write envelopes; it knows nothing of tasks,
+sockets, time or RoIS. Frame rules beyond the standard: one object per message, no batches, `params` is an object, and
+numbers that JSON does not have (NaN, Infinity) are refused like any other text that is not JSON.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final, NoReturn
+
+__all__ = [
+    "INTERNAL_ERROR",
+    "INVALID_PARAMS",
+    "INVALID_REQUEST",
+    "METHOD_NOT_FOUND",
+    "PARSE_ERROR",
+    "ErrorResponse",
+    "Incoming",
+    "Notification",
+    "Peer",
+    "Request",
+    "RequestId",
+    "Response",
+    "Violation",
+    "encode",
+]
+
+PARSE_ERROR: Final = -32700
+INVALID_REQUEST: Final = -32600
+METHOD_NOT_FOUND: Final = -32601
+INVALID_PARAMS: Final = -32602
+INTERNAL_ERROR: Final = -32603
+
+RequestId = str | int | float | None
+"""What may stand in `id`. `bool` is excluded although Python counts it as an `int`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """The other side asks and wants an answer."""
+
+    id: RequestId
+    method: str
+    params: dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Notification:
+    """The other side tells; no answer is allowed."""
+
+    method: str
+    params: dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Response:
+    """The answer to our request `id`; `id` is no longer outstanding."""
+
+    id: int
+    result: Any
+
+
+@dataclass(frozen=True, slots=True)
+class ErrorResponse:
+    """The other side refused our request `id`; `id` is no longer outstanding."""
+
+    id: int
+    code: int
+    message: str
+    data: Any = None
+
+
+@dataclass(frozen=True, slots=True)
+class Violation:
+    """The other side broke the protocol.
+
+    Attributes:
+        reason: one sentence for the log.
+        answer: the error response to send, or None where an answer would answer an answer.
+    """
+
+    reason: str
+    answer: str | None
+
+
+Incoming = Request | Notification | Response | ErrorResponse | Violation
+
+
+def encode(message: Mapping[str, Any]) -> str:
+    """Write one JSON-RPC object without superfluous blanks.
+
+    Raises:
+        ValueError: a number in it is NaN or infinite.
+    """
+    return json.dumps(message, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+
+
+def _refuse_constant(name: str) -> NoReturn:
+    raise ValueError(f"{name} is not JSON")
+
+
+class Peer:
+    """One end of a JSON-RPC 2.0 connection.
+
+    Requests of our own get integer ids that are never used twice. An answer to an id that is not outstanding (late,
+    repeated or invented) is a `Violation` without an answer.
+    """
+
+    def __init__(self) -> None:
+        self._next_id = 1
+        self._outstanding: set[int] = set()
+
+    @property
+    def outstanding(self) -> frozenset[int]:
+        """The ids of our requests that have no answer yet."""
+        return frozenset(self._outstanding)
+
+    def request(self, method: str, params: Mapping[str, Any]) -> tuple[int, str]:
+        """Return a new id and the text that asks `method`."""
+        request_id = self._next_id
+        text = encode({"jsonrpc": "2.0", "id": request_id, "method": method, "params": params})
+        self._next_id += 1
+        self._outstanding.add(request_id)
+        return request_id, text
+
+    def forget(self, request_id: int) -> None:
+        """Give up waiting: an answer that still comes is a violation that is only logged."""
+        self._outstanding.discard(request_id)
+
+    @staticmethod
+    def notification(method: str, params: Mapping[str, Any]) -> str:
+        """Return the text that tells `method`."""
+        return encode({"jsonrpc": "2.0", "method": method, "params": params})
+
+    @staticmethod
+    def response(request_id: RequestId, result: Any) -> str:
+        """Return the text that answers `request_id`."""
+        return encode({"jsonrpc": "2.0", "id": request_id, "result": result})
+
+    @staticmethod
+    def error(request_id: RequestId, code: int, message: str, data: Any = None) -> str:
+        """Return the text that refuses `request_id`; `data` is left out when None."""
+        error: dict[str, Any] = {"code": code, "message": message}
+        if data is not None:
+            error["data"] = data
+        return encode({"jsonrpc": "2.0", "id": request_id, "error": error})
+
+    def receive(self, text: str) -> Incoming:
+        """Read one message. Never raises, whatever the text holds."""
+        try:
+            message = json.loads(text, parse_constant=_refuse_constant)
+        except (ValueError, RecursionError):
+            # ValueError covers syntax, lone constants and integers of more digits than Python converts.
+            return self._violation("the message is not JSON", PARSE_ERROR)
+        if not isinstance(message, dict):
+            return self._violation("a message is one JSON object; batches are not supported", INVALID_REQUEST)
+        request_id = message.get("id")
+        if not _is_request_id(request_id):
+            return self._violation("id must be a string, a number or null", INVALID_REQUEST)
+        if message.get("jsonrpc") != "2.0":
+            return self._violation('jsonrpc must be "2.0"', INVALID_REQUEST, request_id)
+        if "method" in message:
+            return self._receive_call(message, request_id)
+        return self._receive_answer(message, request_id)
+
+    def _receive_call(self, message: dict[str, Any], request_id: RequestId) -> Incoming:
+        method, params = message["method"], message.get("params")
+        if not isinstance(method, str):
+            return self._violation("method must be a string", INVALID_REQUEST, request_id)
+        if params is None:
+            params = {}
+        if "id" not in message:
+            # A notification can't be answered, so one with unusable params is dropped with its reason logged.
+            return (
+                Notification(method, params)
+                if isinstance(params, dict)
+                else Violation("params must be an object", None)
+            )
+        if not isinstance(params, dict):
+            data = [{"path": "", "message": "params must be an object"}]
+            return Violation("params must be an object", self.error(request_id, INVALID_PARAMS, "Invalid params", data))
+        return Request(request_id, method, params)
+
+    def _receive_answer(self, message: dict[str, Any], request_id: RequestId) -> Incoming:
+        has_result, error = "result" in message, message.get("error")
+        if not has_result and "error" not in message:
+            return self._violation("neither a request nor a response", INVALID_REQUEST, request_id)
+        if not isinstance(request_id, int) or request_id not in self._outstanding:
+            return Violation(f"an answer to id {request_id!r}, which is not outstanding", None)
+        self._outstanding.discard(request_id)
+        if has_result and error is None:
+            return Response(request_id, message["result"])
+        if isinstance(error, dict) and isinstance(error.get("code"), int) and isinstance(error.get("message"), str):
+            return ErrorResponse(request_id, error["code"], error["message"], error.get("data"))
+        return ErrorResponse(request_id, INVALID_REQUEST, "the answer's error object is malformed")
+
+    def _violation(self, reason: str, code: int, request_id: RequestId = None) -> Violation:
+        name = "Parse error" if code == PARSE_ERROR else "Invalid Request"
+        return Violation(reason, self.error(request_id, code, name))
+
+
+def _is_request_id(value: object) -> bool:
+    if isinstance(value, bool):
+        return False
+    if isinstance(value, float):
+        # 1e999 parses to infinity, which could not be written back.
+        return value - value == 0
+    return value is None or isinstance(value, str | int)

@@ -1,0 +1,123 @@
+"""Components that live in this process, under one engine id."""
+
+import time
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Final
+
+from openrois.component import Component
+from openrois.contract import Directory, Event, Extension, Sink, SubscriptionLost
+from openrois.errors import BadParameter, Unsupported
+from openrois.types.messages import Argument, Result
+from openrois.types.profiles import HRIEngineProfile, RoISIdentifier
+from openrois.types.references import is_engine_id, new_id, reference
+from openrois.types.values import date_time
+
+__all__ = ["LocalRegistry"]
+
+EVENT_LIFETIME: Final = 60.0
+"""Seconds for which an event's details are kept by whoever received it."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Subscription:
+    component_ref: str
+    event_type: str
+    sink: Sink
+
+
+class LocalRegistry:
+    """The components of one engine; a `ComponentBus`.
+
+    Args:
+        engine_id: leads every component_ref.
+        components: named by their profiles, each name once.
+        extension: answers the streaming and signaling methods, where the engine has streams.
+        wall_clock: epoch seconds, for the expiry of events.
+
+    Raises:
+        BadParameter: `engine_id` or a component's name cannot be part of a reference, or a name stands twice.
+    """
+
+    def __init__(
+        self,
+        engine_id: str,
+        components: Iterable[Component],
+        *,
+        extension: Extension | None = None,
+        wall_clock: Callable[[], float] = time.time,
+    ) -> None:
+        if not is_engine_id(engine_id):
+            raise BadParameter(f"{engine_id!r} is no engine id: it is empty, too long, or has a slash")
+        self.engine_id = engine_id
+        self.extension = extension
+        self._wall_clock = wall_clock
+        self._components: dict[str, Component] = {}
+        self._subscriptions: dict[str, _Subscription] = {}
+        for component in components:
+            self._add(component)
+
+    def _add(self, component: Component) -> None:
+        name = component.profile.name
+        component_ref = reference(self.engine_id, name)
+        if not is_engine_id(name) or component_ref in self._components:
+            raise BadParameter(f"{name!r} cannot name a component: it is empty, has a slash, or is taken")
+        self._components[component_ref] = component
+
+        def emit(event_type: str, results: tuple[Result, ...]) -> None:
+            self._emit(component_ref, event_type, results)
+
+        component.emit = emit
+
+    async def discover(self) -> Directory:
+        """Return the engine's own components."""
+        profile = HRIEngineProfile(
+            identifier=RoISIdentifier(code=self.engine_id), component_ids=tuple(self._components)
+        )
+        return Directory(profile, {ref: component.profile for ref, component in self._components.items()})
+
+    def _component(self, component_ref: str) -> Component:
+        component = self._components.get(component_ref)
+        if component is None:
+            raise Unsupported(f"there is no component {component_ref!r}")
+        return component
+
+    async def query(self, component_ref: str, query_type: str) -> tuple[Result, ...]:
+        """Ask a component."""
+        return await self._component(component_ref).ask(query_type)
+
+    async def invoke(
+        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = ()
+    ) -> tuple[Result, ...]:
+        """Run a command of a component to its end."""
+        return await self._component(component_ref).run(command_type, arguments)
+
+    async def subscribe(self, component_ref: str, event_type: str, sink: Sink) -> str:
+        """Listen to a component's event."""
+        if not self._component(component_ref).profile.has_event(event_type):
+            raise Unsupported(f"{component_ref} has no event {event_type!r}")
+        subscribe_id = new_id(self.engine_id)
+        self._subscriptions[subscribe_id] = _Subscription(component_ref, event_type, sink)
+        return subscribe_id
+
+    async def unsubscribe(self, subscribe_id: str) -> None:
+        """Stop listening."""
+        self._subscriptions.pop(subscribe_id, None)
+
+    def _emit(self, component_ref: str, event_type: str, results: tuple[Result, ...]) -> None:
+        sinks = [
+            subscription.sink
+            for subscription in self._subscriptions.values()
+            if subscription.component_ref == component_ref and subscription.event_type == event_type
+        ]
+        if sinks:
+            expire = date_time(self._wall_clock() + EVENT_LIFETIME)
+            event = Event(new_id(self.engine_id), event_type, component_ref, expire, results)
+            for sink in sinks:
+                sink(event)
+
+    def close(self, reason: str) -> None:
+        """Tell every subscriber that nothing more will come."""
+        subscriptions, self._subscriptions = self._subscriptions, {}
+        for subscription in subscriptions.values():
+            subscription.sink(SubscriptionLost(reason))

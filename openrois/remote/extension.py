@@ -1,0 +1,80 @@
+"""The extension calls of many applications over one connection: each carries the `client_id` of its application."""
+
+from collections.abc import Awaitable, Callable, Mapping
+from typing import Any, Final
+
+from openrois.contract import Client
+from openrois.errors import ComponentFailed
+from openrois.jsonrpc.session import NotificationHandler
+
+__all__ = ["CLIENT_GONE", "EXTENSION_METHODS", "EXTENSION_NOTIFICATIONS", "RemoteExtension"]
+
+EXTENSION_METHODS: Final = (
+    "rois.stream.connect_stream",
+    "rois.stream.disconnect_stream",
+    "rois.stream.suspend_stream",
+    "rois.stream.resume_stream",
+    "rois.stream.query_stream_status",
+    "signaling.answer",
+    "signaling.candidate",
+    "signaling.restart",
+)
+"""What a parent asks its sub-engine for an application, with `client_id` beside the params."""
+
+EXTENSION_NOTIFICATIONS: Final = (
+    "rois.stream.notify_stream_status",
+    "signaling.offer",
+    "signaling.candidate",
+    "signaling.bye",
+)
+"""What a sub-engine tells its parent for an application, with `client_id` beside the params."""
+
+CLIENT_GONE: Final = "openrois.client_gone"
+"""Notification of a parent to its sub-engine: the application `client_id` is gone for good."""
+
+
+class RemoteExtension:
+    """The extension of a remote engine; an `Extension`.
+
+    Args:
+        ask: asks the other side and returns the result as it came.
+        notify: tells the other side.
+    """
+
+    def __init__(
+        self,
+        ask: Callable[[str, Mapping[str, Any]], Awaitable[Any]],
+        notify: Callable[[str, Mapping[str, Any]], None],
+    ) -> None:
+        self._ask = ask
+        self._notify = notify
+        self._clients: dict[str, Client] = {}
+
+    async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
+        """Ask for an application; from the first call on it is told what the other side says to it."""
+        self._clients[client.client_id] = client
+        result = await self._ask(method, {**params, "client_id": client.client_id})
+        if not isinstance(result, dict):
+            raise ComponentFailed(f"the engine's answer to {method} is not an object")
+        return result
+
+    async def forget(self, client_id: str) -> None:
+        """Tell the other side that an application is gone, if it was ever heard of there."""
+        if self._clients.pop(client_id, None) is not None:
+            self._notify(CLIENT_GONE, {"client_id": client_id})
+
+    def notifications(self) -> dict[str, NotificationHandler]:
+        """Return the handlers that hand a notification to the application it is for."""
+        return {name: self._passing(name) for name in EXTENSION_NOTIFICATIONS}
+
+    def _passing(self, name: str) -> NotificationHandler:
+        def take(params: dict[str, Any]) -> None:
+            client = self._clients.get(str(params.pop("client_id", "")))
+            if client is not None:
+                client.notify(name, params)
+
+        return take
+
+    def lost(self) -> None:
+        """Forget the applications: the other side is gone."""
+        self._clients.clear()

@@ -1,0 +1,264 @@
+"""An engine at the other end of a connection, seen as a `ComponentBus`: the parent's half of the wire."""
+
+import asyncio
+import logging
+import secrets
+from collections.abc import Callable, Mapping
+from typing import Any, Final, TypeVar
+
+from pydantic import ValidationError
+
+from openrois.contract import Directory, Event, Extension, Sink, SubscriptionLost
+from openrois.errors import Aborted, ComponentFailed, EngineUnreachable, OutOfResources, RoISError, TimedOut, error_for
+from openrois.jsonrpc import protocol
+from openrois.jsonrpc.session import NotificationHandler, RpcError, RpcSession, SessionClosed
+from openrois.remote.extension import RemoteExtension
+from openrois.remote.subscriptions import SharedSubscriptions
+from openrois.types.codes import CompletedStatus, ReturnCode
+from openrois.types.messages import (
+    Argument,
+    CommandUnit,
+    Completed,
+    EventNotification,
+    ExecuteParams,
+    ParametersResult,
+    ProfileResult,
+    Result,
+    ResultsResult,
+    ReturnResult,
+    SetParameterResult,
+    SubscribeResult,
+)
+from openrois.types.references import engine_of
+from openrois.types.streams import EXTENSION_VERSION, EXTENSIONS, HelloResult
+
+__all__ = ["RemoteProxy"]
+
+_log = logging.getLogger(__name__)
+
+Outcome = TypeVar("Outcome", bound=ReturnResult)
+
+_FAILED: Final[dict[CompletedStatus, type[RoISError]]] = {
+    CompletedStatus.ABORT: Aborted,
+    CompletedStatus.OUT_OF_RESOURCES: OutOfResources,
+    CompletedStatus.TIMEOUT: TimedOut,
+}
+
+
+class RemoteProxy:
+    """The five methods, asked over an `RpcSession` that somebody else runs.
+
+    Args:
+        session: the connection. Its `notifications` have to hold this proxy's `notifications()`.
+        profile_changed: called when the other side says that its tree changed; must not block.
+    """
+
+    def __init__(self, session: RpcSession, profile_changed: Callable[[], None]) -> None:
+        self.extension: Extension | None = None
+        self._session = session
+        self._profile_changed = profile_changed
+        self._remote_extension = RemoteExtension(self._ask_raw, session.notify)
+        self._directory: Directory | None = None
+        self._commands: dict[str, asyncio.Future[CompletedStatus]] = {}
+        self._subscriptions = SharedSubscriptions(self._subscribe, self._unsubscribe)
+        self._lost = False
+
+    def notifications(self) -> dict[str, NotificationHandler]:
+        """Return what has to be done with the notifications that come over the connection."""
+        return {
+            "rois.command.completed": self._take_completed,
+            "rois.event.notify_event": self._take_event,
+            "rois.system.profile_changed": lambda _params: self._profile_changed(),
+            **self._remote_extension.notifications(),
+        }
+
+    async def discover(self) -> Directory:
+        """Read the other side's profile, and at the first time ask whether it speaks the extensions."""
+        result = await self._ask("rois.system.get_profile", {"condition": ""}, ProfileResult)
+        if result.profile is None:
+            raise ComponentFailed("the engine has no profile")
+        if self._directory is None:
+            await self._hello()
+        self._directory = Directory(result.profile, result.component_profiles)
+        return self._directory
+
+    async def _hello(self) -> None:
+        params = {"version": EXTENSION_VERSION, "extensions": list(EXTENSIONS)}
+        try:
+            result = await self._ask("openrois.hello", params, HelloResult)
+        except ComponentFailed as error:
+            if isinstance(error.__cause__, RpcError) and error.__cause__.code == protocol.METHOD_NOT_FOUND:
+                return
+            raise
+        if "rois.stream" in result.extensions:
+            self.extension = self._remote_extension
+
+    async def query(self, component_ref: str, query_type: str) -> tuple[Result, ...]:
+        """Ask a component."""
+        if query_type == "get_parameter":
+            params: dict[str, Any] = {"component_ref": component_ref}
+            return (await self._ask("rois.command.get_parameter", params, ParametersResult)).parameters
+        params = {"query_type": query_type, "condition": _only(component_ref)}
+        return (await self._ask("rois.query.query", params, ResultsResult)).results
+
+    async def invoke(
+        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = ()
+    ) -> tuple[Result, ...]:
+        """Run a command and wait until the other side says that it has ended."""
+        ended: asyncio.Future[CompletedStatus] = asyncio.get_running_loop().create_future()
+        command_id = secrets.token_hex(16)
+        try:
+            if command_type == "set_parameter":
+                command_id = await self._set_parameter(component_ref, arguments, ended)
+            else:
+                self._commands[command_id] = ended
+                unit = CommandUnit(
+                    component_ref=component_ref,
+                    command_type=command_type,
+                    command_id=command_id,
+                    arguments=arguments,
+                )
+                await self._ask(
+                    "rois.command.execute",
+                    ExecuteParams(command_unit_list=(unit,)).model_dump(mode="json"),
+                    ReturnResult,
+                )
+            status = await ended
+        finally:
+            self._commands.pop(command_id, None)
+        if status is not CompletedStatus.OK:
+            raise _failure(status, f"{command_type} of {component_ref} ended {status}")
+        return await self._command_results(component_ref, command_type, command_id)
+
+    async def _set_parameter(
+        self, component_ref: str, arguments: tuple[Argument, ...], ended: asyncio.Future[CompletedStatus]
+    ) -> str:
+        def accepted(result: SetParameterResult) -> None:
+            # The id is the other side's: it is known from here on, before its `completed` can be looked at.
+            self._check_id(result.command_id)
+            self._commands[result.command_id] = ended
+
+        params = {
+            "component_ref": component_ref,
+            "parameters": [argument.model_dump(mode="json") for argument in arguments],
+        }
+        result = await self._ask("rois.command.set_parameter", params, SetParameterResult, accepted)
+        return result.command_id
+
+    async def _command_results(self, component_ref: str, command_type: str, command_id: str) -> tuple[Result, ...]:
+        directory = self._directory
+        profile = directory.component_profiles.get(component_ref) if directory is not None else None
+        command = profile.command(command_type) if profile is not None else None
+        if command is None or not command.results:
+            return ()
+        params = {"command_id": command_id, "condition": ""}
+        return (await self._ask("rois.command.get_command_result", params, ResultsResult)).results
+
+    async def subscribe(self, component_ref: str, event_type: str, sink: Sink) -> str:
+        """Listen to a component; several subscriptions to one event share one on the other side."""
+        self._require_connected()
+        return await self._subscriptions.add((component_ref, event_type), sink)
+
+    async def unsubscribe(self, subscribe_id: str) -> None:
+        """Stop listening."""
+        await self._subscriptions.remove(subscribe_id)
+
+    async def _subscribe(self, key: tuple[str, str], register: Callable[[str], None]) -> None:
+        component_ref, event_type = key
+
+        def accepted(result: SubscribeResult) -> None:
+            self._check_id(result.subscribe_id)
+            register(result.subscribe_id)
+
+        params = {"event_type": event_type, "condition": _only(component_ref)}
+        await self._ask("rois.event.subscribe", params, SubscribeResult, accepted)
+
+    async def _unsubscribe(self, remote_id: str) -> None:
+        if not self._lost:
+            await self._ask("rois.event.unsubscribe", {"subscribe_id": remote_id}, ReturnResult)
+
+    def lost(self, reason: str) -> None:
+        """Say that the connection has ended: whatever waits fails, and every subscriber is told, once."""
+        self._lost = True
+        self.extension = None
+        for ended in self._commands.values():
+            if not ended.done():
+                ended.set_exception(EngineUnreachable(reason))
+        self._subscriptions.lost(SubscriptionLost(reason))
+        self._remote_extension.lost()
+
+    def _require_connected(self) -> None:
+        if self._lost:
+            raise EngineUnreachable("the connection to the engine has ended")
+
+    def _check_id(self, minted: str) -> None:
+        known = self._directory.profile.engine_ids() if self._directory is not None else ()
+        if engine_of(minted) not in known:
+            raise ComponentFailed(f"the engine minted the id {minted[:200]!r}, which does not begin with its own")
+
+    def _take_completed(self, params: dict[str, Any]) -> None:
+        completed = Completed.model_validate(params)
+        ended = self._commands.get(completed.command_id)
+        if ended is not None and not ended.done():
+            ended.set_result(completed.status)
+
+    def _take_event(self, params: dict[str, Any]) -> None:
+        told = EventNotification.model_validate(params)
+        self._check_id(told.event_id)
+        key = self._subscriptions.key_of(told.subscribe_id)
+        if key is None:
+            return
+        component_ref, event_type = key
+        if told.event_type != event_type:
+            _log.info("an event of type %r came for a subscription to %r", told.event_type, event_type)
+            return
+        event = Event(told.event_id, event_type, component_ref, told.expire, told.results)
+        self._subscriptions.emit(key, event)
+
+    async def _ask(
+        self,
+        name: str,
+        params: Mapping[str, Any],
+        model: type[Outcome],
+        accepted: Callable[[Outcome], None] | None = None,
+    ) -> Outcome:
+        """Ask, check the answer, and raise what its return code stands for."""
+
+        def on_result(result: Any) -> None:
+            checked = _read(name, result, model)
+            if accepted is not None and checked.return_code is ReturnCode.OK:
+                accepted(checked)
+
+        checked = _read(name, await self._ask_raw(name, params, on_result), model)
+        if checked.return_code is not ReturnCode.OK:
+            raise error_for(checked.return_code, f"the engine answered {name} with {checked.return_code}")
+        return checked
+
+    async def _ask_raw(
+        self, name: str, params: Mapping[str, Any], on_result: Callable[[Any], None] | None = None
+    ) -> Any:
+        self._require_connected()
+        try:
+            return await self._session.call(name, params, on_result=on_result)
+        except TimeoutError:
+            raise TimedOut(f"the engine did not answer {name} in time") from None
+        except SessionClosed as closed:
+            raise EngineUnreachable(str(closed)) from closed
+        except RpcError as refused:
+            raise ComponentFailed(f"the engine refused {name}: {refused}") from refused
+
+
+def _read(name: str, result: Any, model: type[Outcome]) -> Outcome:
+    try:
+        return model.model_validate(result)
+    except ValidationError as error:
+        raise ComponentFailed(f"the engine's answer to {name} is malformed: {error}") from error
+
+
+def _failure(status: CompletedStatus, message: str) -> RoISError:
+    return _FAILED.get(status, ComponentFailed)(message)
+
+
+def _only(component_ref: str) -> str:
+    quoted = component_ref.replace("'", "''")
+    return f"component_ref = '{quoted}'"

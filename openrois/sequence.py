@@ -1,0 +1,63 @@
+"""Running a command unit sequence: one item after another, the commands of a concurrent item side by side."""
+
+import asyncio
+from collections.abc import Awaitable, Callable, Sequence
+from typing import Final
+
+from openrois.types.codes import CompletedStatus
+from openrois.types.messages import CommandUnit, ConcurrentCommands, SequenceItem
+
+__all__ = ["commands_of", "run_sequence"]
+
+_MILLISECOND: Final = 0.001
+
+
+def commands_of(items: Sequence[SequenceItem]) -> list[CommandUnit]:
+    """Return every command of a sequence, in order."""
+    return [unit for item in items for unit in (item.command_list if isinstance(item, ConcurrentCommands) else (item,))]
+
+
+async def run_sequence(
+    items: Sequence[SequenceItem],
+    run: Callable[[CommandUnit], Awaitable[CompletedStatus]],
+    skip: Callable[[CommandUnit], None],
+    sleep: Callable[[float], Awaitable[None]],
+) -> None:
+    """Run a sequence to its end.
+
+    An item's `delay_time` passes before it starts; the commands of a concurrent item start together, each after its own
+    delay, and the next item waits for all of them. Once a command ends with anything but OK, no later item runs.
+
+    Args:
+        items: what was accepted.
+        run: runs one command and says how it ended; must not raise.
+        skip: called for each command that will not run because an earlier one failed.
+        sleep: waits for some seconds.
+    """
+    for index, item in enumerate(items):
+        if not await _run_item(item, run, sleep):
+            for unit in commands_of(items[index + 1 :]):
+                skip(unit)
+            return
+
+
+async def _run_item(
+    item: SequenceItem,
+    run: Callable[[CommandUnit], Awaitable[CompletedStatus]],
+    sleep: Callable[[float], Awaitable[None]],
+) -> bool:
+    async def run_delayed(unit: CommandUnit) -> CompletedStatus:
+        await _delay(unit.delay_time, sleep)
+        return await run(unit)
+
+    if isinstance(item, CommandUnit):
+        return await run_delayed(item) is CompletedStatus.OK
+    await _delay(item.delay_time, sleep)
+    async with asyncio.TaskGroup() as tasks:
+        running = [tasks.create_task(run_delayed(unit)) for unit in item.command_list]
+    return all(task.result() is CompletedStatus.OK for task in running)
+
+
+async def _delay(milliseconds: int | None, sleep: Callable[[float], Awaitable[None]]) -> None:
+    if milliseconds:
+        await sleep(milliseconds * _MILLISECOND)

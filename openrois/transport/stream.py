@@ -1,0 +1,50 @@
+"""The contract of a message stream: what a session needs of a connection."""
+
+from typing import Protocol
+
+__all__ = ["MessageStream", "StreamClosed"]
+
+
+class StreamClosed(Exception):
+    """The stream has ended, by either side; nothing more is received or sent.
+
+    Attributes:
+        code: a WebSocket close code (RFC 6455, 7.4); 1006 where the connection broke without a closing handshake.
+        reason: the other side's words, or empty.
+    """
+
+    def __init__(self, code: int = 1000, reason: str = "") -> None:
+        super().__init__(f"closed with {code} {reason}".rstrip())
+        self.code = code
+        self.reason = reason
+
+
+class MessageStream(Protocol):
+    """An ordered, reliable, bounded stream of text messages in both directions.
+
+    `receive` and `send` may run at the same time, each from one task only.
+    """
+
+    async def receive(self) -> str:
+        """Wait for the next message.
+
+        Raises:
+            StreamClosed: no message will come any more.
+        """
+        ...
+
+    async def send(self, text: str) -> None:
+        """Hand over one message; waits while the other side is slow.
+
+        Raises:
+            StreamClosed: the message was not sent and never will be.
+        """
+        ...
+
+    async def close(self, code: int = 1000, reason: str = "") -> None:
+        """End the stream politely, within a bounded time. Idempotent."""
+        ...
+
+    def abort(self) -> None:
+        """End the stream at once, without a word: the other side may not be reading. Idempotent."""
+        ...

@@ -1,0 +1,81 @@
+"""The dialling side of a WebSocket as a message stream, on the `websockets` library."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from typing import Final
+
+from websockets.asyncio.client import ClientConnection, connect
+from websockets.exceptions import ConnectionClosed
+
+from openrois.transport.stream import StreamClosed
+
+__all__ = ["WebSocketStream", "dial"]
+
+MAX_MESSAGE: Final = 4 << 20
+"""Bytes of one incoming message; a profile of a whole fleet fits."""
+
+_OPEN_TIMEOUT: Final = 10.0
+_CLOSE_TIMEOUT: Final = 1.0
+_PING_INTERVAL: Final = 5.0
+_PING_TIMEOUT: Final = 5.0
+
+
+class WebSocketStream:
+    """One open connection; a `MessageStream`."""
+
+    def __init__(self, connection: ClientConnection) -> None:
+        self._connection = connection
+
+    async def receive(self) -> str:
+        """Return the next text message; a binary one ends the connection with 1003."""
+        try:
+            message = await self._connection.recv()
+        except ConnectionClosed as closed:
+            raise _closed(closed) from closed
+        if isinstance(message, bytes):
+            await self.close(1003, "text messages only")
+            raise StreamClosed(1003, "text messages only")
+        return message
+
+    async def send(self, text: str) -> None:
+        """Send one text message; waits while the kernel's buffer is full."""
+        try:
+            await self._connection.send(text)
+        except ConnectionClosed as closed:
+            raise _closed(closed) from closed
+
+    async def close(self, code: int = 1000, reason: str = "") -> None:
+        """Close with the closing handshake, for at most a second."""
+        await self._connection.close(code, reason)
+
+    def abort(self) -> None:
+        """Cut the connection."""
+        self._connection.transport.abort()
+
+
+def _closed(closed: ConnectionClosed) -> StreamClosed:
+    frame = closed.rcvd or closed.sent
+    return StreamClosed(frame.code, frame.reason) if frame is not None else StreamClosed(1006)
+
+
+@asynccontextmanager
+async def dial(url: str) -> AsyncIterator[WebSocketStream]:
+    """Open a WebSocket to `url` (`ws://` or `wss://`) for as long as the block runs.
+
+    Raises:
+        OSError: nothing listens there, or the network refuses.
+        TimeoutError: no handshake within ten seconds.
+        websockets.exceptions.InvalidHandshake: something answers, but not as a WebSocket server.
+        websockets.exceptions.InvalidURI: `url` is no WebSocket address.
+    """
+    async with connect(
+        url,
+        compression=None,
+        max_size=MAX_MESSAGE,
+        open_timeout=_OPEN_TIMEOUT,
+        close_timeout=_CLOSE_TIMEOUT,
+        ping_interval=_PING_INTERVAL,
+        ping_timeout=_PING_TIMEOUT,
+        proxy=None,
+    ) as connection:
+        yield WebSocketStream(connection)

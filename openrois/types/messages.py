@@ -1,0 +1,218 @@
+"""Params and results of the operations and notifications of the base wire, one model each.
+
+A method's params are named as the IDL's `in` parameters, its result as `return_code` and the `out` parameters. A
+failure in RoIS terms is a result whose `return_code` is not OK and whose other fields have their defaults.
+"""
+
+from typing import Annotated, Any
+
+from pydantic import Discriminator, Field, Tag
+
+from openrois.types.codes import CompletedStatus, ReturnCode
+from openrois.types.model import Model
+from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile
+
+__all__ = [
+    "Argument",
+    "CommandResultParams",
+    "CommandUnit",
+    "Completed",
+    "ComponentParams",
+    "ConcurrentCommands",
+    "ConditionParams",
+    "DetailParams",
+    "EventNotification",
+    "ExecuteParams",
+    "NoParams",
+    "Parameter",
+    "ParametersResult",
+    "ProfileResult",
+    "QueryParams",
+    "ReferenceResult",
+    "Result",
+    "ResultsResult",
+    "ReturnResult",
+    "SearchResult",
+    "SequenceItem",
+    "SetParameterParams",
+    "SetParameterResult",
+    "SubscribeParams",
+    "SubscribeResult",
+    "UnsubscribeParams",
+]
+
+Code = Annotated[ReturnCode, Field(strict=False)]
+
+
+class Result(Model):
+    """A named value with its type; `value` is always text, see `openrois.types.values`."""
+
+    name: str
+    data_type_ref: str
+    value: str
+
+
+class Parameter(Result):
+    """A parameter of a component."""
+
+
+class Argument(Result):
+    """An argument of a command."""
+
+
+class CommandUnit(Model):
+    """One command. `delay_time` is the milliseconds between its turn and its start."""
+
+    component_ref: str
+    command_type: str
+    command_id: str
+    arguments: tuple[Argument, ...] = Field(default=(), strict=False)
+    delay_time: Annotated[int, Field(ge=0, le=86_400_000)] | None = None
+
+
+class ConcurrentCommands(Model):
+    """Commands that run at the same time; the next item of the sequence waits for all of them."""
+
+    command_list: tuple[CommandUnit, ...] = Field(strict=False)
+    delay_time: Annotated[int, Field(ge=0, le=86_400_000)] | None = None
+
+
+def _form(item: Any) -> str:
+    """Tell which model reads `item`, so that its errors name that model's fields only."""
+    if isinstance(item, ConcurrentCommands) or (isinstance(item, dict) and "command_list" in item):
+        return "concurrent"
+    return "unit"
+
+
+SequenceItem = Annotated[
+    Annotated[CommandUnit, Tag("unit")] | Annotated[ConcurrentCommands, Tag("concurrent")], Discriminator(_form)
+]
+
+
+class NoParams(Model):
+    """No params."""
+
+
+class ConditionParams(Model):
+    """Params of get_profile, search and bind_any: a condition, empty for everything."""
+
+    condition: str = ""
+
+
+class ComponentParams(Model):
+    """Params of bind, release and get_parameter."""
+
+    component_ref: str
+
+
+class SetParameterParams(Model):
+    """Params of set_parameter: several parameters are one change."""
+
+    component_ref: str
+    parameters: tuple[Parameter, ...] = Field(strict=False)
+
+
+class ExecuteParams(Model):
+    """Params of execute: a command unit sequence of at least one item."""
+
+    command_unit_list: tuple[SequenceItem, ...] = Field(min_length=1, max_length=256, strict=False)
+
+
+class CommandResultParams(Model):
+    """Params of get_command_result."""
+
+    command_id: str
+    condition: str = ""
+
+
+class QueryParams(Model):
+    """Params of query."""
+
+    query_type: str
+    condition: str = ""
+
+
+class SubscribeParams(Model):
+    """Params of subscribe."""
+
+    event_type: str
+    condition: str = ""
+
+
+class UnsubscribeParams(Model):
+    """Params of unsubscribe."""
+
+    subscribe_id: str
+
+
+class DetailParams(Model):
+    """Params of get_event_detail."""
+
+    event_id: str
+    condition: str = ""
+
+
+class ReturnResult(Model):
+    """A result without out parameters."""
+
+    return_code: Code = ReturnCode.OK
+
+
+class ProfileResult(ReturnResult):
+    """Result of get_profile; `component_profiles` is an extension of the wire."""
+
+    profile: HRIEngineProfile | None = None
+    component_profiles: dict[str, HRIComponentProfile] = Field(default_factory=dict)
+
+
+class SearchResult(ReturnResult):
+    """Result of search."""
+
+    component_ref_list: tuple[str, ...] = Field(default=(), strict=False)
+
+
+class ReferenceResult(ReturnResult):
+    """Result of bind_any."""
+
+    component_ref: str = ""
+
+
+class ParametersResult(ReturnResult):
+    """Result of get_parameter."""
+
+    parameters: tuple[Parameter, ...] = Field(default=(), strict=False)
+
+
+class SetParameterResult(ReturnResult):
+    """Result of set_parameter; the outcome comes as `completed` with this id."""
+
+    command_id: str = ""
+
+
+class ResultsResult(ReturnResult):
+    """Result of query, get_command_result and get_event_detail."""
+
+    results: tuple[Result, ...] = Field(default=(), strict=False)
+
+
+class SubscribeResult(ReturnResult):
+    """Result of subscribe."""
+
+    subscribe_id: str = ""
+
+
+class Completed(Model):
+    """Notification: a command has ended, said exactly once."""
+
+    command_id: str
+    status: Annotated[CompletedStatus, Field(strict=False)]
+
+
+class EventNotification(Model):
+    """Notification: an event happened. `results` is an extension that repeats what get_event_detail gives."""
+
+    event_id: str
+    event_type: str
+    subscribe_id: str
+    expire: str = ""
+    results: tuple[Result, ...] = Field(default=(), strict=False)

@@ -1,0 +1,111 @@
+"""Profiles of engines and components: the JSON form of the types in the standard's XML schema (XML-Profiles.xsd)."""
+
+from pydantic import Field
+
+from openrois.types.codes import ComponentFunction
+from openrois.types.model import Model
+
+__all__ = [
+    "CommandMessageProfile",
+    "EventMessageProfile",
+    "HRIComponentProfile",
+    "HRIEngineProfile",
+    "ParameterProfile",
+    "QueryMessageProfile",
+    "RoISIdentifier",
+    "component_urn",
+]
+
+
+class RoISIdentifier(Model):
+    """An identifier (RoISIdentifierType): a code, and the authority and book that give it its meaning."""
+
+    code: str
+    authority: str = ""
+    codebook_ref: str = ""
+    version: str = ""
+
+
+class ParameterProfile(Model):
+    """The name and type of a parameter, an argument or a result."""
+
+    name: str
+    data_type_ref: RoISIdentifier
+    default_value: str = ""
+    description: str = ""
+
+
+class CommandMessageProfile(Model):
+    """A command: what it takes, what `get_command_result` gives, and the milliseconds it may take."""
+
+    name: str
+    results: tuple[ParameterProfile, ...] = Field(default=(), strict=False)
+    arguments: tuple[ParameterProfile, ...] = Field(default=(), strict=False)
+    timeout: int | None = None
+
+
+class QueryMessageProfile(Model):
+    """A query and its results; the schema gives queries no arguments."""
+
+    name: str
+    results: tuple[ParameterProfile, ...] = Field(default=(), strict=False)
+
+
+class EventMessageProfile(Model):
+    """An event and its results; the schema gives events no arguments."""
+
+    name: str
+    results: tuple[ParameterProfile, ...] = Field(default=(), strict=False)
+
+
+class HRIComponentProfile(Model):
+    """What one component understands. `name` is the instance's name; `function` is an extension of the wire."""
+
+    identifier: RoISIdentifier
+    name: str
+    function: ComponentFunction | None = Field(default=None, strict=False)
+    sub_component_profiles: tuple[str, ...] = Field(default=(), strict=False)
+    command_profiles: tuple[CommandMessageProfile, ...] = Field(default=(), strict=False)
+    query_profiles: tuple[QueryMessageProfile, ...] = Field(default=(), strict=False)
+    event_profiles: tuple[EventMessageProfile, ...] = Field(default=(), strict=False)
+    parameter_profiles: tuple[ParameterProfile, ...] = Field(default=(), strict=False)
+
+    def command(self, name: str) -> CommandMessageProfile | None:
+        """Return the command called `name`, or None."""
+        return next((profile for profile in self.command_profiles if profile.name == name), None)
+
+    def parameter(self, name: str) -> ParameterProfile | None:
+        """Return the parameter called `name`, or None."""
+        return next((profile for profile in self.parameter_profiles if profile.name == name), None)
+
+    def has_query(self, name: str) -> bool:
+        """Tell whether the component answers the query `name`."""
+        return any(profile.name == name for profile in self.query_profiles)
+
+    def has_event(self, name: str) -> bool:
+        """Tell whether the component emits the event `name`."""
+        return any(profile.name == name for profile in self.event_profiles)
+
+
+class HRIEngineProfile(Model):
+    """An engine, its own components and its sub-engines."""
+
+    identifier: RoISIdentifier
+    sub_profiles: tuple["HRIEngineProfile", ...] = Field(default=(), strict=False)
+    component_ids: tuple[str, ...] = Field(default=(), strict=False)
+    parameter_profiles: tuple[ParameterProfile, ...] = Field(default=(), strict=False)
+
+    def engine_ids(self) -> tuple[str, ...]:
+        """Return the ids of this engine and of all below it, this one first."""
+        below = tuple(engine_id for profile in self.sub_profiles for engine_id in profile.engine_ids())
+        return (self.identifier.code, *below)
+
+    def component_refs(self) -> tuple[str, ...]:
+        """Return the refs of this engine's components and of all below it."""
+        below = tuple(ref for profile in self.sub_profiles for ref in profile.component_refs())
+        return (*self.component_ids, *below)
+
+
+def component_urn(code: str, authority: str = "OMG") -> str:
+    """Return the component type's URN in the form of the standard's profiles."""
+    return f"urn:x-rois:def:component:{authority}::{code}"

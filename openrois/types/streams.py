@@ -1,0 +1,88 @@
+"""Params and results of the extensions: `openrois.hello` and `rois.stream.*`.
+
+The streaming verbs are the Streaming Interface (clause 8.2.2.5, table 8.6) as methods of their own. Between an engine
+and its sub-engine they carry `client_id` as well, because there one connection speaks for many applications.
+"""
+
+from typing import Annotated, ClassVar
+
+from pydantic import Field
+
+from openrois.types.codes import StreamStatus
+from openrois.types.messages import Parameter, ReturnResult
+from openrois.types.model import Model
+
+__all__ = [
+    "EXTENSIONS",
+    "EXTENSION_VERSION",
+    "STREAM_METHODS",
+    "ConnectStreamParams",
+    "ConnectStreamResult",
+    "HelloParams",
+    "HelloResult",
+    "StreamParams",
+    "StreamStatusNotification",
+    "StreamStatusResult",
+]
+
+EXTENSION_VERSION = "1"
+EXTENSIONS = ("rois.stream", "signaling")
+
+STREAM_METHODS = {
+    "connect_stream": "rois.stream.connect_stream",
+    "disconnect_stream": "rois.stream.disconnect_stream",
+    "suspend_stream": "rois.stream.suspend_stream",
+    "resume_stream": "rois.stream.resume_stream",
+}
+"""The streaming verbs that are commands in strict RoIS terms, and the method each is."""
+
+
+class HelloParams(Model):
+    """Params of `openrois.hello`: what the asking side speaks beyond the base wire."""
+
+    version: str
+    extensions: tuple[str, ...] = Field(default=(), max_length=64, strict=False)
+
+
+class HelloResult(ReturnResult):
+    """Result of `openrois.hello`."""
+
+    version: str = EXTENSION_VERSION
+    extensions: tuple[str, ...] = Field(default=EXTENSIONS, strict=False)
+    client_id: str = ""
+
+
+class ConnectStreamParams(Model):
+    """Params of connect_stream; parameters are `encoding_parameters` and `transport_parameters`, JSON text each."""
+
+    component_ref: str
+    parameters: tuple[Parameter, ...] = Field(default=(), max_length=16, strict=False)
+
+
+class StreamParams(Model):
+    """Params of every method that acts on a connected stream."""
+
+    stream_id: str
+
+
+class ConnectStreamResult(ReturnResult):
+    """Result of connect_stream: the id that stands for this stream until it ends."""
+
+    stream_id: str = ""
+
+
+class StreamStatusResult(ReturnResult):
+    """Result of query_stream_status."""
+
+    status: Annotated[StreamStatus, Field(strict=False)] = StreamStatus.STREAMING_NOT_CONNECTED
+
+
+class StreamStatusNotification(Model):
+    """Params of the notification `rois.stream.notify_stream_status`; `timestamp` is a DateTime."""
+
+    method: ClassVar[str] = "rois.stream.notify_stream_status"
+
+    stream_id: str
+    component_ref: str
+    status: Annotated[StreamStatus, Field(strict=False)]
+    timestamp: str

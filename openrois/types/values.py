@@ -1,0 +1,88 @@
+"""Values: text in every Result, Parameter and Argument, read by the `data_type_ref` of the profile."""
+
+import json
+import re
+from datetime import UTC, datetime
+from typing import Any, Final
+
+from openrois.types.codes import ComponentStatus
+
+__all__ = ["check_value", "date_time", "encode_list"]
+
+_INTEGER: Final = re.compile(r"-?[0-9]{1,20}", re.ASCII)
+_NUMBER: Final = re.compile(r"-?[0-9]{1,40}(\.[0-9]{1,40})?([eE][+-]?[0-9]{1,4})?", re.ASCII)
+_INTEGERS: Final = {"int", "integer", "long", "short"}
+_NUMBERS: Final = {"float", "double"}
+_TRUTHS: Final = {"bool", "boolean"}
+_MAX_DEPTH: Final = 8
+
+
+def check_value(data_type_ref: str, value: str) -> None:
+    """Refuse a value that does not fit its type.
+
+    Args:
+        data_type_ref: the type's code, in any case: `int`, `double`, `boolean`, `Component_Status`, `T[]`; whatever
+            else it names is text and fits.
+        value: the text on the wire; of a `T[]` a JSON array.
+
+    Raises:
+        ValueError: it does not fit; the message says what was expected.
+    """
+    code = data_type_ref.lower()
+    if code.endswith("[]"):
+        _check_list(code, value)
+    elif not _fits_scalar(code, value):
+        raise ValueError(f"{value[:80]!r} is not of type {data_type_ref}")
+
+
+def _fits_scalar(code: str, value: str) -> bool:
+    if code in _INTEGERS:
+        return _INTEGER.fullmatch(value) is not None
+    if code in _NUMBERS:
+        return _NUMBER.fullmatch(value) is not None
+    if code in _TRUTHS:
+        return value in ("true", "false")
+    if code == "component_status":
+        return value in ComponentStatus.__members__
+    return True
+
+
+def _check_list(code: str, value: str) -> None:
+    try:
+        parsed = json.loads(value)
+    except (ValueError, RecursionError):
+        raise ValueError(f"{value[:80]!r} is not a JSON array") from None
+    _check_items(code, parsed, 0)
+
+
+def _check_items(code: str, parsed: Any, depth: int) -> None:
+    if not isinstance(parsed, list) or depth >= _MAX_DEPTH:
+        raise ValueError(f"a value of type {code} is a JSON array, nested at most {_MAX_DEPTH} deep")
+    item_code = code.removesuffix("[]")
+    for item in parsed:
+        if item_code.endswith("[]"):
+            _check_items(item_code, item, depth + 1)
+        elif not _fits_item(item_code, item):
+            raise ValueError(f"an item of the array is not of type {item_code}")
+
+
+def _fits_item(code: str, item: Any) -> bool:
+    if code in _TRUTHS:
+        return isinstance(item, bool)
+    if isinstance(item, bool):
+        return False
+    if code in _INTEGERS:
+        return isinstance(item, int)
+    if code in _NUMBERS:
+        return isinstance(item, int | float)
+    return isinstance(item, str) and _fits_scalar(code, item)
+
+
+def encode_list(items: list[str] | tuple[str, ...]) -> str:
+    """Write a `string[]` or `RoISIdentifier[]` value."""
+    return json.dumps(list(items), ensure_ascii=False)
+
+
+def date_time(epoch_seconds: float) -> str:
+    """Write a DateTime value: ISO 8601, UTC, microseconds."""
+    return datetime.fromtimestamp(epoch_seconds, UTC).isoformat(timespec="microseconds")

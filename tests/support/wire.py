@@ -1,0 +1,127 @@
+"""Connections for tests: a bus served over memory or over a real WebSocket, and an application's end of a session."""
+
+import asyncio
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+from openrois.application import EngineHost
+from openrois.contract import ComponentBus
+from openrois.engine import Engine
+from openrois.gateway.adapters import serve_adapter
+from openrois.gateway.applications import serve_application
+from openrois.jsonrpc.session import RpcSession
+from openrois.remote.proxy import RemoteProxy
+from openrois.remote.serve import serve_engine
+from openrois.tasks import TaskScope
+from openrois.transport.memory import memory_pair
+from openrois.transport.stream import MessageStream
+
+
+async def no_wait(_seconds: float) -> None:
+    """Stand in for a clock whose time passes at once."""
+
+
+@asynccontextmanager
+async def hosted(engine: Engine) -> AsyncIterator[EngineHost]:
+    async with TaskScope() as tasks:
+        yield EngineHost(engine, tasks, sleep=no_wait)
+
+
+@asynccontextmanager
+async def engine_over(*buses: ComponentBus, engine_id: str = "gateway") -> AsyncIterator[Engine]:
+    engine = Engine(engine_id)
+    for bus in buses:
+        await engine.attach(bus)
+    yield engine
+
+
+@asynccontextmanager
+async def proxied(
+    engine: Engine, streams: tuple[MessageStream, MessageStream] | None = None
+) -> AsyncIterator[RemoteProxy]:
+    """Serve `engine` on one end of a connection and yield the proxy on the other."""
+    near, far = streams or memory_pair()
+    session = RpcSession(near)
+    proxy = RemoteProxy(session, lambda: None)
+    session.notifications = proxy.notifications()
+    async with hosted(engine) as host, asyncio.TaskGroup() as tasks:
+        serving = tasks.create_task(serve_engine(host, far))
+        running = tasks.create_task(session.run())
+        running.add_done_callback(lambda _task: proxy.lost("the connection has ended"))
+        try:
+            await proxy.discover()
+            yield proxy
+        finally:
+            await near.close()
+            await asyncio.wait({serving, running}, timeout=5)
+
+
+@dataclass
+class Application:
+    """An application's end: asks, and keeps what it is told."""
+
+    session: RpcSession
+    told: asyncio.Queue[tuple[str, dict[str, Any]]] = field(default_factory=asyncio.Queue)
+
+    async def ask(self, method: str, **params: Any) -> dict[str, Any]:
+        answer: dict[str, Any] = await self.session.call(method, params, timeout=5)
+        return answer
+
+    async def next(self, method: str) -> dict[str, Any]:
+        """Return the next notification of `method`, passing over others."""
+        async with asyncio.timeout(5):
+            while True:
+                name, params = await self.told.get()
+                if name == method:
+                    return params
+
+
+NOTIFICATIONS = (
+    "rois.command.completed",
+    "rois.event.notify_event",
+    "rois.system.profile_changed",
+    "rois.system.notify_error",
+    "rois.stream.notify_stream_status",
+    "signaling.offer",
+    "signaling.candidate",
+    "signaling.bye",
+)
+
+
+@asynccontextmanager
+async def application(host: EngineHost, ice_servers: tuple[str, ...] = ()) -> AsyncIterator[Application]:
+    """Connect an application to the gateway's side of `host` over memory."""
+    near, far = memory_pair()
+    app = Application(RpcSession(near))
+    app.session.notifications = {
+        name: (lambda params, name=name: app.told.put_nowait((name, params))) for name in NOTIFICATIONS
+    }
+    async with asyncio.TaskGroup() as tasks:
+        serving = tasks.create_task(serve_application(host, far, ice_servers))
+        running = tasks.create_task(app.session.run())
+        try:
+            yield app
+        finally:
+            await near.close()
+            await asyncio.wait({serving, running}, timeout=5)
+
+
+@asynccontextmanager
+async def adapter_leg(host: EngineHost, engine: Engine) -> AsyncIterator[MessageStream]:
+    """Attach `engine` to the gateway's `host` as an adapter over memory; yields the adapter's end."""
+    near, far = memory_pair()
+    changed = asyncio.Event()
+    stop = host.engine.on_change(changed.set)
+    async with hosted(engine) as adapter_host, asyncio.TaskGroup() as tasks:
+        serving = tasks.create_task(serve_adapter(host, near))
+        served = tasks.create_task(serve_engine(adapter_host, far))
+        try:
+            async with asyncio.timeout(5):
+                await changed.wait()
+            stop()
+            yield far
+        finally:
+            await far.close()
+            await asyncio.wait({serving, served}, timeout=5)
