@@ -16,7 +16,7 @@ CLOSE_TIMEOUT = 5.0
 _log = logging.getLogger(__name__)
 
 
-class SourceEnded(Exception):  # noqa: N818 - an end is not always an error
+class SourceEnded(Exception):
     """The source has no more items. `__cause__` is the failure that ended it; None when it simply came to its end."""
 
 

@@ -1,0 +1,162 @@
+"""One encoding of one source, made once and shared by every viewer that plays it."""
+
+from collections import deque
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from functools import partial
+from typing import Generic, TypeVar
+
+from openrois_streaming.clock import MediaClock
+from openrois_streaming.encoded import EncodedFrame
+from openrois_streaming.encoding import EncodedSource, Encoding
+from openrois_streaming.fanout import DropOldest, Fanout, Mailbox, Subscription
+from openrois_streaming.keyframes import KeyFrameCause
+
+RawT = TypeVar("RawT")
+
+
+class WholePictures:
+    """The mailbox of a viewer of predicted pictures: what it hands out can be decoded without what it lost.
+
+    Nothing comes before the first key frame. When `maxsize` pictures are waiting, all of them are lost, `on_loss` is
+    called, and it goes on with the next key frame.
+    """
+
+    __slots__ = ("_broken", "_items", "_maxsize", "_on_loss", "_waiting")
+
+    def __init__(self, maxsize: int, on_loss: Callable[[], None]) -> None:
+        if maxsize < 1:
+            raise ValueError(f"a mailbox holds at least one item, not {maxsize}")
+        self._items: deque[EncodedFrame] = deque()
+        self._maxsize = maxsize
+        self._on_loss = on_loss
+        self._waiting = True
+        self._broken = False
+
+    def put(self, item: EncodedFrame) -> int:
+        """Queue `item` if it can be decoded; returns how many were lost, none before the first key frame."""
+        full = len(self._items) >= self._maxsize
+        if item.keyframe:
+            lost = len(self._items) if full else 0
+            if full:
+                self._items.clear()
+            self._waiting = False
+            self._items.append(item)
+            return lost
+        if self._waiting:
+            return int(self._broken)
+        if not full:
+            self._items.append(item)
+            return 0
+        lost = len(self._items) + 1
+        self._items.clear()
+        self._waiting = self._broken = True
+        self._on_loss()
+        return lost
+
+    def take(self) -> EncodedFrame:
+        """Remove and return the oldest picture."""
+        return self._items.popleft()
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+
+@dataclass(frozen=True, slots=True)
+class RenditionFigures:
+    """What a rendition has done since it was made; its encoder may have run several times."""
+
+    mime_type: str
+    running: bool
+    """Whether the encoder runs now."""
+    viewers: int
+    """Subscriptions that are open now."""
+    bitrate: int
+    """The target in bit/s."""
+    encoded: int
+    """Frames that were put out."""
+    encoded_bytes: int
+    key_frames: int
+    """All key frames that were put out; each block of sound counts as one."""
+    starts: int
+    """Key frames forced for viewers that started."""
+    repairs: int
+    """Key frames forced for viewers that lost data."""
+    dropped_input: int
+    """Raw frames that were lost because the encoder was busy."""
+    encode_seconds: float
+    """Time spent in the encoder, colour conversion included."""
+
+
+class Rendition(Generic[RawT]):
+    """One media type and bit rate of one source.
+
+    Its encoder runs, in a thread of its own, from the first subscription to the last. When the encoder or the source
+    fails, every subscription ends with `SourceEnded` and the failure as its cause; the next one starts both anew.
+    """
+
+    def __init__(self, raw: Fanout[RawT], encoding: Encoding[RawT], *, clock: MediaClock, bitrate: int) -> None:
+        self._encoding = encoding
+        self._source = EncodedSource(raw, encoding, clock=clock, bitrate=bitrate)
+        self._fanout: Fanout[EncodedFrame] = Fanout(self._source, name=f"{raw.name} {encoding.mime_type}")
+
+    @property
+    def mime_type(self) -> str:
+        """`video/H264`, `video/VP8` or `audio/opus`."""
+        return self._encoding.mime_type
+
+    @property
+    def clock_rate(self) -> int:
+        """Units of `EncodedFrame.pts` per second."""
+        return self._encoding.clock_rate
+
+    @property
+    def running(self) -> bool:
+        """Whether the encoder runs: somebody is subscribed and nothing has failed."""
+        return self._fanout.running
+
+    @asynccontextmanager
+    async def subscribe(self, maxsize: int = 8) -> AsyncIterator[Subscription[EncodedFrame]]:
+        """Play this rendition while the context lasts; a viewer that is suspended leaves it.
+
+        A subscription to video begins with a key frame, which is asked for here. A reader that lets `maxsize` frames
+        wait loses them: of sound the oldest one, of video all up to the next key frame, which is asked for as a repair.
+        """
+        mailbox: Mailbox[EncodedFrame]
+        if self._encoding.predicted:
+            mailbox = WholePictures(maxsize, partial(self.request_key_frame, KeyFrameCause.REPAIR))
+        else:
+            mailbox = DropOldest(maxsize)
+        async with self._fanout.subscribe(mailbox=mailbox) as subscription:
+            self.request_key_frame(KeyFrameCause.START)
+            yield subscription
+
+    def request_key_frame(self, cause: KeyFrameCause) -> None:
+        """Ask for a key frame; it comes as soon as the budget of `cause` allows, and serves all who wait for one."""
+        self._source.request_key_frame(cause)
+
+    def set_bitrate(self, bitrate: int) -> None:
+        """Aim at `bitrate` (bit/s) from the next frame on, for all viewers.
+
+        The encoder keeps within its bounds. H.264 follows without a key frame; VP8 starts anew on a change by more
+        than a tenth, Opus on any.
+        """
+        self._source.set_bitrate(bitrate)
+
+    def figures(self) -> RenditionFigures:
+        """A snapshot of the counters."""
+        source = self._source
+        return RenditionFigures(
+            mime_type=self.mime_type,
+            running=self.running,
+            viewers=self._fanout.readers,
+            bitrate=source.bitrate,
+            encoded=source.encoded,
+            encoded_bytes=source.encoded_bytes,
+            key_frames=source.key_frames,
+            starts=source.forced[KeyFrameCause.START],
+            repairs=source.forced[KeyFrameCause.REPAIR],
+            dropped_input=source.dropped_input,
+            encode_seconds=source.encode_seconds,
+        )
