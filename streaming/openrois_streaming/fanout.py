@@ -161,7 +161,8 @@ class Fanout(Generic[T]):
         self._source = source
         self._close_timeout = close_timeout
         self._run: _Run[T] | None = None
-        self._closing: asyncio.Task[None] | None = None
+        self._pullers: set[asyncio.Task[None]] = set()
+        """The one that pulls, and those that still close what they pulled."""
 
     @property
     def readers(self) -> int:
@@ -185,10 +186,10 @@ class Fanout(Generic[T]):
     def _join(self, reader: Subscription[T]) -> _Run[T]:
         run = self._run
         if run is None or run.ended:
-            if run is not None:
-                self._closing = run.task
             run = self._run = _Run()
-            run.task = asyncio.create_task(self._pull(run, self._closing), name=f"fanout {self.name}")
+            run.task = asyncio.create_task(self._pull(run, set(self._pullers)), name=f"pull {self.name}")
+            self._pullers.add(run.task)
+            run.task.add_done_callback(self._pullers.discard)
         run.readers.append(reader)
         return run
 
@@ -198,17 +199,17 @@ class Fanout(Generic[T]):
             return
         if self._run is run:
             self._run = None
-            self._closing = run.task
-        assert run.task is not None
+        assert run.task is not None, "a run has a task from its first reader on"
         run.task.cancel()
         _, late = await asyncio.wait({run.task}, timeout=self._close_timeout)
         if late:
             _log.error("%s: the source is not closed after %.1f s", self.name, self._close_timeout)
 
-    async def _pull(self, run: _Run[T], previous: asyncio.Task[None] | None) -> None:
+    async def _pull(self, run: _Run[T], earlier: set[asyncio.Task[None]]) -> None:
         try:
-            if previous is not None:
-                await asyncio.wait({previous})
+            if earlier:
+                # A source is never open twice at once.
+                await asyncio.wait(earlier)
             async with self._source.open() as items:
                 try:
                     async for item in items:
@@ -216,6 +217,7 @@ class Fanout(Generic[T]):
                         for reader in run.readers:
                             reader._put(item)
                 except Exception as error:
+                    # Told before the source closes, which may take its time.
                     run.end(error)
                     raise
                 run.end(None)
