@@ -51,6 +51,7 @@ class LinkClient:
         self._selector.register(stream, selectors.EVENT_READ)
         self._outbox = Outbox()
         self._reason: str | None = None
+        self._failure: str | None = None
         self._writer = threading.Thread(target=self._write, name="engine-link", daemon=True)
 
     @classmethod
@@ -80,7 +81,7 @@ class LinkClient:
 
     @property
     def connected(self) -> bool:
-        """False once the adapter is gone, said goodbye, or broke the protocol; `reason` then says which."""
+        """False once `poll_commands` has found the adapter gone, or its goodbye; `reason` then says why."""
         return self._reason is None
 
     @property
@@ -132,7 +133,7 @@ class LinkClient:
     def send_event(self, event: Event) -> None:
         """Send an event. Events are never dropped: a link on which 256 of them wait is closed instead."""
         if not self._outbox.put_event(event):
-            self._end("the adapter does not read: too many events wait")
+            self._fail("the adapter does not read: too many events wait")
 
     def poll_commands(self, timeout: float = 0.0) -> list[Command]:
         """The commands that arrived since the last call, in order; waits up to `timeout` seconds for a first one.
@@ -144,7 +145,7 @@ class LinkClient:
             while self.connected and self._selector.select(self._patience(deadline)):
                 self._receive()
         except (OSError, LinkError) as error:
-            self._end(str(error))
+            self._end(self._failure or str(error))
         commands = list(self._commands)
         self._commands.clear()
         return commands
@@ -192,16 +193,21 @@ class LinkClient:
         try:
             while (message := self._outbox.take()) is not None:
                 _send(self._stream, message)
+        except TimeoutError:
+            self._fail("the adapter does not read")
         except (OSError, LinkError) as error:
-            self._end(str(error))
+            self._fail(str(error))
 
-    def _end(self, reason: str) -> None:
-        """Keep the first reason, and wake whoever waits for the socket or the outbox; called from either thread."""
-        if self._reason is None:
-            self._reason = reason
+    def _fail(self, failure: str) -> None:
+        """Hang up from either thread. The adapter's goodbye may still be there to be read: it says more."""
+        self._failure = self._failure or failure
         self._outbox.abort()
         with contextlib.suppress(OSError):  # it may be down already
             self._stream.shutdown(socket.SHUT_RDWR)
+
+    def _end(self, reason: str) -> None:
+        self._reason = self._reason or reason
+        self._fail(reason)
 
     def _release(self) -> None:
         self._selector.close()

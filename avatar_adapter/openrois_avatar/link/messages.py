@@ -18,8 +18,9 @@ MAX_TEXT: Final = 4_000
 MAX_REACTIONS: Final = 256
 MAX_VISEMES: Final = 2_000
 """Most mouth shapes in one `Speak`: as many as surely fit 64 KiB. Longer speech takes several commands."""
+MIN_SIDE: Final = 2
 MAX_SIDE: Final = 16_384
-"""Largest width or height of a picture, in pixels."""
+"""Smallest and largest width or height of a picture, in pixels."""
 MAX_CHANNELS: Final = 2
 
 VISEMES: Final = ("sil", "PP", "FF", "TH", "DD", "kk", "CH", "SS", "nn", "RR", "aa", "E", "ih", "oh", "ou")
@@ -30,6 +31,7 @@ FORMATS: Final = ("bgra", "i420", "nv12")
 Status: TypeAlias = Literal["OK", "ABORT", "ERROR"]
 _STATUSES: Final[Mapping[str, Status]] = {"OK": "OK", "ABORT": "ABORT", "ERROR": "ERROR"}
 _INT64: Final = 2**63 - 1
+_DAY_MS: Final = 86_400_000
 
 
 class LinkError(Exception):
@@ -86,7 +88,7 @@ class VideoShape:
         pixel_format = _text(body, "format", MAX_NAME)
         if pixel_format not in FORMATS:
             raise LinkError(f"format: expected one of {', '.join(FORMATS)}")
-        width, height = _integer(body, "width", 1, MAX_SIDE), _integer(body, "height", 1, MAX_SIDE)
+        width, height = _integer(body, "width", MIN_SIDE, MAX_SIDE), _integer(body, "height", MIN_SIDE, MAX_SIDE)
         return cls(width, height, _real(body.get("fps"), "fps", 0.1, 1000), pixel_format)
 
 
@@ -197,7 +199,7 @@ class Viseme:
         offset, shape, weight = item
         if shape not in VISEMES:
             raise LinkError("visemes: unknown shape")
-        return cls(_real(offset, "visemes offset_ms", 0, _INT64), shape, _real(weight, "visemes weight", 0, 1))
+        return cls(_real(offset, "visemes offset_ms", 0, _DAY_MS), shape, _real(weight, "visemes weight", 0, 1))
 
 
 @dataclass(frozen=True, slots=True)
@@ -227,7 +229,7 @@ class Speak:
         visemes = tuple(Viseme.from_json(item) for item in items)
         if any(later.offset_ms < earlier.offset_ms for earlier, later in pairwise(visemes)):
             raise LinkError("visemes: not in order of time")
-        start, duration = _integer(body, "start_ns", 0, _INT64), _integer(body, "duration_ms", 0, _INT64)
+        start, duration = _integer(body, "start_ns", 0, _INT64), _integer(body, "duration_ms", 0, _DAY_MS)
         return cls(_text(body, "id", MAX_NAME), start, visemes, duration)
 
 

@@ -23,6 +23,7 @@ from typing import Any, Final, NamedTuple, TypeAlias
 from openrois_avatar.link.messages import (
     MAX_CHANNELS,
     MAX_SIDE,
+    MIN_SIDE,
     Bye,
     Command,
     Completed,
@@ -109,6 +110,8 @@ class Audio:
         """Raise `LinkError` when the samples are not whole."""
         if not 1 <= self.channels <= MAX_CHANNELS:
             raise LinkError(f"AUDIO: channels from 1 to {MAX_CHANNELS} expected")
+        if len(self.samples) > MAX_AUDIO - AUDIO_HEADER.size:
+            raise LinkError(f"AUDIO: over the limit of {MAX_AUDIO} bytes")
         if len(self.samples) % (2 * self.channels):
             raise LinkError("AUDIO: the last sample is not whole")
 
@@ -132,14 +135,16 @@ _LATER: Final[Mapping[Sender, frozenset[MessageType]]] = {
 
 def check_picture(width: int, height: int, stride: int, pixel_format: PixelFormat, size: int) -> None:
     """Raise `LinkError` unless `size` bytes are exactly a picture of this shape."""
-    if not (1 <= width <= MAX_SIDE and 1 <= height <= MAX_SIDE):
-        raise LinkError(f"VIDEO: width and height from 1 to {MAX_SIDE} expected")
+    if not (MIN_SIDE <= width <= MAX_SIDE and MIN_SIDE <= height <= MAX_SIDE):
+        raise LinkError(f"VIDEO: width and height from {MIN_SIDE} to {MAX_SIDE} expected")
     planar = pixel_format is not PixelFormat.BGRA
     if planar and (width % 2 or height % 2 or stride % 2):
         raise LinkError("VIDEO: width, height and stride must be even in I420 and NV12")
     if stride < (width if planar else 4 * width):
         raise LinkError("VIDEO: stride shorter than a row")
     expected = stride * height * 3 // 2 if planar else stride * height
+    if size > MAX_VIDEO - VIDEO_HEADER.size:
+        raise LinkError(f"VIDEO: over the limit of {MAX_VIDEO} bytes")
     if size != expected:
         raise LinkError(f"VIDEO: {expected} bytes of pixels expected, {size} found")
 

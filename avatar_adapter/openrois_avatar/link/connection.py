@@ -1,0 +1,213 @@
+"""One connection of the engine link as the adapter sees it, from the greeting to the farewell."""
+
+from __future__ import annotations
+
+import asyncio
+import hmac
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final, Protocol, TypeVar, cast
+
+import numpy as np
+from openrois_streaming.clock import MediaClock
+from openrois_streaming.source import RawAudio
+
+from openrois_avatar.link.inlet import EngineVideo, Timestamps
+from openrois_avatar.link.messages import Bye, Command, Completed, Event, Hello, LinkError, Log, Welcome
+from openrois_avatar.link.protocol import Audio, Bytes, Message, Parser, Sender, Video, encode
+
+FAREWELL_TIMEOUT: Final = 0.5
+"""Seconds that a peer has to take our goodbye before its connection is aborted."""
+MAX_UNREAD: Final = 256 * 1024
+"""Bytes of commands that an engine may leave unread before it is cut off."""
+_NAME: Final = "openrois-avatar"
+
+_Item = TypeVar("_Item")
+
+_log = logging.getLogger(__name__)
+
+
+class Host(Protocol):
+    """What a connection asks of the server it belongs to."""
+
+    def opened(self, connection: EngineConnection) -> str | None:
+        """A connection was made; a text says why it cannot stay."""
+        ...
+
+    def greeted(self, connection: EngineConnection) -> str | None:
+        """An engine that knows the secret is there; a text says why it cannot stay."""
+        ...
+
+    def ended(self, connection: EngineConnection) -> None:
+        """The connection is gone; called once for each that was opened."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Receivers:
+    """Where what an engine sends goes. The callbacks are called on the event loop and must not block."""
+
+    clock: MediaClock
+    video: EngineVideo
+    on_audio: Callable[[RawAudio], None] | None = None
+    on_event: Callable[[Event], None] | None = None
+
+
+class EngineConnection(asyncio.BufferedProtocol):
+    """A connected engine. Its pictures are received straight into the memory they stay in."""
+
+    def __init__(self, host: Host, secret: str, receivers: Receivers, greeting_timeout: float) -> None:
+        self._host = host
+        self._secret = secret
+        self._receivers = receivers
+        self._timestamps = Timestamps(receivers.clock)
+        self._parser = Parser(Sender.ENGINE, _uninitialised)
+        self._transport: asyncio.Transport | None = None
+        self._hello: Hello | None = None
+        self._reason: str | None = None
+        self._greeting_timeout = greeting_timeout
+        loop = asyncio.get_running_loop()
+        self._timer: asyncio.TimerHandle | None = None
+        self._closed: asyncio.Future[str] = loop.create_future()
+
+    @property
+    def hello(self) -> Hello:
+        """What the engine said of itself.
+
+        Raises:
+            LinkError: it has not been welcomed.
+        """
+        if self._hello is None:
+            raise LinkError("the engine has not been welcomed")
+        return self._hello
+
+    @property
+    def connected(self) -> bool:
+        """Whether commands still reach the engine."""
+        return self._transport is not None and self._reason is None
+
+    async def closed(self) -> str:
+        """Wait for the end of the connection and give its reason; any number of tasks may wait."""
+        return await asyncio.shield(self._closed)
+
+    def send_command(self, command: Command) -> None:
+        """Send a command; never waits. An engine that leaves 256 KiB of them unread is cut off.
+
+        Raises:
+            LinkError: the engine is gone, or the command is longer than the link allows.
+        """
+        if not self.connected:
+            raise LinkError(f"the engine is gone: {self._reason}")
+        self._send(encode(command))
+        assert self._transport is not None
+        if self._transport.get_write_buffer_size() > MAX_UNREAD:
+            self.abort("the engine does not read its commands")
+
+    def close(self, reason: str) -> None:
+        """Say goodbye and end the connection, `FAREWELL_TIMEOUT` seconds from now at the latest."""
+        if self._reason is None and self._transport is not None:
+            self._reason = reason
+            self._send(encode(Bye(reason)))
+            self._shut(self._transport)
+
+    def abort(self, reason: str) -> None:
+        """End the connection at once, without a goodbye."""
+        self._reason = self._reason or reason
+        if self._transport is not None:
+            self._transport.abort()
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Called by the event loop."""
+        self._transport = cast(asyncio.Transport, transport)
+        self._allow(self._greeting_timeout, lambda: self.close("no HELLO in time"))
+        refusal = self._host.opened(self)
+        if refusal is not None:
+            self.close(refusal)
+
+    def get_buffer(self, sizehint: int) -> memoryview:
+        """Called by the event loop."""
+        return self._parser.get_buffer()
+
+    def buffer_updated(self, nbytes: int) -> None:
+        """Called by the event loop."""
+        if self._reason is not None:
+            return  # what comes after our goodbye is of no interest
+        try:
+            message = self._parser.buffer_updated(nbytes)
+            if message is not None:
+                self._take(message)
+        except LinkError as error:
+            _log.warning("engine link: closed: %s", error)
+            self.close(str(error))
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Called by the event loop."""
+        self._stop_waiting()
+        if self._reason is None:
+            self._reason = f"the connection broke: {exc}" if exc else "the engine closed the connection"
+        self._host.ended(self)
+        self._closed.set_result(self._reason)
+
+    def _take(self, message: Message) -> None:
+        match message:
+            case Video():
+                self._receivers.video.put(message)
+            case Audio():
+                self._take_audio(message)
+            case Completed() | Log():
+                _tell(self._receivers.on_event, message)
+            case Hello():
+                self._greet(message)
+            case Bye():
+                self._reason = message.reason
+                assert self._transport is not None
+                self._shut(self._transport)
+
+    def _take_audio(self, audio: Audio) -> None:
+        samples = np.frombuffer(audio.samples, dtype="<i2").reshape(-1, audio.channels)
+        _tell(self._receivers.on_audio, RawAudio(samples, self._timestamps.captured_at(audio.timestamp_ns)))
+
+    def _greet(self, hello: Hello) -> None:
+        if not hmac.compare_digest(hello.secret.encode(), self._secret.encode()):
+            raise LinkError("wrong secret")
+        refusal = self._host.greeted(self)
+        if refusal is not None:
+            raise LinkError(refusal)
+        self._hello = hello
+        self._stop_waiting()
+        self._receivers.video.begin()
+        self._send(encode(Welcome(_NAME)))
+        _log.info("engine link: %s %s is connected", hello.name, hello.version)
+
+    def _send(self, parts: tuple[Bytes, ...]) -> None:
+        assert self._transport is not None
+        self._transport.write(b"".join(parts))
+
+    def _shut(self, transport: asyncio.Transport) -> None:
+        transport.close()
+        self._allow(FAREWELL_TIMEOUT, transport.abort)
+
+    def _allow(self, seconds: float, then: Callable[[], None]) -> None:
+        """Allow `seconds` for the one thing that is waited for now, the greeting or the end."""
+        self._stop_waiting()
+        self._timer = asyncio.get_running_loop().call_later(seconds, then)
+
+    def _stop_waiting(self) -> None:
+        if self._timer is not None:
+            self._timer.cancel()
+
+
+def _tell(callback: Callable[[_Item], None] | None, item: _Item) -> None:
+    """A receiver that fails is a fault of ours and none of the engine's: its connection goes on."""
+    if callback is None:
+        return
+    try:
+        callback(item)
+    except Exception:
+        _log.exception("engine link: a receiver failed")
+
+
+def _uninitialised(size: int) -> memoryview:
+    """Memory for a payload; clearing it first would cost as much as receiving it."""
+    return np.empty(size, dtype=np.uint8).data

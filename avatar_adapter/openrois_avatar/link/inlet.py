@@ -1,0 +1,89 @@
+"""Where an engine's pictures enter the media plane: a source that outlives the engine and its connection."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from typing import Final
+
+from openrois_streaming.clock import MediaClock
+from openrois_streaming.source import RawVideo
+
+from openrois_avatar.link.picture import raw_video
+from openrois_avatar.link.protocol import Video
+
+MAX_AGE: Final = 1.0
+"""Seconds. A picture that claims to be older, or from the future, was stamped by another clock than ours."""
+_TICK: Final = 0.001
+
+
+class Timestamps:
+    """Turns an engine's timestamps into times of the media clock that never go backwards.
+
+    CLOCK_MONOTONIC is the media clock, so a true timestamp is kept. One that cannot be true (older than `MAX_AGE`, or
+    later than now) is replaced by the time of arrival.
+    """
+
+    def __init__(self, clock: MediaClock) -> None:
+        self._clock = clock
+        self._last = float("-inf")
+
+    def captured_at(self, timestamp_ns: int) -> float:
+        """The time of capture in seconds, later than every one before it."""
+        now, claimed = self._clock.now(), timestamp_ns / 1e9
+        believed = claimed if now - MAX_AGE <= claimed <= now else now
+        self._last = max(believed, self._last + _TICK)
+        return self._last
+
+
+class EngineVideo:
+    """The pictures of whichever engine is connected, as a `MediaSource`; the newest replaces one that still waits.
+
+    While no engine is connected there are no pictures, and when one comes back they go on: to a reader that is a gap,
+    never an end. While nobody has it open pictures are received and forgotten.
+
+    `received` counts the pictures that arrived, `dropped` those that a newer one replaced before they were read.
+    """
+
+    def __init__(self, clock: MediaClock) -> None:
+        self.received = 0
+        self.dropped = 0
+        self._timestamps = Timestamps(clock)
+        self._first_sequence = 0
+        self._next_sequence = 0
+        self._waiting: tuple[Video, int, float] | None = None
+        self._arrived = asyncio.Event()
+        self._open = False
+
+    def begin(self) -> None:
+        """A new engine counts its pictures from zero; ours go on where the last engine's ended."""
+        self._first_sequence = self._next_sequence
+
+    def put(self, video: Video) -> None:
+        """Take a picture from the link; never waits."""
+        self.received += 1
+        sequence = self._first_sequence + video.sequence
+        self._next_sequence = sequence + 1
+        captured_at = self._timestamps.captured_at(video.timestamp_ns)
+        if self._open:
+            self.dropped += self._waiting is not None
+            self._waiting = video, sequence, captured_at
+            self._arrived.set()
+
+    @asynccontextmanager
+    async def open(self) -> AsyncIterator[AsyncIterator[RawVideo]]:
+        """Read the pictures that arrive from now on."""
+        self._open = True
+        try:
+            yield self._pictures()
+        finally:
+            self._open, self._waiting = False, None
+
+    async def _pictures(self) -> AsyncIterator[RawVideo]:
+        while True:
+            await self._arrived.wait()
+            self._arrived.clear()
+            if self._waiting is not None:
+                (video, sequence, captured_at), self._waiting = self._waiting, None
+                yield raw_video(video, sequence, captured_at)

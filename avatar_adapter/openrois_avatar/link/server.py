@@ -1,0 +1,165 @@
+"""The adapter's side of the engine link: it listens, and has at most one engine at a time.
+
+async with LinkServer.listen() as server:           # a Unix socket in a private directory
+    engine = await server.accept(timeout=10)        # server.address and server.secret went to the engine
+    engine.send_command(React("1", "nod"))
+    async with server.video.open() as pictures: ...
+"""
+
+from __future__ import annotations
+
+import asyncio
+import ipaddress
+import secrets
+import tempfile
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager, suppress
+from pathlib import Path
+from typing import Final
+
+from openrois_streaming.clock import MediaClock, SystemClock
+from openrois_streaming.source import RawAudio
+
+from openrois_avatar.link.address import Address, TcpAddress, UnixAddress, parse_address
+from openrois_avatar.link.connection import FAREWELL_TIMEOUT, EngineConnection, Receivers
+from openrois_avatar.link.inlet import EngineVideo
+from openrois_avatar.link.messages import Event, LinkError
+
+GREETING_TIMEOUT: Final = 5.0
+"""Seconds from the connection to its HELLO."""
+MAX_STRANGERS: Final = 8
+"""Connections that have not greeted yet; one more is sent away."""
+
+
+class LinkServer:
+    """Listens for engines; made by `listen`.
+
+    `address` and `secret` are what an engine must be given, `video` (a `MediaSource`) outlives the engines that come
+    and go.
+    """
+
+    def __init__(self, secret: str, receivers: Receivers, greeting_timeout: float) -> None:
+        self.secret = secret
+        self.video = receivers.video
+        self.address = ""
+        self._receivers = receivers
+        self._greeting_timeout = greeting_timeout
+        self._connections: set[EngineConnection] = set()
+        self._engine: EngineConnection | None = None
+        self._arrived: asyncio.Queue[EngineConnection] = asyncio.Queue(maxsize=1)
+
+    @classmethod
+    @asynccontextmanager
+    async def listen(
+        cls,
+        address: str | None = None,
+        secret: str | None = None,
+        *,
+        on_audio: Callable[[RawAudio], None] | None = None,
+        on_event: Callable[[Event], None] | None = None,
+        clock: MediaClock | None = None,
+        greeting_timeout: float = GREETING_TIMEOUT,
+    ) -> AsyncIterator[LinkServer]:
+        """Listen for as long as the context lasts; leaving it says goodbye to the engine and takes half a second.
+
+        Args:
+            address: `unix:/path` or `tcp:host:port` on a loopback address (port 0: a free one); without it a Unix
+                socket in a directory of its own that only this user may enter.
+            secret: what an engine must know; without it a random one.
+            on_audio: gets the engine's blocks of sound.
+            on_event: gets the engine's events.
+            clock: the media clock; the machine's if not given.
+            greeting_timeout: seconds that an engine has for its HELLO.
+
+        Raises:
+            LinkError: the address is malformed, not of this machine alone, or cannot be listened on.
+        """
+        clock = clock or SystemClock()
+        receivers = Receivers(clock, EngineVideo(clock), on_audio, on_event)
+        server = cls(secret or secrets.token_urlsafe(32), receivers, greeting_timeout)
+        with tempfile.TemporaryDirectory(prefix="openrois-", ignore_cleanup_errors=True) as private:
+            place = parse_address(address or f"unix:{Path(private, 'engine')}")
+            listener = await server._start(place)
+            try:
+                yield server
+            finally:
+                listener.close()
+                await server._dismiss()
+                _remove(place)
+
+    @property
+    def engine(self) -> EngineConnection | None:
+        """The engine that is connected now."""
+        return self._engine
+
+    async def accept(self, timeout: float | None = None) -> EngineConnection:
+        """Wait for the next engine. One that came and went in the meantime is not given.
+
+        Raises:
+            TimeoutError: none came within `timeout` seconds.
+        """
+        async with asyncio.timeout(timeout):
+            return await self._arrived.get()
+
+    def opened(self, connection: EngineConnection) -> str | None:
+        """Called by a connection."""
+        self._connections.add(connection)
+        strangers = len(self._connections) - (self._engine is not None)
+        return "too many connections wait for their greeting" if strangers > MAX_STRANGERS else None
+
+    def greeted(self, connection: EngineConnection) -> str | None:
+        """Called by a connection."""
+        if self._engine is not None:
+            return "another engine is connected"
+        self._engine = connection
+        self._arrived.put_nowait(connection)
+        return None
+
+    def ended(self, connection: EngineConnection) -> None:
+        """Called by a connection."""
+        self._connections.discard(connection)
+        if self._engine is connection:
+            self._engine = None
+            if not self._arrived.empty():
+                self._arrived.get_nowait()
+
+    async def _start(self, place: Address) -> asyncio.Server:
+        loop = asyncio.get_running_loop()
+        try:
+            if isinstance(place, UnixAddress):
+                self.address = str(place)
+                return await loop.create_unix_server(self._connection, place.path)
+            _check_loopback(place.host)
+            listener = await loop.create_server(self._connection, place.host, place.port)
+            port = listener.sockets[0].getsockname()[1]
+        except OSError as error:
+            raise LinkError(f"cannot listen on {place}: {error}") from error
+        self.address = str(TcpAddress(place.host, port))
+        return listener
+
+    def _connection(self) -> EngineConnection:
+        return EngineConnection(self, self.secret, self._receivers, self._greeting_timeout)
+
+    async def _dismiss(self) -> None:
+        """Say goodbye to every connection and wait until all are gone."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(2 * FAREWELL_TIMEOUT):
+                for connection in list(self._connections):
+                    connection.close("the adapter ends")
+                for connection in list(self._connections):
+                    await connection.closed()
+
+
+def _remove(place: Address) -> None:
+    """Python before 3.13 leaves the socket of a closed listener in the file system."""
+    if isinstance(place, UnixAddress):
+        Path(place.path).unlink(missing_ok=True)
+
+
+def _check_loopback(host: str) -> None:
+    try:
+        loopback = host == "localhost" or ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        loopback = False
+    if not loopback:
+        raise LinkError(f"the engine link stays on this machine: {host} is not a loopback address")

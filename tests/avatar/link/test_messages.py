@@ -1,0 +1,206 @@
+import json
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from openrois_avatar.link.messages import (
+    MAX_NAME,
+    MAX_REACTIONS,
+    MAX_TEXT,
+    MAX_VISEMES,
+    VISEMES,
+    Bye,
+    Command,
+    Completed,
+    Event,
+    Hello,
+    LinkError,
+    Log,
+    Look,
+    Quit,
+    React,
+    Silence,
+    Speak,
+    Stop,
+    VideoShape,
+    Viseme,
+    Welcome,
+    command_from_json,
+    event_from_json,
+)
+
+HELLO = Hello("puppet", "1.0", VideoShape(640, 360, 29.97, "i420"), 2, ("nod", "bow"), "s3cret")
+SPEAK = Speak("7", 123_456_789_000, (Viseme(0, "PP", 0.5), Viseme(62.5, "aa", 1)), 900)
+COMMANDS: list[Command] = [React("1", "nod"), SPEAK, Silence(), Look(-1, 0.25), Stop("1"), Stop(), Quit()]
+EVENTS: list[Event] = [Completed("1", "OK"), Completed("é", "ABORT"), Completed("2", "ERROR"), Log("shader compiled")]
+
+json_values = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=8), inner, max_size=3),
+    max_leaves=6,
+)
+
+
+def on_the_wire(body: dict[str, Any]) -> dict[str, Any]:
+    read: dict[str, Any] = json.loads(json.dumps(body))
+    return read
+
+
+def test_hello_travels_whole() -> None:
+    assert Hello.from_json(on_the_wire(HELLO.to_json())) == HELLO
+
+
+def test_an_engine_without_sound_says_null() -> None:
+    silent = Hello("x", "1", VideoShape(2, 2, 1))
+    assert silent.to_json()["audio"] is None
+    assert Hello.from_json(on_the_wire(silent.to_json())) == silent
+
+
+def test_the_secret_is_never_printed() -> None:
+    assert "s3cret" not in repr(HELLO)
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_commands_travel_whole(command: Command) -> None:
+    assert command_from_json(on_the_wire(command.to_json())) == command
+
+
+@pytest.mark.parametrize("event", EVENTS)
+def test_events_travel_whole(event: Event) -> None:
+    assert event_from_json(on_the_wire(event.to_json())) == event
+
+
+def test_greeting_and_farewell_travel_whole() -> None:
+    assert Welcome.from_json(on_the_wire(Welcome("openrois").to_json())) == Welcome("openrois")
+    assert Bye.from_json(on_the_wire(Bye("drain").to_json())) == Bye("drain")
+
+
+def test_unknown_members_are_ignored() -> None:
+    assert command_from_json({"command": "look", "x": 0, "y": 0, "z": 1}) == Look(0, 0)
+
+
+def test_long_reasons_and_logs_are_cut_to_what_the_peer_accepts() -> None:
+    assert Bye.from_json(Bye("x" * 10_000).to_json()) == Bye("x" * MAX_TEXT)
+    assert event_from_json(Log("y" * 10_000).to_json()) == Log("y" * MAX_TEXT)
+
+
+def hello_with(**changes: Any) -> dict[str, Any]:
+    return {**HELLO.to_json(), **changes}
+
+
+def shape_with(**changes: Any) -> dict[str, Any]:
+    return hello_with(video={**HELLO.video.to_json(), **changes})
+
+
+@pytest.mark.parametrize(
+    ("body", "named"),
+    [
+        (hello_with(name=None), "name: expected a string"),
+        (hello_with(name="x" * (MAX_NAME + 1)), "name: longer"),
+        (hello_with(version=1), "version"),
+        (hello_with(secret="\ud800"), "secret: half of a surrogate pair"),
+        (hello_with(video=None), "video: expected an object"),
+        (hello_with(video=[]), "video: expected an object"),
+        (hello_with(audio={}), "channels"),
+        (hello_with(audio={"channels": 3}), "channels"),
+        (hello_with(audio={"channels": True}), "channels"),
+        (hello_with(audio=1), "audio"),
+        (hello_with(reactions=None), "reactions"),
+        (hello_with(reactions=["nod", 1]), "reactions"),
+        (hello_with(reactions=["nod"] * (MAX_REACTIONS + 1)), "reactions"),
+        (shape_with(width=1), "width: expected an integer from 2 to 16384"),
+        (shape_with(height=20_000), "height"),
+        (shape_with(width=640.0), "width"),
+        (shape_with(fps=0), "fps"),
+        (shape_with(fps=float("nan")), "fps"),
+        (shape_with(fps="30"), "fps"),
+        (shape_with(fps=True), "fps"),
+        (shape_with(format="rgba"), "format: expected one of bgra, i420, nv12"),
+    ],
+)
+def test_a_bad_hello_is_refused_by_name(body: dict[str, Any], named: str) -> None:
+    with pytest.raises(LinkError, match=named):
+        Hello.from_json(body)
+
+
+def speak_with(**changes: Any) -> dict[str, Any]:
+    return {**SPEAK.to_json(), **changes}
+
+
+@pytest.mark.parametrize(
+    ("body", "named"),
+    [
+        ({}, "command: expected a string"),
+        ({"command": "dance"}, "command: unknown"),
+        ({"command": "react", "id": "1"}, "reaction"),
+        ({"command": "react", "reaction": "nod"}, "id"),
+        ({"command": "look", "x": 2, "y": 0}, "x: expected a number from -1 to 1"),
+        ({"command": "look", "x": 0}, "y"),
+        ({"command": "stop", "id": 3}, "id"),
+        (speak_with(start_ns=-1), "start_ns"),
+        (speak_with(start_ns=2**63), "start_ns"),
+        (speak_with(duration_ms=1.5), "duration_ms"),
+        (speak_with(visemes={}), "visemes"),
+        (speak_with(visemes=[[0, "aa", 1]] * (MAX_VISEMES + 1)), "visemes"),
+        (speak_with(visemes=[[0, "aa"]]), "arrays of three"),
+        (speak_with(visemes=["abc"]), "arrays of three"),
+        (speak_with(visemes=[[0, "AA", 1]]), "unknown shape"),
+        (speak_with(visemes=[[0, [], 1]]), "unknown shape"),
+        (speak_with(visemes=[[-1, "aa", 1]]), "offset_ms"),
+        (speak_with(visemes=[[86_400_001, "aa", 1]]), "offset_ms"),
+        (speak_with(duration_ms=86_400_001), "duration_ms"),
+        (speak_with(visemes=[[0, "aa", 1.1]]), "weight"),
+        (speak_with(visemes=[[5, "aa", 1], [4, "aa", 1]]), "not in order"),
+    ],
+)
+def test_a_bad_command_is_refused_by_name(body: dict[str, Any], named: str) -> None:
+    with pytest.raises(LinkError, match=named):
+        command_from_json(body)
+
+
+@pytest.mark.parametrize(
+    ("body", "named"),
+    [
+        ({"event": "dance"}, "event: unknown"),
+        ({"event": "completed", "id": "1", "status": "DONE"}, "status: expected OK, ABORT or ERROR"),
+        ({"event": "completed", "status": "OK"}, "id"),
+        ({"event": "log"}, "text"),
+    ],
+)
+def test_a_bad_event_is_refused_by_name(body: dict[str, Any], named: str) -> None:
+    with pytest.raises(LinkError, match=named):
+        event_from_json(body)
+
+
+def test_there_are_fifteen_mouth_shapes() -> None:
+    assert len(set(VISEMES)) == 15
+
+
+def test_the_largest_speech_fits_one_message() -> None:
+    longest = Viseme(86_399_999.95, "sil", 1 / 3)
+    body = Speak("x" * MAX_NAME, 2**63 - 1, (longest,) * MAX_VISEMES, 86_400_000).to_json()
+    assert len(json.dumps(body, separators=(",", ":"))) < 64 * 1024
+
+
+READERS: list[Callable[[Mapping[str, Any]], object]] = [
+    Hello.from_json,
+    Welcome.from_json,
+    Bye.from_json,
+    command_from_json,
+    event_from_json,
+]
+TEMPLATES = [HELLO.to_json(), Welcome("x").to_json(), Bye("y").to_json()]
+TEMPLATES += [command.to_json() for command in COMMANDS] + [event.to_json() for event in EVENTS]
+
+
+@given(st.data())
+def test_no_body_does_more_harm_than_a_link_error(data: st.DataObject) -> None:
+    body = dict(data.draw(st.sampled_from(TEMPLATES)))
+    for name in data.draw(st.lists(st.sampled_from(sorted(body)), max_size=2)):
+        body[name] = data.draw(json_values)
+    for read in READERS:
+        with suppress(LinkError):
+            read(body)

@@ -1,0 +1,81 @@
+import threading
+
+from openrois_avatar.link.messages import Bye, Completed, Log
+from openrois_avatar.link.outbox import MAX_AUDIO_BLOCKS, MAX_EVENTS, Outbox
+from openrois_avatar.link.protocol import Audio, Message, PixelFormat, Video
+
+
+def picture(sequence: int) -> Video:
+    return Video(sequence, 0, 2, 2, 8, PixelFormat.BGRA, bytes(16))
+
+
+def block(sequence: int) -> Audio:
+    return Audio(sequence, 0, 1, bytes(2))
+
+
+def test_events_go_first_then_sound_then_the_picture() -> None:
+    outbox = Outbox()
+    outbox.put_video(picture)
+    outbox.put_audio(block)
+    outbox.put_event(Log("a"))
+    outbox.put_event(Log("b"))
+    assert [outbox.take() for _ in range(4)] == [Log("a"), Log("b"), block(0), picture(0)]
+
+
+def test_the_newest_picture_replaces_the_one_that_waits_and_the_gap_shows() -> None:
+    outbox = Outbox()
+    for _ in range(3):
+        outbox.put_video(picture)
+    assert outbox.take() == picture(2)
+    assert outbox.dropped_video == 2
+
+
+def test_sound_is_bounded_and_loses_its_oldest_block() -> None:
+    outbox = Outbox()
+    for _ in range(MAX_AUDIO_BLOCKS + 3):
+        outbox.put_audio(block)
+    assert outbox.take() == block(3)
+    assert outbox.dropped_audio == 3
+
+
+def test_events_are_bounded_and_never_lost_silently() -> None:
+    outbox = Outbox()
+    assert all(outbox.put_event(Completed(str(number), "OK")) for number in range(MAX_EVENTS))
+    assert not outbox.put_event(Completed("one too many", "OK"))
+    assert outbox.take() == Completed("0", "OK")
+
+
+def test_finishing_sends_the_events_and_the_farewell() -> None:
+    outbox = Outbox()
+    outbox.put_video(picture)
+    outbox.put_audio(block)
+    outbox.put_event(Log("last"))
+    outbox.finish(Bye("end"))
+    outbox.finish(Bye("again"))
+    assert [outbox.take() for _ in range(3)] == [Log("last"), Bye("end"), None]
+
+
+def test_aborting_sends_nothing_more() -> None:
+    outbox = Outbox()
+    outbox.put_event(Log("lost"))
+    outbox.abort()
+    assert outbox.take() is None
+
+
+def test_the_writer_wakes_for_work_and_for_the_end() -> None:
+    outbox = Outbox()
+    taken: list[Message] = []
+    half_way = threading.Event()
+
+    def write() -> None:
+        while (message := outbox.take()) is not None:
+            taken.append(message)
+            half_way.set()
+
+    writer = threading.Thread(target=write)
+    writer.start()
+    outbox.put_audio(block)
+    assert half_way.wait(5)
+    outbox.finish(Bye("end"))
+    writer.join(5)
+    assert taken == [block(0), Bye("end")]

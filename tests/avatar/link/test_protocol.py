@@ -1,0 +1,292 @@
+import json
+import struct
+from contextlib import suppress
+from itertools import cycle
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from openrois_avatar.link.messages import (
+    MAX_VISEMES,
+    Bye,
+    Completed,
+    Hello,
+    LinkError,
+    Log,
+    Look,
+    Quit,
+    React,
+    Silence,
+    Speak,
+    Stop,
+    VideoShape,
+    Viseme,
+    Welcome,
+)
+from openrois_avatar.link.protocol import (
+    AUDIO_HEADER,
+    HEADER,
+    MAX_AUDIO,
+    MAX_JSON,
+    MAX_VIDEO,
+    VIDEO_HEADER,
+    Audio,
+    Message,
+    MessageType,
+    Parser,
+    PixelFormat,
+    Sender,
+    Video,
+    encode,
+)
+
+HELLO = Hello("puppet", "1.0", VideoShape(4, 2, 30), 1, ("nod",), "secret")
+BGRA = Video(1, 2, 4, 2, 16, PixelFormat.BGRA, bytes(range(32)), bottom_up=True)
+I420 = Video(2, 3, 4, 2, 6, PixelFormat.I420, bytes(18))
+NV12 = Video(2**64 - 1, 2**64 - 1, 2, 2, 2, PixelFormat.NV12, bytes(6))
+SOUND = Audio(3, 4, 2, bytes(3840))
+SPEAK = Speak("2", 5, (Viseme(0.0, "PP", 1.0),), 100)
+FROM_ENGINE: list[Message] = [HELLO, BGRA, I420, NV12, SOUND, Completed("1", "OK"), Log("ä"), Bye("end")]
+FROM_ADAPTER: list[Message] = [
+    Welcome("x"),
+    React("1", "nod"),
+    SPEAK,
+    Silence(),
+    Look(0.0, 1.0),
+    Stop(),
+    Quit(),
+    Bye(""),
+]
+SIDES = [(Sender.ENGINE, FROM_ENGINE), (Sender.ADAPTER, FROM_ADAPTER)]
+
+
+def wire(*messages: Message) -> bytes:
+    return b"".join(b"".join(encode(message)) for message in messages)
+
+
+def plain(messages: list[Message]) -> list[Message]:
+    """With pixels and samples as bytes, so that messages can be compared."""
+    return [_plain(message) for message in messages]
+
+
+def _plain(message: Message) -> Message:
+    match message:
+        case Video(sequence, timestamp, width, height, stride, pixel_format, pixels, bottom_up):
+            return Video(sequence, timestamp, width, height, stride, pixel_format, bytes(pixels), bottom_up)
+        case Audio(sequence, timestamp, channels, samples):
+            return Audio(sequence, timestamp, channels, bytes(samples))
+        case other:
+            return other
+
+
+def greeted(sender: Sender = Sender.ENGINE) -> Parser:
+    parser = Parser(sender)
+    parser.feed(wire(HELLO if sender is Sender.ENGINE else Welcome("x")))
+    return parser
+
+
+def raw(kind: int, payload: bytes = b"", **changes: Any) -> bytes:
+    fields = {
+        "magic": b"ORL1",
+        "kind": kind,
+        "version": 1,
+        "flags": 0,
+        "length": len(payload),
+        "reserved": 0,
+        **changes,
+    }
+    return HEADER.pack(*fields.values()) + payload
+
+
+def video_payload(pixels: int, *fields: int) -> bytes:
+    return VIDEO_HEADER.pack(*fields) + bytes(pixels)
+
+
+def test_the_headers_have_the_sizes_of_the_format() -> None:
+    assert (HEADER.size, VIDEO_HEADER.size, AUDIO_HEADER.size) == (16, 40, 24)
+
+
+def test_a_message_looks_on_the_wire_as_specified() -> None:
+    header, payload = encode(Video(7, 9, 2, 2, 8, PixelFormat.BGRA, bytes(16), bottom_up=True))
+    assert header[:16] == b"ORL1" + bytes([3, 1, 0, 0, 56, 0, 0, 0, 0, 0, 0, 0])
+    assert struct.unpack("<QQ6I", header[16:]) == (7, 9, 2, 2, 8, 1, 1, 0)
+    assert payload == bytes(16)
+    header, payload = encode(React("1", "nod"))
+    assert header == b"ORL1" + bytes([5, 1, 0, 0, len(payload), 0, 0, 0, 0, 0, 0, 0])
+    assert json.loads(bytes(payload)) == {"command": "react", "id": "1", "reaction": "nod"}
+
+
+@pytest.mark.parametrize(("sender", "messages"), SIDES)
+def test_every_message_travels_whole(sender: Sender, messages: list[Message]) -> None:
+    assert plain(Parser(sender).feed(wire(*messages))) == messages
+
+
+@given(st.sampled_from(SIDES), st.lists(st.integers(1, 60) | st.integers(1, 5000), min_size=1, max_size=8))
+@settings(max_examples=40)
+def test_chunks_do_not_matter(side: tuple[Sender, list[Message]], sizes: list[int]) -> None:
+    sender, messages = side
+    parser, data, found = Parser(sender), wire(*messages), list[Message]()
+    for size in cycle(sizes):
+        if not data:
+            break
+        found += parser.feed(data[:size])
+        data = data[size:]
+    assert plain(found) == messages
+
+
+@given(st.sampled_from(SIDES), st.integers(1, 5000))
+@settings(max_examples=40)
+def test_a_socket_may_write_straight_to_where_the_payload_stays(side: tuple[Sender, list[Message]], most: int) -> None:
+    sender, messages = side
+    parser, data, found = Parser(sender), wire(*messages), list[Message]()
+    while data:
+        target = parser.get_buffer()
+        count = min(most, len(target), len(data))
+        assert count
+        target[:count] = data[:count]
+        data = data[count:]
+        message = parser.buffer_updated(count)
+        if message is not None:
+            found.append(message)
+    assert plain(found) == messages
+
+
+def test_a_whole_picture_is_not_copied() -> None:
+    data = bytearray(wire(BGRA))
+    (message,) = greeted().feed(data)
+    assert isinstance(message, Video)
+    data[-1] = 99
+    assert message.pixels[-1] == 99
+
+
+def test_payloads_that_arrive_in_pieces_are_put_where_the_caller_says() -> None:
+    given_out: list[bytearray] = []
+
+    def allocate(size: int) -> bytearray:
+        given_out.append(bytearray(size))
+        return given_out[-1]
+
+    parser = Parser(Sender.ENGINE, allocate)
+    data = wire(HELLO, BGRA)
+    parser.feed(data[:-5])
+    (message,) = parser.feed(data[-5:])
+    assert isinstance(message, Video)
+    assert [len(buffer) for buffer in given_out] == [72]
+    assert bytes(message.pixels) == bytes(given_out[0][40:])
+    with pytest.raises(TypeError):
+        message.pixels[0] = 1  # type: ignore[index]
+
+
+def test_the_header_is_not_overwritten_by_what_follows_an_empty_payload() -> None:
+    with pytest.raises(LinkError, match="bad BYE: the payload is not JSON"):
+        greeted().feed(raw(MessageType.BYE))
+    parser = greeted()
+    parser.feed(raw(MessageType.BYE)[:7])
+    with pytest.raises(LinkError, match="bad BYE: the payload is not JSON"):
+        parser.feed(raw(MessageType.BYE)[7:])
+
+
+@pytest.mark.parametrize(
+    ("data", "named"),
+    [
+        (raw(6, magic=b"HTTP"), "bad magic"),
+        (raw(6, version=2), "version 2 is not spoken here, only 1"),
+        (raw(6, flags=1), "unknown flags in the header"),
+        (raw(6, reserved=1), "unknown flags in the header"),
+        (raw(0), "unknown message type 0"),
+        (raw(8), "unknown message type 8"),
+        (raw(1), "HELLO is not expected here"),
+        (raw(2), "WELCOME is not expected here"),
+        (raw(5), "COMMAND is not expected here"),
+        (raw(6, length=MAX_JSON + 1), "EVENT of 65537 bytes is over the limit of 65536"),
+        (raw(7, length=MAX_JSON + 1), "BYE of 65537"),
+        (raw(4, length=MAX_AUDIO + 1), "AUDIO of 65537"),
+        (raw(3, length=MAX_VIDEO + 1), "VIDEO of 67108865"),
+        (raw(6, b"{"), "bad EVENT: the payload is not JSON"),
+        (raw(6, b"\xff"), "bad EVENT: the payload is not JSON"),
+        (raw(6, b'{"event": NaN}'), "bad EVENT: the payload is not JSON"),
+        (raw(6, b"[" * 60_000), "bad EVENT: the payload is not JSON"),
+        (raw(6, b"1" * 60_000), "bad EVENT: the payload is not JSON"),
+        (raw(6, b"[]"), "bad EVENT: the payload is not a JSON object"),
+        (raw(6, b"{}"), "bad EVENT: event: expected a string"),
+        (raw(3, bytes(39)), "bad VIDEO: VIDEO: shorter than its header"),
+        (raw(3, video_payload(32, 1, 1, 4, 2, 16, 1, 2, 0)), "unknown flags"),
+        (raw(3, video_payload(32, 1, 1, 4, 2, 16, 1, 0, 1)), "unknown flags"),
+        (raw(3, video_payload(32, 1, 1, 4, 2, 16, 4, 0, 0)), "unknown pixel format"),
+        (raw(3, video_payload(32, 1, 1, 4, 2, 15, 1, 0, 0)), "stride shorter than a row"),
+        (raw(3, video_payload(31, 1, 1, 4, 2, 16, 1, 0, 0)), "32 bytes of pixels expected, 31 found"),
+        (raw(3, video_payload(33, 1, 1, 4, 2, 16, 1, 0, 0)), "32 bytes of pixels expected, 33 found"),
+        (raw(3, video_payload(32, 1, 1, 1, 2, 16, 1, 0, 0)), "width and height"),
+        (raw(3, video_payload(32, 1, 1, 4, 2**32 - 1, 16, 1, 0, 0)), "width and height"),
+        (raw(3, video_payload(18, 1, 1, 3, 2, 6, 2, 0, 0)), "must be even"),
+        (raw(3, video_payload(18, 1, 1, 4, 3, 4, 2, 0, 0)), "must be even"),
+        (raw(3, video_payload(15, 1, 1, 4, 2, 5, 3, 0, 0)), "must be even"),
+        (raw(3, video_payload(6, 1, 1, 4, 2, 2, 3, 0, 0)), "stride shorter than a row"),
+        (raw(4, bytes(23)), "AUDIO: shorter than its header"),
+        (raw(4, AUDIO_HEADER.pack(1, 1, 1, 1)), "AUDIO: unknown flags"),
+        (raw(4, AUDIO_HEADER.pack(1, 1, 0, 0)), "AUDIO: channels"),
+        (raw(4, AUDIO_HEADER.pack(1, 1, 3, 0)), "AUDIO: channels"),
+        (raw(4, AUDIO_HEADER.pack(1, 1, 2, 0) + bytes(6)), "AUDIO: the last sample is not whole"),
+    ],
+)
+def test_malformed_bytes_are_named(data: bytes, named: str) -> None:
+    with pytest.raises(LinkError, match=named):
+        greeted().feed(data)
+
+
+@pytest.mark.parametrize("kind", [3, 4, 5, 6, 2])
+def test_an_engine_says_hello_before_it_may_cost_memory(kind: int) -> None:
+    with pytest.raises(LinkError, match="is not expected here"):
+        Parser(Sender.ENGINE).feed(raw(kind, length=MAX_VIDEO if kind == 3 else 10))
+
+
+@pytest.mark.parametrize("kind", [1, 3, 4, 5, 6])
+def test_an_adapter_says_welcome_first(kind: int) -> None:
+    with pytest.raises(LinkError, match="is not expected here"):
+        Parser(Sender.ADAPTER).feed(raw(kind))
+
+
+def test_goodbye_may_be_the_first_word() -> None:
+    assert Parser(Sender.ADAPTER).feed(wire(Bye("full"))) == [Bye("full")]
+    assert Parser(Sender.ENGINE).feed(wire(Bye("no display"))) == [Bye("no display")]
+
+
+@given(st.sampled_from(SIDES), st.data())
+@settings(max_examples=150)
+def test_mutated_bytes_raise_nothing_else(side: tuple[Sender, list[Message]], data: st.DataObject) -> None:
+    sender, messages = side
+    mutated = bytearray(wire(*messages[:1], *data.draw(st.permutations(messages[1:]))))
+    for place in data.draw(st.lists(st.integers(0, min(len(mutated), 600) - 1), max_size=4)):
+        mutated[place] = data.draw(st.integers(0, 255))
+    cut = data.draw(st.integers(0, len(mutated)))
+    parser = Parser(sender)
+    with suppress(LinkError):
+        parser.feed(mutated[:cut])
+        parser.feed(mutated[cut:])
+
+
+@given(st.binary(max_size=200))
+@settings(max_examples=50)
+def test_arbitrary_bytes_raise_nothing_else(data: bytes) -> None:
+    for prefix in (b"", wire(HELLO), wire(HELLO) + b"ORL1", wire(HELLO) + raw(6, length=len(data))):
+        with suppress(LinkError):
+            Parser(Sender.ENGINE).feed(prefix + data)
+
+
+def test_what_does_not_fit_the_link_cannot_be_made_or_sent() -> None:
+    with pytest.raises(LinkError, match="timestamp_ns does not fit"):
+        encode(Video(1, -1, 2, 2, 8, PixelFormat.BGRA, bytes(16)))
+    with pytest.raises(LinkError, match=r"COMMAND of .* over the limit"):
+        encode(Speak("1", 0, (Viseme(0, "sil", 1),) * (4 * MAX_VISEMES), 0))
+    with pytest.raises(LinkError, match="not JSON compliant"):
+        encode(Look(float("nan"), 0))
+    with pytest.raises(LinkError, match="AUDIO: over the limit"):
+        Audio(0, 0, 1, bytes(MAX_AUDIO))
+    with pytest.raises(LinkError, match="VIDEO: over the limit"):
+        Video(0, 0, 4096, 4096, 16384, PixelFormat.BGRA, bytes(2**26))
+
+
+def test_the_sequence_wraps_at_64_bits() -> None:
+    header, _ = encode(Audio(2**64 + 5, 1, 1, b""))
+    assert AUDIO_HEADER.unpack_from(header, HEADER.size)[0] == 5
