@@ -1,0 +1,27 @@
+/** Typed events: a listener that throws is reported and harms no other listener. */
+
+type Listener<T> = (value: T) => void;
+
+/** Calls its listeners in the order in which they were added. */
+export class Emitter<Events extends object> {
+  readonly #listeners = new Map<keyof Events, Set<Listener<never>>>();
+
+  /** Adds a listener; the function that comes back takes it away again. */
+  on<Name extends keyof Events>(name: Name, listener: Listener<Events[Name]>): () => void {
+    const listeners = this.#listeners.get(name) ?? new Set();
+    this.#listeners.set(name, listeners);
+    listeners.add(listener as Listener<never>);
+    return () => void listeners.delete(listener as Listener<never>);
+  }
+
+  emit<Name extends keyof Events>(name: Name, value: Events[Name]): void {
+    // A copy, since a listener may take itself away while it runs.
+    for (const listener of [...(this.#listeners.get(name) ?? [])]) {
+      try {
+        (listener as Listener<Events[Name]>)(value);
+      } catch (error) {
+        console.error(`openrois: a listener of "${String(name)}" failed`, error);
+      }
+    }
+  }
+}

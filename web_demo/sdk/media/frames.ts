@@ -1,0 +1,129 @@
+/** What a video element presents, frame by frame, and the last picture for when there is none. */
+
+import { Emitter } from "../events.ts";
+import { CELLS, readStamp, stampRows, stampWallTime, stripBits } from "./stamp.ts";
+import type { Stamp } from "./stamp.ts";
+import { wallNow } from "./clock_offset.ts";
+
+export interface PresentedFrame {
+  /** On the clock of `performance.now`, in milliseconds: when the frame is expected to be visible. */
+  readonly visibleAt: number;
+  /** How many frames the element has presented. */
+  readonly presented: number;
+}
+
+/** Follows the frames that a video element presents, whichever stream it shows. */
+export class FrameWatch {
+  readonly #events = new Emitter<{ frame: PresentedFrame }>();
+  readonly #video: HTMLVideoElement;
+  #lastAt: number | null = null;
+
+  constructor(video: HTMLVideoElement) {
+    this.#video = video;
+    this.#listen();
+  }
+
+  /** When the last frame was presented, on the clock of `performance.now`; null before the first. */
+  get lastAt(): number | null {
+    return this.#lastAt;
+  }
+
+  onFrame(listener: (frame: PresentedFrame) => void): () => void {
+    return this.#events.on("frame", listener);
+  }
+
+  #listen(): void {
+    this.#video.requestVideoFrameCallback((now, metadata) => {
+      this.#listen();
+      this.#lastAt = now;
+      const visibleAt = Math.max(now, metadata.expectedDisplayTime);
+      this.#events.emit("frame", { visibleAt, presented: metadata.presentedFrames });
+    });
+  }
+}
+
+/**
+ * Shows a video so that it freezes and never goes black: whenever its stream is about to end or change, the last
+ * picture is painted on a canvas above it, and stays until the next frame is presented.
+ */
+export class LastingPicture {
+  readonly #video: HTMLVideoElement;
+  readonly #canvas: HTMLCanvasElement;
+
+  /** The canvas must cover the video; it is hidden while frames flow. */
+  constructor(video: HTMLVideoElement, canvas: HTMLCanvasElement, frames: FrameWatch) {
+    this.#video = video;
+    this.#canvas = canvas;
+    canvas.hidden = true;
+    frames.onFrame(() => {
+      canvas.hidden = true;
+    });
+  }
+
+  /** There is a picture to look at, moving or not. */
+  get shown(): boolean {
+    return !this.#canvas.hidden || this.#video.readyState >= HTMLMediaElement.HAVE_CURRENT_DATA;
+  }
+
+  /** Keeps what the video shows now. Does nothing when it shows nothing. */
+  freeze(): void {
+    const { videoWidth, videoHeight, readyState } = this.#video;
+    if (videoWidth === 0 || readyState < HTMLMediaElement.HAVE_CURRENT_DATA) return;
+    this.#canvas.width = videoWidth;
+    this.#canvas.height = videoHeight;
+    this.#canvas.getContext("2d")?.drawImage(this.#video, 0, 0);
+    this.#canvas.hidden = false;
+  }
+
+  /** Shows a track from its first frame on, and what was there before until then. */
+  show(track: MediaStreamTrack): void {
+    this.freeze();
+    this.#video.srcObject = new MediaStream([track]);
+    // Autoplay refuses only sound, and a video of ours is muted; an interrupted play() is followed by another.
+    void this.#video.play().catch(() => undefined);
+  }
+}
+
+export interface StampReading {
+  readonly stamp: Stamp;
+  /** When the frame was taken, in milliseconds since the epoch on the engine's clock. */
+  readonly takenAt: number;
+  /** When it is visible here, in milliseconds since the epoch on this machine's clock. */
+  readonly visibleAt: number;
+}
+
+/** Pixels of one cell, to which the strip is scaled. */
+const CELL_PIXELS = 8;
+
+/** Reads the stamp out of what a video presents, at most ten times a second. */
+export class StampReader {
+  readonly #video: HTMLVideoElement;
+  readonly #context: CanvasRenderingContext2D | null;
+  #readAt = 0;
+
+  constructor(video: HTMLVideoElement, frames: FrameWatch, onReading: (reading: StampReading) => void) {
+    this.#video = video;
+    const canvas = document.createElement("canvas");
+    canvas.width = CELLS * CELL_PIXELS;
+    canvas.height = CELL_PIXELS;
+    this.#context = canvas.getContext("2d", { willReadFrequently: true });
+    frames.onFrame(({ visibleAt }) => {
+      if (visibleAt - this.#readAt < 95) return;
+      this.#readAt = visibleAt;
+      const stamp = this.read();
+      if (!stamp) return;
+      const visible = wallNow() + visibleAt - performance.now();
+      onReading({ stamp, takenAt: stampWallTime(stamp.time, visible), visibleAt: visible });
+    });
+  }
+
+  /** Reads the picture that is shown now; null when it carries no stamp. */
+  read(): Stamp | null {
+    const { videoWidth, videoHeight } = this.#video;
+    if (!this.#context || videoWidth === 0) return null;
+    const rows = stampRows(videoHeight);
+    const { width, height } = this.#context.canvas;
+    this.#context.drawImage(this.#video, 0, videoHeight - rows, videoWidth, rows, 0, 0, width, height);
+    return readStamp(stripBits(this.#context.getImageData(0, 0, width, height).data, width, height));
+  }
+}

@@ -1,0 +1,183 @@
+/** Brings one stream, verb by verb, into the state that its user wants, as often as it takes. */
+
+import { METHOD_NOT_FOUND } from "../jsonrpc/peer.ts";
+import { ConnectionLost, RpcError } from "../jsonrpc/session.ts";
+import { Backoff } from "../rois/backoff.ts";
+import type { BackoffOptions } from "../rois/backoff.ts";
+import { RoISError } from "../rois/types.ts";
+
+export type Desire = "running" | "suspended" | "disconnected";
+export type Verb = "connect" | "suspend" | "resume" | "disconnect";
+
+export interface Problem {
+  readonly kind:
+    /** The gateway has no streaming: it speaks plain RoIS. */
+    | "no-streaming"
+    /** This browser and the engine have no codec in common, or the engine has no such component. */
+    | "unsupported"
+    /** The engine refused for another reason. */
+    | "refused"
+    /** The stream is connected, and nothing arrives. */
+    | "no-media";
+  /** A return code, or a sentence. */
+  readonly detail: string;
+}
+
+/** The streaming verbs, and who wants to know what became of them. */
+export interface Verbs {
+  /** The engine can be asked now. */
+  ready(): boolean;
+  /** Returns the id of the new connection. */
+  connect(): Promise<string>;
+  perform(verb: Exclude<Verb, "connect">, streamId: string): Promise<void>;
+  /** The stream was connected and has an id now. */
+  onConnected(): void;
+  /** The stream is gone, by our own wish (`wanted`) or because the engine no longer knows it. */
+  onReleased(wanted: boolean): void;
+  onProblem(problem: Problem | null): void;
+  onChange(): void;
+}
+
+/** Returns what has to be done next so that a stream becomes what it should be. */
+export function nextVerb(desire: Desire, connected: boolean, suspended: boolean): Verb | null {
+  if (desire === "disconnected") return connected ? "disconnect" : null;
+  if (!connected) return "connect";
+  if (desire === "suspended") return suspended ? null : "suspend";
+  return suspended ? "resume" : null;
+}
+
+/** At most one verb of a stream is under way; after a failure the next try waits. */
+export class Reconciler {
+  readonly #verbs: Verbs;
+  readonly #backoff: Backoff;
+  #desire: Desire = "disconnected";
+  #streamId: string | null = null;
+  #suspended = false;
+  #run: Promise<void> | null = null;
+  #again = false;
+  #retry: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(verbs: Verbs, backoff: BackoffOptions = {}) {
+    this.#verbs = verbs;
+    this.#backoff = new Backoff(backoff);
+  }
+
+  get desire(): Desire {
+    return this.#desire;
+  }
+
+  get streamId(): string | null {
+    return this.#streamId;
+  }
+
+  get busy(): boolean {
+    return this.#run !== null;
+  }
+
+  /** Something remains to be done. */
+  get pending(): boolean {
+    return nextVerb(this.#desire, this.#streamId !== null, this.#suspended) !== null;
+  }
+
+  /** Returns once nothing is left to do, or what is left has to wait. */
+  want(desire: Desire): Promise<void> {
+    this.#desire = desire;
+    this.#backoff.reset();
+    return this.kick();
+  }
+
+  /** There is a reason to try at once. */
+  kick(): Promise<void> {
+    clearTimeout(this.#retry);
+    if (this.#run) {
+      this.#again = true;
+      return this.#run;
+    }
+    this.#run = this.#reconcile().finally(() => {
+      this.#run = null;
+      this.#verbs.onChange();
+    });
+    this.#verbs.onChange();
+    return this.#run;
+  }
+
+  /** Media flows: the next failure is counted as the first. */
+  succeeded(): void {
+    this.#backoff.reset();
+  }
+
+  /** The engine has suspended the stream by itself; wanting it to run is a reason to ask. */
+  suspendedByEngine(): void {
+    this.#suspended = true;
+  }
+
+  /** The stream is no longer connected. Returns whether it was. */
+  lost(): boolean {
+    if (this.#streamId === null) return false;
+    this.#streamId = null;
+    this.#suspended = false;
+    this.#retryLater();
+    return true;
+  }
+
+  async #reconcile(): Promise<void> {
+    do {
+      this.#again = false;
+      const verb = nextVerb(this.#desire, this.#streamId !== null, this.#suspended);
+      if (!verb || !this.#verbs.ready()) continue;
+      try {
+        await (verb === "connect" ? this.#connect() : this.#perform(verb));
+        this.#again = true;
+      } catch (error) {
+        this.#failed(verb, error);
+      }
+    } while (this.#again);
+  }
+
+  async #connect(): Promise<void> {
+    this.#streamId = await this.#verbs.connect();
+    this.#suspended = false;
+    this.#verbs.onProblem(null);
+    this.#verbs.onConnected();
+  }
+
+  async #perform(verb: Exclude<Verb, "connect">): Promise<void> {
+    const streamId = this.#streamId;
+    if (streamId === null) return;
+    if (verb === "disconnect") {
+      // Whatever the answer, this side is done with the stream: its id must not be used again.
+      this.#streamId = null;
+      this.#suspended = false;
+      this.#verbs.onProblem(null);
+      this.#verbs.onReleased(true);
+    }
+    await this.#verbs.perform(verb, streamId);
+    if (this.#streamId === streamId) this.#suspended = verb === "suspend";
+  }
+
+  #failed(verb: Verb, error: unknown): void {
+    // A new connection to the gateway kicks every stream, and what was to be disconnected is gone with the old one.
+    if (error instanceof ConnectionLost || verb === "disconnect") return;
+    if (verb === "connect") this.#verbs.onProblem(describe(error));
+    else if (error instanceof RoISError && error.returnCode === "UNSUPPORTED") {
+      this.lost();
+      return this.#verbs.onReleased(false);
+    }
+    this.#retryLater();
+  }
+
+  #retryLater(): void {
+    clearTimeout(this.#retry);
+    if (this.pending) this.#retry = setTimeout(() => void this.kick(), this.#backoff.next());
+  }
+}
+
+function describe(error: unknown): Problem {
+  if (error instanceof RpcError && error.code === METHOD_NOT_FOUND) {
+    return { kind: "no-streaming", detail: "the gateway does not know rois.stream.connect_stream" };
+  }
+  if (error instanceof RoISError) {
+    return { kind: error.returnCode === "UNSUPPORTED" ? "unsupported" : "refused", detail: error.returnCode };
+  }
+  return { kind: "refused", detail: error instanceof Error ? error.message : String(error) };
+}

@@ -1,0 +1,38 @@
+/** Waiting longer after each failure, with chance in it, so that a thousand clients do not come back at once. */
+
+export interface BackoffOptions {
+  /** Milliseconds before the first retry. */
+  readonly first?: number;
+  readonly factor?: number;
+  /** The most milliseconds between two attempts. */
+  readonly max?: number;
+  /** Returns a number in [0, 1). */
+  readonly random?: () => number;
+}
+
+/** The waits between attempts: the upper end grows by `factor`, the wait lies in its upper half. */
+export class Backoff {
+  readonly #options: Required<BackoffOptions>;
+  #failures = 0;
+
+  constructor(options: BackoffOptions = {}) {
+    this.#options = { first: 500, factor: 1.5, max: 10_000, random: Math.random, ...options };
+  }
+
+  /** How many waits were handed out since the last reset. */
+  get failures(): number {
+    return this.#failures;
+  }
+
+  /** Returns the milliseconds to wait after one more failure. */
+  next(): number {
+    const { first, factor, max, random } = this.#options;
+    const ceiling = Math.min(max, first * factor ** this.#failures);
+    this.#failures += 1;
+    return ceiling * (0.5 + random() / 2);
+  }
+
+  reset(): void {
+    this.#failures = 0;
+  }
+}

@@ -1,0 +1,176 @@
+/** A connection to one gateway that comes back by itself. */
+
+import { Emitter } from "../events.ts";
+import { ConnectionLost, JsonRpcSession } from "../jsonrpc/session.ts";
+import type { SocketLike, Traffic } from "../jsonrpc/session.ts";
+import type { Json, JsonObject, Notification } from "../jsonrpc/peer.ts";
+import { Backoff } from "./backoff.ts";
+import type { BackoffOptions } from "./backoff.ts";
+
+export type ConnectionState =
+  | { readonly name: "connecting" }
+  | { readonly name: "connected" }
+  /** The next attempt starts at `retryAt`, in milliseconds since the epoch. */
+  | { readonly name: "waiting"; readonly retryAt: number; readonly attempt: number; readonly reason: string }
+  | { readonly name: "closed" };
+
+export interface ConnectionEvents {
+  state: ConnectionState;
+  notification: Notification;
+  traffic: Traffic;
+}
+
+export interface ConnectionOptions {
+  /** The gateway; default: where the page came from. */
+  readonly url?: string | URL;
+  /** A JSON Web Token. It travels as a subprotocol, never in the URL, where logs would keep it. */
+  readonly token?: string;
+  readonly backoff?: BackoffOptions;
+  /** Milliseconds a socket may take to open. */
+  readonly connectTimeout?: number;
+  readonly requestTimeout?: number;
+  readonly createSocket?: (url: string, protocols: string[]) => SocketLike;
+}
+
+/** A connection that lived this long (ms) was a good one: the next failure is counted as the first. */
+const GOOD_AFTER = 10_000;
+
+/**
+ * Opens a socket, runs `handshake` on it, and starts again whenever either fails or the socket closes.
+ *
+ * A close with the reason `retry_after=<seconds>`, which a gateway sends when it is about to restart, is obeyed.
+ */
+export class Connection {
+  readonly events = new Emitter<ConnectionEvents>();
+  readonly #options: ConnectionOptions;
+  readonly #handshake: (session: JsonRpcSession) => Promise<void>;
+  readonly #backoff: Backoff;
+  #state: ConnectionState = { name: "closed" };
+  #session: JsonRpcSession | null = null;
+  #timer: ReturnType<typeof setTimeout> | undefined;
+  #attempt = 0;
+
+  constructor(options: ConnectionOptions, handshake: (session: JsonRpcSession) => Promise<void>) {
+    this.#options = options;
+    this.#handshake = handshake;
+    this.#backoff = new Backoff(options.backoff);
+  }
+
+  get state(): ConnectionState {
+    return this.#state;
+  }
+
+  /** Milliseconds since the gateway was last heard; infinite without a connection. */
+  get silence(): number {
+    return this.#session?.silence ?? Number.POSITIVE_INFINITY;
+  }
+
+  open(): void {
+    if (this.#state.name === "closed") this.#dial();
+  }
+
+  /** Cuts a wait short: the next attempt starts now. */
+  retryNow(): void {
+    if (this.#state.name === "waiting") this.#dial();
+  }
+
+  close(): void {
+    this.#attempt += 1;
+    clearTimeout(this.#timer);
+    this.#enter({ name: "closed" });
+    this.#session?.close(1000, "client closed");
+    this.#session = null;
+  }
+
+  /** @throws RpcError | ConnectionLost | RequestTimeout */
+  request(method: string, params: JsonObject): Promise<Json> {
+    if (this.#session && this.#state.name === "connected") return this.#session.request(method, params);
+    return Promise.reject(new ConnectionLost(`${method}: there is no connection`));
+  }
+
+  #dial(): void {
+    const attempt = ++this.#attempt;
+    clearTimeout(this.#timer);
+    this.#enter({ name: "connecting" });
+    let socket: SocketLike;
+    try {
+      socket = this.#createSocket();
+    } catch (error) {
+      return this.#fail(attempt, error instanceof Error ? error.message : String(error));
+    }
+    this.#timer = setTimeout(() => {
+      socket.close();
+      this.#fail(attempt, "the gateway did not answer in time");
+    }, this.#options.connectTimeout ?? 10_000);
+    socket.addEventListener("open", () => {
+      if (attempt === this.#attempt) void this.#welcome(attempt, socket);
+      else socket.close();
+    });
+    socket.addEventListener("close", (event) =>
+      this.#fail(attempt, event.reason || `closed (${event.code})`),
+    );
+  }
+
+  async #welcome(attempt: number, socket: SocketLike): Promise<void> {
+    clearTimeout(this.#timer);
+    const { requestTimeout } = this.#options;
+    const session = new JsonRpcSession(socket, {
+      ...(requestTimeout !== undefined && { requestTimeout }),
+      onNotification: (notification) => {
+        if (attempt === this.#attempt) this.events.emit("notification", notification);
+      },
+      onTraffic: (traffic) => this.events.emit("traffic", traffic),
+      onClose: (code, reason) => this.#fail(attempt, reason || `closed (${code})`),
+    });
+    this.#session = session;
+    try {
+      await this.#handshake(session);
+    } catch (error) {
+      const reason = error instanceof Error ? error.message : String(error);
+      this.#fail(attempt, reason);
+      return session.close(4001, "handshake failed");
+    }
+    if (attempt !== this.#attempt) return;
+    this.#timer = setTimeout(() => this.#backoff.reset(), GOOD_AFTER);
+    this.#enter({ name: "connected" });
+  }
+
+  #fail(attempt: number, reason: string): void {
+    // What an attempt says after it was given up is old news.
+    if (attempt !== this.#attempt) return;
+    this.#attempt += 1;
+    clearTimeout(this.#timer);
+    this.#session = null;
+    const asked = /^retry_after=(\d{1,4}(?:\.\d+)?)$/.exec(reason)?.[1];
+    const wait = Math.max(this.#backoff.next(), asked === undefined ? 0 : Number(asked) * 1000);
+    const retryAt = Date.now() + wait;
+    this.#timer = setTimeout(() => this.#dial(), wait);
+    this.#enter({ name: "waiting", retryAt, attempt: this.#backoff.failures, reason });
+  }
+
+  #enter(state: ConnectionState): void {
+    this.#state = state;
+    this.events.emit("state", state);
+  }
+
+  #createSocket(): SocketLike {
+    const { url, token, createSocket } = this.#options;
+    const protocols = token === undefined ? [] : ["openrois.v1", `openrois.bearer.${token}`];
+    return (createSocket ?? openWebSocket)(gatewayUrl(url), protocols);
+  }
+}
+
+/** Returns the WebSocket address that belongs to `url`, which is read relative to the page. */
+export function gatewayUrl(
+  url: string | URL = "./",
+  base: string | undefined = globalThis.location?.href,
+): string {
+  const address = new URL(url, base);
+  address.protocol = address.protocol.replace(/^http/, "ws");
+  address.hash = "";
+  return address.href;
+}
+
+function openWebSocket(url: string, protocols: string[]): SocketLike {
+  return new WebSocket(url, protocols);
+}

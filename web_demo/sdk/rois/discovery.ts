@@ -1,0 +1,30 @@
+/** Finding in a profile what an engine can do. */
+
+import type { ComponentProfile, Profile } from "./types.ts";
+
+/** Returns the last part of a component's type: `VideoStreaming` of `urn:x-rois:def:component:OMG::VideoStreaming`. */
+export function componentType(profile: ComponentProfile): string {
+  return profile.identifier.code.split(":").at(-1) ?? "";
+}
+
+/** Returns the id of the engine that a component reference leads to. */
+export function engineOf(componentRef: string): string {
+  return componentRef.split("/")[0] ?? "";
+}
+
+/** Returns, for each engine that has components, the first component of each type. */
+export function componentsByEngine(profile: Profile): Map<string, Map<string, string>> {
+  const engines = new Map<string, Map<string, string>>();
+  for (const [componentRef, component] of Object.entries(profile.component_profiles)) {
+    const components = engines.get(engineOf(componentRef)) ?? new Map<string, string>();
+    engines.set(engineOf(componentRef), components);
+    const type = componentType(component);
+    if (!components.has(type)) components.set(type, componentRef);
+  }
+  return engines;
+}
+
+/** Returns the condition that names exactly one component. */
+export function onlyComponent(componentRef: string): string {
+  return `component_ref = '${componentRef.replaceAll("'", "''")}'`;
+}

@@ -1,0 +1,118 @@
+import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import type { Traffic } from "../../sdk/jsonrpc/session.ts";
+import { ConnectionLost, JsonRpcSession, RequestTimeout, RpcError } from "../../sdk/jsonrpc/session.ts";
+import { FakeSocket } from "../support/fake_gateway.ts";
+
+const sent: string[] = [];
+let socket: FakeSocket;
+
+beforeEach(() => {
+  vi.useFakeTimers();
+  sent.length = 0;
+  socket = new FakeSocket("ws://test/", [], (_, text) => sent.push(text));
+  socket.open();
+});
+
+afterEach(() => {
+  vi.useRealTimers();
+});
+
+const answer = (body: object): void => socket.deliver(JSON.stringify({ jsonrpc: "2.0", ...body }));
+
+describe("JsonRpcSession", () => {
+  it("resolves with the result, rejects with the error", async () => {
+    const session = new JsonRpcSession(socket);
+    const good = session.request("a");
+    const bad = session.request("b");
+    answer({ id: 2, error: { code: -32602, message: "Invalid params", data: [] } });
+    answer({ id: 1, result: 5 });
+    await expect(good).resolves.toBe(5);
+    await expect(bad).rejects.toMatchObject({ name: "RpcError", code: -32602, method: "b", data: [] });
+    await expect(bad).rejects.toBeInstanceOf(RpcError);
+  });
+
+  it("shows every message to the observer, with the time an answer took", async () => {
+    const seen: Traffic[] = [];
+    const session = new JsonRpcSession(socket, { onTraffic: (traffic) => seen.push(traffic) });
+    const pending = session.request("a", { x: 1 });
+    vi.advanceTimersByTime(7);
+    answer({ id: 1, result: null });
+    await pending;
+    answer({ method: "n", params: {} });
+    socket.deliver("junk");
+    answer({ id: 9, method: "please" });
+    expect(seen.map(({ direction, kind, method }) => [direction, kind, method])).toEqual([
+      ["sent", "request", "a"],
+      ["received", "response", "a"],
+      ["received", "notification", "n"],
+      ["received", "violation", ""],
+      ["received", "request", "please"],
+    ]);
+    expect(seen[0]?.message).toEqual({ jsonrpc: "2.0", id: 1, method: "a", params: { x: 1 } });
+    expect(seen[1]?.elapsed).toBe(7);
+  });
+
+  it("refuses requests of the other side and what is no message", () => {
+    new JsonRpcSession(socket);
+    answer({ id: "x", method: "please" });
+    socket.deliver("junk");
+    expect(sent.map((text) => JSON.parse(text))).toMatchObject([
+      { id: "x", error: { code: -32601 } },
+      { id: null, error: { code: -32700 } },
+    ]);
+  });
+
+  it("hands on notifications in order", () => {
+    const methods: string[] = [];
+    new JsonRpcSession(socket, { onNotification: ({ method }) => methods.push(method) });
+    answer({ method: "one" });
+    answer({ method: "two" });
+    expect(methods).toEqual(["one", "two"]);
+  });
+
+  it("gives up on an unanswered request, and on a socket that says nothing at all", async () => {
+    const onClose = vi.fn();
+    const session = new JsonRpcSession(socket, { requestTimeout: 1000, onClose });
+    const slow = expect(session.request("slow")).rejects.toBeInstanceOf(RequestTimeout);
+    vi.advanceTimersByTime(900);
+    answer({ method: "alive" });
+    vi.advanceTimersByTime(100);
+    await slow;
+    expect(onClose).not.toHaveBeenCalled();
+    const dead = expect(session.request("dead")).rejects.toBeInstanceOf(RequestTimeout);
+    vi.advanceTimersByTime(1000);
+    await dead;
+    expect(onClose).toHaveBeenCalledWith(4000, "no answer");
+    expect(socket.readyState).toBe(3);
+  });
+
+  it("fails every waiter when the socket closes, and every request after", async () => {
+    const onClose = vi.fn();
+    const session = new JsonRpcSession(socket, { onClose });
+    const waiting = expect(session.request("a")).rejects.toBeInstanceOf(ConnectionLost);
+    socket.end(1012, "retry_after=2");
+    await waiting;
+    await expect(session.request("b")).rejects.toBeInstanceOf(ConnectionLost);
+    session.close(1000, "again");
+    expect(onClose).toHaveBeenCalledExactlyOnceWith(1012, "retry_after=2");
+    expect(vi.getTimerCount()).toBe(0);
+  });
+
+  it("bounds what is unanswered and what is unsent", async () => {
+    const session = new JsonRpcSession(socket, { maxOutstanding: 1 });
+    const first = session.request("a");
+    await expect(session.request("b")).rejects.toBeInstanceOf(RequestTimeout);
+    answer({ id: 1, result: 0 });
+    await first;
+    socket.bufferedAmount = 2 ** 21;
+    await expect(session.request("c")).rejects.toBeInstanceOf(RequestTimeout);
+    expect(sent).toHaveLength(1);
+  });
+
+  it("ends on a binary message", () => {
+    const onClose = vi.fn();
+    new JsonRpcSession(socket, { onClose });
+    socket.deliver(new ArrayBuffer(1));
+    expect(onClose).toHaveBeenCalledWith(4003, "binary message");
+  });
+});
