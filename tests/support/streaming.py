@@ -1,11 +1,16 @@
-"""Fakes for media: a clock that is turned by hand, and a source that is fed by hand."""
+"""Fakes for media: a clock that is turned by hand, a source that is fed by hand, an encoder that does as it is told."""
 
 import asyncio
 import heapq
 import itertools
+import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Generic, TypeVar
+
+import numpy as np
+from openrois_streaming.encoder import Chunk
+from openrois_streaming.source import RawVideo
 
 T = TypeVar("T")
 
@@ -83,6 +88,8 @@ class FedSource(Generic[T]):
         self.opened = 0
         self.closed = 0
         self.pulled = 0
+        self.refusal: BaseException | None = None
+        """What opening it raises, if set."""
         self._queue: asyncio.Queue[tuple[T] | Exception | None] = asyncio.Queue()
 
     @property
@@ -107,6 +114,8 @@ class FedSource(Generic[T]):
 
     @asynccontextmanager
     async def open(self) -> AsyncIterator[AsyncIterator[T]]:
+        if self.refusal is not None:
+            raise self.refusal
         self.opened += 1
         try:
             yield self._items()
@@ -119,3 +128,56 @@ class FedSource(Generic[T]):
                 raise entry
             self.pulled += 1
             yield entry[0]
+
+
+def picture(sequence: int, captured_at: float | None = None, *, width: int = 160, height: int = 90) -> RawVideo:
+    """A grey picture; by default number n is captured n / 30 s after the virtual clock's start."""
+    moment = 1000.0 + sequence / 30 if captured_at is None else captured_at
+    return RawVideo(np.full((height * 3 // 2, width), 128, np.uint8), "i420", width, height, sequence, moment)
+
+
+class FakeEncoder:
+    """An `Encoder` whose output says what went in. A test can hold it, and can make it fail.
+
+    The first frame and the forced ones are key frames. `data` is the sequence number as text.
+    """
+
+    def __init__(self, bitrate: int) -> None:
+        self.bitrate = bitrate
+        self.bitrates: list[int] = []
+        self.go_on = threading.Event()
+        self.go_on.set()
+        self.entered = threading.Semaphore(0)
+        self.failure: Exception | None = None
+        self.encoded: list[int] = []
+        self.forced: list[int] = []
+        self.thread = threading.current_thread()
+
+    def set_bitrate(self, bitrate: int) -> None:
+        self.bitrates.append(bitrate)
+
+    def encode(self, raw: RawVideo, *, key_frame: bool) -> list[Chunk]:
+        assert threading.current_thread() is self.thread
+        self.entered.release()
+        assert self.go_on.wait(timeout=10)
+        if self.failure is not None:
+            raise self.failure
+        self.encoded.append(raw.sequence)
+        if key_frame:
+            self.forced.append(raw.sequence)
+        pts = round(raw.captured_at * 90_000)
+        return [Chunk(str(raw.sequence).encode(), pts, key_frame or len(self.encoded) == 1, raw.captured_at)]
+
+
+class FakeEncoders:
+    """Makes fake encoders, as an `Encoding` wants them, and keeps them for the test to look at."""
+
+    def __init__(self) -> None:
+        self.made: list[FakeEncoder] = []
+        self.failure: Exception | None = None
+
+    def __call__(self, bitrate: int) -> FakeEncoder:
+        if self.failure is not None:
+            raise self.failure
+        self.made.append(FakeEncoder(bitrate))
+        return self.made[-1]
