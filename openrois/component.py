@@ -200,17 +200,16 @@ class Component:
         )
 
     def _set_parameters(self, arguments: tuple[Argument, ...]) -> tuple[Result, ...]:
-        values = check_arguments(self.profile.parameter_profiles, arguments)
-        self.check_parameters(values)
-        self.parameters.update(values)
+        self.parameters.update(self.accept_parameters(check_arguments(self.profile.parameter_profiles, arguments)))
         return ()
 
-    def check_parameters(self, values: dict[str, str]) -> None:
-        """Refuse values that fit their types and still cannot be used; a subclass overrides it.
+    def accept_parameters(self, values: Arguments) -> Arguments:
+        """Return what to store for values that fit their types; a subclass with more to say overrides it.
 
         Raises:
             BadParameter: one of them cannot be used; none is stored.
         """
+        return values
 
 
 def check_arguments(profiles: tuple[ParameterProfile, ...], arguments: tuple[Argument, ...]) -> dict[str, str]:

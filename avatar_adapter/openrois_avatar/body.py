@@ -1,0 +1,107 @@
+"""The avatar's body: what the components ask of the game engine, and how they learn that it was done."""
+
+import asyncio
+import logging
+import secrets
+from collections.abc import Callable
+
+from openrois.errors import Aborted, ComponentFailed
+from openrois_avatar.link.messages import (
+    Command,
+    Completed,
+    Event,
+    LinkError,
+    Log,
+    Look,
+    React,
+    Silence,
+    Speak,
+    Stop,
+    Viseme,
+)
+
+__all__ = ["Body"]
+
+_log = logging.getLogger(__name__)
+
+
+class Body:
+    """Commands to whichever game engine is connected now.
+
+    Args:
+        send: sends a command to it.
+
+    Raises:
+        LinkError: out of `send`, while no game engine is connected.
+    """
+
+    def __init__(self, send: Callable[[Command], None]) -> None:
+        self._send = send
+        self._reactions: dict[str, asyncio.Future[Completed]] = {}
+
+    async def react(self, reaction: str) -> None:
+        """Play a reaction to its end; cancelling it stops the avatar.
+
+        Raises:
+            Aborted: another reaction replaced it, or it was stopped.
+            ComponentFailed: the game engine is gone or could not do it.
+        """
+        reaction_id = secrets.token_hex(8)
+        done: asyncio.Future[Completed] = asyncio.get_running_loop().create_future()
+        self._reactions[reaction_id] = done
+        try:
+            self._tell(React(reaction_id, reaction))
+            completed = await done
+        except asyncio.CancelledError:
+            self._tell_if_there(Stop(reaction_id))
+            raise
+        finally:
+            del self._reactions[reaction_id]
+        if completed.status == "ABORT":
+            raise Aborted(f"{reaction} was stopped")
+        if completed.status == "ERROR":
+            raise ComponentFailed(f"the game engine could not play {reaction}")
+
+    def speak(self, start_ns: int, visemes: tuple[Viseme, ...], duration_ms: int) -> None:
+        """Move the mouth to sound that starts at `start_ns` (CLOCK_MONOTONIC); without a game engine nothing moves."""
+        self._tell_if_there(Speak(secrets.token_hex(8), start_ns, visemes, duration_ms))
+
+    def silence(self) -> None:
+        """Close the mouth now."""
+        self._tell_if_there(Silence())
+
+    def look(self, x: float, y: float) -> None:
+        """Turn the eyes: x from -1 (the viewer's left) to 1, y from -1 (down) to 1.
+
+        Raises:
+            ComponentFailed: the game engine is gone.
+        """
+        self._tell(Look(x, y))
+
+    def take(self, event: Event) -> None:
+        """Take an event of the game engine."""
+        match event:
+            case Completed(id=reaction_id):
+                done = self._reactions.get(reaction_id)
+                if done is not None and not done.done():
+                    done.set_result(event)
+            case Log(text=text):
+                _log.info("game engine: %s", text)
+
+    def lost(self) -> None:
+        """The game engine is gone: whatever it was doing has failed."""
+        for done in self._reactions.values():
+            if not done.done():
+                done.set_exception(ComponentFailed("the game engine is gone"))
+
+    def _tell(self, command: Command) -> None:
+        try:
+            self._send(command)
+        except LinkError as error:
+            raise ComponentFailed(str(error)) from error
+
+    def _tell_if_there(self, command: Command) -> None:
+        try:
+            self._send(command)
+        except LinkError as error:
+            _log.debug("not said to the game engine: %s", error)

@@ -1,0 +1,70 @@
+"""`openrois demo`: gateway and avatar adapter as two processes, watched over until told to stop."""
+
+import argparse
+import asyncio
+import signal
+import socket
+import sys
+from collections.abc import Sequence
+from typing import Final
+
+from openrois.logs import set_up_logging
+from openrois_avatar.process import Program
+from openrois_avatar.settings import ENGINES
+
+__all__ = ["main"]
+
+_HOST: Final = "127.0.0.1"
+_START_TIMEOUT: Final = 60.0
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Run the command and return its exit status: 0 when stopped, 1 when it could not start, 2 for wrong usage."""
+    parser = argparse.ArgumentParser(prog="openrois demo", description="A live avatar on a page of this machine.")
+    parser.add_argument("--port", type=int, default=8765, help="TCP port of the page (%(default)s)")
+    parser.add_argument("--engine", choices=ENGINES, default="auto", help="what renders the avatar (%(default)s)")
+    parser.add_argument("--verbose", action="store_true", help="log more")
+    chosen = parser.parse_args(arguments)
+    set_up_logging(verbose=chosen.verbose)
+    if not _is_free(chosen.port):
+        print(f"openrois demo: port {chosen.port} is taken; is a demo running already? Try --port.", file=sys.stderr)
+        return 1
+    more = ("--verbose",) if chosen.verbose else ()
+    return asyncio.run(_run(chosen.port, chosen.engine, more))
+
+
+def _is_free(port: int) -> bool:
+    with socket.socket() as probe:
+        # As the gateway will: a port whose last connections are still winding down counts as free.
+        probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        try:
+            probe.bind((_HOST, port))
+        except OSError:
+            return False
+    return True
+
+
+async def _run(port: int, engine: str, more: tuple[str, ...]) -> int:
+    gateway = Program(("gateway", "--port", str(port), *more), announces="listening ")
+    avatar = Program(
+        ("avatar", "--gateway", f"ws://{_HOST}:{port}/adapter", "--engine", engine, *more), announces="ready "
+    )
+    running = asyncio.ensure_future(_keep_running(gateway, avatar, f"http://{_HOST}:{port}/"))
+    for name in (signal.SIGINT, signal.SIGTERM):
+        asyncio.get_running_loop().add_signal_handler(name, running.cancel)
+    try:
+        await running
+    except asyncio.CancelledError:
+        return 0
+    except ExceptionGroup as failed:
+        print(f"openrois demo: {failed.exceptions[0]}", file=sys.stderr)
+    return 1
+
+
+async def _keep_running(gateway: Program, avatar: Program, url: str) -> None:
+    async with asyncio.TaskGroup() as tasks:
+        for program in (gateway, avatar):
+            tasks.create_task(program.keep_running())
+            async with asyncio.timeout(_START_TIMEOUT):
+                await program.ready.wait()
+        print(f"ready {url}", flush=True)

@@ -1,0 +1,96 @@
+"""A sub-command of `openrois` as a child process that is watched: started, listened to, started again, and ended."""
+
+import asyncio
+import ctypes
+import logging
+import os
+import signal
+import sys
+import time
+from collections.abc import Awaitable, Callable
+from contextlib import suppress
+from typing import Final
+
+from openrois.backoff import Backoff
+
+__all__ = ["Program", "ProgramFailed", "die_with_parent"]
+
+_log = logging.getLogger(__name__)
+
+STOP_TIMEOUT: Final = 2.2
+"""Seconds that a program has to end by itself before it is killed, with whatever it started."""
+
+_PR_SET_PDEATHSIG: Final = 1
+
+
+class ProgramFailed(Exception):
+    """The program ended before it was ready."""
+
+
+class Program:
+    """One sub-command of `openrois` and the process that runs it.
+
+    Args:
+        arguments: the sub-command and its arguments.
+        announces: how the line begins that it prints when it is ready.
+    """
+
+    def __init__(self, arguments: tuple[str, ...], announces: str) -> None:
+        self.name = arguments[0]
+        self.ready = asyncio.Event()
+        self._arguments = arguments
+        self._announces = announces
+
+    async def keep_running(self, sleep: Callable[[float], Awaitable[None]] = asyncio.sleep) -> None:
+        """Run it until cancelled; once it was ready, a process that ends is replaced, after a while.
+
+        Raises:
+            ProgramFailed: it ended before it was ready for the first time.
+        """
+        backoff = Backoff(first=0.5)
+        while True:
+            started = time.monotonic()
+            status = await self._run_once()
+            if not self.ready.is_set():
+                raise ProgramFailed(f"{self.name} ended with status {status} before it was ready")
+            _log.warning("%s ended with status %s and is started again", self.name, status)
+            await sleep(backoff.after(time.monotonic() - started))
+
+    async def _run_once(self) -> int:
+        process = await asyncio.create_subprocess_exec(
+            sys.executable,
+            "-m",
+            "openrois.cli",
+            *self._arguments,
+            stdin=asyncio.subprocess.DEVNULL,
+            stdout=asyncio.subprocess.PIPE,
+            start_new_session=True,
+            preexec_fn=die_with_parent,
+        )
+        try:
+            assert process.stdout is not None
+            async for line in process.stdout:
+                if line.decode(errors="replace").startswith(self._announces):
+                    self.ready.set()
+            return await process.wait()
+        finally:
+            await _end(process)
+
+
+def die_with_parent() -> None:
+    """Ask the kernel to end this process when its parent dies, however it dies (Linux; elsewhere nothing happens)."""
+    if sys.platform == "linux":
+        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
+
+
+async def _end(process: asyncio.subprocess.Process) -> None:
+    if process.returncode is None:
+        with suppress(ProcessLookupError):
+            process.terminate()
+        with suppress(TimeoutError):
+            async with asyncio.timeout(STOP_TIMEOUT):
+                await process.wait()
+    # Its session is its own, so this reaches what it started and could not end.
+    with suppress(ProcessLookupError):
+        os.killpg(process.pid, signal.SIGKILL)
+    await process.wait()

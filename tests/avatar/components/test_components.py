@@ -1,0 +1,125 @@
+"""The avatar's components as an engine sees them: profiles, queries, parameters and commands."""
+
+import asyncio
+import json
+
+import pytest
+from openrois_avatar.body import Body
+from openrois_avatar.components.gaze import Gaze
+from openrois_avatar.components.reaction import Reaction, reaction_ref
+from openrois_avatar.components.system_information import SystemInformation
+from openrois_avatar.link.messages import Command, Completed, Look, React, Stop
+
+from openrois.errors import Aborted, BadParameter, ComponentFailed, Unsupported
+from openrois.registry import LocalRegistry
+from openrois.types.codes import ComponentStatus
+from openrois.types.messages import Argument, Result
+
+
+class Stage:
+    """The components over a game engine whose status and answers the test decides."""
+
+    def __init__(self) -> None:
+        self.status = ComponentStatus.READY
+        self.told: list[Command] = []
+        self.reacting: asyncio.Queue[React] = asyncio.Queue()
+        self.body = Body(self._tell)
+        self.registry = LocalRegistry(
+            "avatar",
+            [
+                SystemInformation("avatar", lambda: self.status, lambda: 1_700_000_000.25),
+                Reaction(self.body, lambda: ("nod", "wave"), lambda: self.status),
+                Gaze(self.body, lambda: self.status),
+            ],
+        )
+
+    def _tell(self, command: Command) -> None:
+        self.told.append(command)
+        if isinstance(command, React):
+            self.reacting.put_nowait(command)
+
+    async def set(self, component: str, **values: str) -> None:
+        arguments = tuple(Argument(name=name, data_type_ref="string", value=value) for name, value in values.items())
+        await self.registry.invoke(f"avatar/{component}", "set_parameter", arguments)
+
+    async def react(self) -> tuple["asyncio.Future[tuple[Result, ...]]", str]:
+        running = asyncio.ensure_future(self.registry.invoke("avatar/Reaction", "start"))
+        async with asyncio.timeout(5):
+            told = await self.reacting.get()
+        return running, told.id
+
+
+@pytest.fixture
+def stage() -> Stage:
+    return Stage()
+
+
+async def values(stage: Stage, component: str, query: str) -> dict[str, str]:
+    return {result.name: result.value for result in await stage.registry.query(f"avatar/{component}", query)}
+
+
+async def test_system_information_tells_place_time_and_engine_status(stage: Stage) -> None:
+    assert await values(stage, "SystemInformation", "robot_position") == {
+        "timestamp": "2023-11-14T22:13:20.250000+00:00",
+        "robot_ref": '["avatar"]',
+        "position_data": '["0.0,0.0,0.0"]',
+    }
+    stage.status = ComponentStatus.ERROR
+    assert (await values(stage, "SystemInformation", "engine_status"))["status"] == "ERROR"
+
+
+async def test_system_information_has_no_rois_common(stage: Stage) -> None:
+    with pytest.raises(Unsupported):
+        await stage.registry.query("avatar/SystemInformation", "component_status")
+
+
+async def test_reactions_are_named_by_annex_d_or_by_our_own_book(stage: Stage) -> None:
+    refs = json.loads((await values(stage, "Reaction", "available_reactions"))["available_reactions"])
+    assert refs == ["urn:x-rois:def:reaction:OMG::1", "urn:x-rois:def:reaction:OpenRoIS::wave"]
+
+
+async def test_a_reaction_plays_and_completes(stage: Stage) -> None:
+    await stage.set("Reaction", reaction_ref=reaction_ref("nod"))
+    running, reaction_id = await stage.react()
+    assert await values(stage, "Reaction", "component_status") == {"status": "BUSY"}
+    stage.body.take(Completed(reaction_id, "OK"))
+    assert await running == ()
+
+
+async def test_stop_ends_a_reaction_with_abort(stage: Stage) -> None:
+    await stage.set("Reaction", reaction_ref=reaction_ref("wave"))
+    running, reaction_id = await stage.react()
+    await stage.registry.invoke("avatar/Reaction", "stop")
+    with pytest.raises(Aborted):
+        await running
+    assert stage.told[-1] == Stop(reaction_id)
+
+
+async def test_an_unknown_reaction_is_refused_and_nothing_is_stored(stage: Stage) -> None:
+    with pytest.raises(BadParameter, match="no reaction"):
+        await stage.set("Reaction", reaction_ref="urn:x-rois:def:reaction:OMG::49")
+    with pytest.raises(BadParameter, match="set reaction_ref"):
+        await stage.registry.invoke("avatar/Reaction", "start")
+
+
+async def test_without_a_game_engine_the_component_says_so(stage: Stage) -> None:
+    stage.status = ComponentStatus.ERROR
+    assert await values(stage, "Reaction", "component_status") == {"status": "ERROR"}
+    with pytest.raises(ComponentFailed):
+        await stage.registry.query("avatar/Reaction", "available_reactions")
+
+
+async def test_gaze_looks_where_it_is_told(stage: Stage) -> None:
+    arguments = (
+        Argument(name="x", data_type_ref="double", value="-0.5"),
+        Argument(name="y", data_type_ref="double", value="0.25"),
+    )
+    await stage.registry.invoke("avatar/Gaze", "look", arguments)
+    assert stage.told == [Look(-0.5, 0.25)]
+
+
+@pytest.mark.parametrize("x", ["1.5", "left", "nan"])
+async def test_gaze_refuses_what_is_no_direction(stage: Stage, x: str) -> None:
+    with pytest.raises(BadParameter):
+        await stage.registry.invoke("avatar/Gaze", "look", (Argument(name="x", data_type_ref="double", value=x),))
+    assert stage.told == []

@@ -1,0 +1,94 @@
+"""Commands to the game engine and the end of what it was asked to do."""
+
+import asyncio
+
+import pytest
+from openrois_avatar.body import Body
+from openrois_avatar.link.messages import Command, Completed, LinkError, Look, React, Silence, Speak, Status, Stop
+
+from openrois.errors import Aborted, ComponentFailed
+
+
+class Engine:
+    """Keeps what it is told; can be gone."""
+
+    def __init__(self) -> None:
+        self.told: list[Command] = []
+        self.gone = False
+
+    def send(self, command: Command) -> None:
+        if self.gone:
+            raise LinkError("the engine is gone")
+        self.told.append(command)
+
+
+@pytest.fixture
+def engine() -> Engine:
+    return Engine()
+
+
+@pytest.fixture
+def body(engine: Engine) -> Body:
+    return Body(engine.send)
+
+
+async def started(body: Body, engine: Engine) -> tuple["asyncio.Future[None]", str]:
+    reacting = asyncio.ensure_future(body.react("nod"))
+    await asyncio.sleep(0)
+    told = engine.told[-1]
+    assert isinstance(told, React)
+    assert told.reaction == "nod"
+    return reacting, told.id
+
+
+@pytest.mark.parametrize(("status", "error"), [("OK", None), ("ABORT", Aborted), ("ERROR", ComponentFailed)])
+async def test_a_reaction_ends_as_the_engine_says(
+    body: Body, engine: Engine, status: Status, error: type[Exception] | None
+) -> None:
+    reacting, reaction_id = await started(body, engine)
+    body.take(Completed("somebody else's", "ERROR"))
+    assert not reacting.done()
+    body.take(Completed(reaction_id, status))
+    body.take(Completed(reaction_id, "OK"))
+    if error is None:
+        await reacting
+    else:
+        with pytest.raises(error):
+            await reacting
+
+
+async def test_cancelling_a_reaction_stops_the_avatar(body: Body, engine: Engine) -> None:
+    reacting, reaction_id = await started(body, engine)
+    reacting.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await reacting
+    assert engine.told[-1] == Stop(reaction_id)
+
+
+async def test_a_lost_engine_fails_what_it_was_doing(body: Body, engine: Engine) -> None:
+    reacting, _ = await started(body, engine)
+    body.lost()
+    with pytest.raises(ComponentFailed, match="gone"):
+        await reacting
+
+
+async def test_without_an_engine_a_reaction_fails_and_speech_goes_on_without_a_mouth(
+    body: Body, engine: Engine
+) -> None:
+    engine.gone = True
+    with pytest.raises(ComponentFailed, match="gone"):
+        await body.react("nod")
+    with pytest.raises(ComponentFailed, match="gone"):
+        body.look(0.0, 0.0)
+    body.speak(0, (), 0)
+    body.silence()
+
+
+def test_speech_silence_and_looks_are_passed_on(body: Body, engine: Engine) -> None:
+    body.speak(17, (), 250)
+    body.silence()
+    body.look(0.5, -0.25)
+    speak, silence, look = engine.told
+    assert isinstance(speak, Speak)
+    assert (speak.start_ns, speak.duration_ms) == (17, 250)
+    assert (silence, look) == (Silence(), Look(0.5, -0.25))
