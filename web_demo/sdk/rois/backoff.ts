@@ -29,7 +29,7 @@ export class Backoff {
     const { first, factor, max, random } = this.#options;
     const ceiling = Math.min(max, first * factor ** this.#failures);
     this.#failures += 1;
-    return ceiling * (0.5 + random() / 2);
+    return Math.round(ceiling * (0.5 + random() / 2));
   }
 
   reset(): void {

@@ -115,7 +115,7 @@ export class RoISClient {
   }
 
   async close(): Promise<void> {
-    await this.call("rois.system.disconnect").catch(() => undefined);
+    if (this.state.name === "connected") await this.call("rois.system.disconnect").catch(() => undefined);
     this.#connection.close();
   }
 

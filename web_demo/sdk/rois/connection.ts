@@ -99,8 +99,8 @@ export class Connection {
       return this.#fail(attempt, error instanceof Error ? error.message : String(error));
     }
     this.#timer = setTimeout(() => {
-      socket.close();
       this.#fail(attempt, "the gateway did not answer in time");
+      socket.close();
     }, this.#options.connectTimeout ?? 10_000);
     socket.addEventListener("open", () => {
       if (attempt === this.#attempt) void this.#welcome(attempt, socket);

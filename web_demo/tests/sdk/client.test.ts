@@ -1,0 +1,257 @@
+import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { RoISClient } from "../../sdk/rois/client.ts";
+import type { ClientOptions } from "../../sdk/rois/client.ts";
+import { ConnectionLost, RequestTimeout, RpcError } from "../../sdk/jsonrpc/session.ts";
+import { RoISError } from "../../sdk/rois/types.ts";
+import { FakeGateway } from "../support/fake_gateway.ts";
+
+let gateway: FakeGateway;
+
+const clientOf = (options: ClientOptions = {}): RoISClient =>
+  new RoISClient({ url: "ws://test/", createSocket: gateway.createSocket, ...options });
+
+beforeEach(() => {
+  vi.useFakeTimers();
+  gateway = new FakeGateway();
+});
+
+afterEach(() => {
+  vi.useRealTimers();
+});
+
+describe("connecting", () => {
+  it("says connect, then hello, and then is connected", async () => {
+    const client = clientOf();
+    await client.connect();
+    expect(gateway.calls.map((call) => call.method)).toEqual(["rois.system.connect", "openrois.hello"]);
+    expect(gateway.called("openrois.hello")).toEqual([
+      { version: "1", extensions: ["rois.stream", "signaling"] },
+    ]);
+    expect(client.state).toEqual({ name: "connected" });
+    expect(client.extensions).toEqual(["rois.stream", "signaling"]);
+    expect(gateway.socket.protocols).toEqual([]);
+    await client.connect();
+    expect(gateway.sockets).toHaveLength(1);
+  });
+
+  it("takes a gateway that does not know hello for one that speaks plain RoIS", async () => {
+    gateway = new FakeGateway(null);
+    const client = clientOf();
+    await client.connect();
+    expect(client.extensions).toBeNull();
+    await expect(client.search()).resolves.toEqual([]);
+  });
+
+  it("offers a token as a subprotocol, never in the URL", async () => {
+    const client = clientOf({ token: "a.b.c" });
+    await client.connect();
+    expect(gateway.socket.protocols).toEqual(["openrois.v1", "openrois.bearer.a.b.c"]);
+    expect(gateway.socket.url).toBe("ws://test/");
+  });
+
+  it("says goodbye and stays away", async () => {
+    const client = clientOf();
+    await client.connect();
+    await client.close();
+    expect(gateway.calls.at(-1)?.method).toBe("rois.system.disconnect");
+    expect(client.state).toEqual({ name: "closed" });
+    await vi.advanceTimersByTimeAsync(60_000);
+    expect(gateway.sockets).toHaveLength(1);
+    await expect(client.search()).rejects.toBeInstanceOf(ConnectionLost);
+  });
+});
+
+describe("operations", () => {
+  it("return their out parameters", async () => {
+    gateway
+      .on("rois.system.get_profile", () => ({
+        profile: { identifier: { code: "g" } },
+        component_profiles: {},
+      }))
+      .on("rois.command.search", () => ({ component_ref_list: ["a/b"] }))
+      .on("rois.query.query", () => ({ results: [{ name: "n", data_type_ref: "int", value: "1" }] }))
+      .on("rois.command.get_command_result", () => ({}))
+      .on("rois.command.bind", () => ({}))
+      .on("rois.command.release", () => ({}));
+    const client = clientOf();
+    await client.connect();
+    await expect(client.getProfile()).resolves.toEqual({
+      profile: { identifier: { code: "g" } },
+      component_profiles: {},
+    });
+    await expect(client.search("component_ref = 'a/b'")).resolves.toEqual(["a/b"]);
+    await expect(client.query("q", "c")).resolves.toEqual([{ name: "n", data_type_ref: "int", value: "1" }]);
+    await expect(client.getCommandResult("c1")).resolves.toEqual([]);
+    await client.bind("a/b");
+    await client.release("a/b");
+    expect(gateway.calls.slice(2)).toEqual([
+      { method: "rois.system.get_profile", params: { condition: "" } },
+      { method: "rois.command.search", params: { condition: "component_ref = 'a/b'" } },
+      { method: "rois.query.query", params: { query_type: "q", condition: "c" } },
+      { method: "rois.command.get_command_result", params: { command_id: "c1", condition: "" } },
+      { method: "rois.command.bind", params: { component_ref: "a/b" } },
+      { method: "rois.command.release", params: { component_ref: "a/b" } },
+    ]);
+  });
+
+  it("throw what the engine refuses", async () => {
+    gateway.on("rois.command.bind", () => ({ return_code: "OUT_OF_RESOURCES" }));
+    gateway.on("rois.command.search", () => ({ return_code: 7 }));
+    const client = clientOf();
+    await client.connect();
+    const refused = client.bind("a/b");
+    await expect(refused).rejects.toBeInstanceOf(RoISError);
+    await expect(refused).rejects.toMatchObject({
+      returnCode: "OUT_OF_RESOURCES",
+      method: "rois.command.bind",
+    });
+    await expect(client.call("unheard.of")).rejects.toMatchObject({ name: "RpcError", code: -32601 });
+    await expect(client.search()).rejects.toBeInstanceOf(RpcError);
+  });
+});
+
+describe("commands", () => {
+  const unit = { component_ref: "a/b", command_type: "start" };
+
+  it("get ids, also inside concurrent items, and are awaited by them", async () => {
+    gateway.on("rois.command.execute", () => ({}));
+    const client = clientOf();
+    await client.connect();
+    const ids = await client.execute([
+      { ...unit, command_id: "mine" },
+      { command_list: [unit, unit], delay_time: 5 },
+    ]);
+    expect(ids[0]).toBe("mine");
+    expect(new Set(ids).size).toBe(3);
+    expect(gateway.called("rois.command.execute")[0]).toEqual({
+      command_unit_list: [
+        { ...unit, command_id: "mine" },
+        {
+          command_list: [
+            { ...unit, command_id: ids[1] },
+            { ...unit, command_id: ids[2] },
+          ],
+          delay_time: 5,
+        },
+      ],
+    });
+    gateway.notify("rois.command.completed", { command_id: "mine", status: "OK" });
+    await expect(client.completed("mine")).resolves.toEqual({ command_id: "mine", status: "OK" });
+    const later = client.completed(ids[2] ?? "");
+    gateway.notify("rois.command.completed", { command_id: ids[2] ?? "", status: "ABORT" });
+    await expect(later).resolves.toMatchObject({ status: "ABORT" });
+  });
+
+  it("may complete in the same breath in which they are accepted", async () => {
+    gateway.on("rois.command.execute", () => {
+      queueMicrotask(() => gateway.notify("rois.command.completed", { command_id: "quick", status: "OK" }));
+      return {};
+    });
+    const client = clientOf();
+    await client.connect();
+    await client.execute([{ ...unit, command_id: "quick" }]);
+    await expect(client.completed("quick")).resolves.toMatchObject({ status: "OK" });
+  });
+
+  it("are not waited for without end", async () => {
+    gateway.on("rois.command.execute", () => ({}));
+    const client = clientOf({ idleProbe: 1e6 });
+    await client.connect();
+    const [id = ""] = await client.execute([unit]);
+    const waiting = expect(client.completed(id, 500)).rejects.toBeInstanceOf(RequestTimeout);
+    await vi.advanceTimersByTimeAsync(500);
+    await waiting;
+  });
+
+  it("are lost with the connection, and forgotten when refused", async () => {
+    gateway.on("rois.command.execute", () => ({}));
+    const client = clientOf();
+    await client.connect();
+    const [id = ""] = await client.execute([unit]);
+    const waiting = expect(client.completed(id)).rejects.toBeInstanceOf(ConnectionLost);
+    gateway.stop();
+    await waiting;
+    await expect(client.completed(id)).rejects.toBeInstanceOf(ConnectionLost);
+    await expect(client.execute([unit])).rejects.toBeInstanceOf(ConnectionLost);
+  });
+
+  it("are remembered in a bounded number", async () => {
+    gateway.on("rois.command.execute", () => ({}));
+    const client = clientOf();
+    await client.connect();
+    const [oldest = ""] = await client.execute([unit]);
+    const waiting = expect(client.completed(oldest)).rejects.toThrow(/too many/);
+    await client.execute(Array.from({ length: 256 }, () => unit));
+    await waiting;
+  });
+});
+
+describe("events", () => {
+  const event = (subscribe_id: string) => ({ event_id: "e/1", event_type: "t", subscribe_id });
+
+  it("reach the listener of their subscription, until it is cancelled", async () => {
+    gateway
+      .on("rois.event.subscribe", () => ({ subscribe_id: "s/1" }))
+      .on("rois.event.unsubscribe", () => ({}));
+    const client = clientOf();
+    await client.connect();
+    const heard = vi.fn();
+    const subscription = await client.subscribe("t", "c", heard);
+    gateway.notify("rois.event.notify_event", event("s/1"));
+    gateway.notify("rois.event.notify_event", event("s/other"));
+    expect(heard).toHaveBeenCalledExactlyOnceWith({ ...event("s/1"), expire: "", results: [] });
+    await subscription.cancel();
+    gateway.notify("rois.event.notify_event", event("s/1"));
+    expect(heard).toHaveBeenCalledOnce();
+    expect(gateway.called("rois.event.unsubscribe")).toEqual([{ subscribe_id: "s/1" }]);
+  });
+
+  it("come again after a reconnect and after the engines have changed", async () => {
+    let count = 0;
+    gateway
+      .on("rois.event.subscribe", () => ({ subscribe_id: `s/${++count}` }))
+      .on("rois.event.unsubscribe", () => ({}));
+    const client = clientOf();
+    await client.connect();
+    const heard = vi.fn();
+    await client.subscribe("t", "c", heard);
+    gateway.socket.end(1006);
+    await vi.advanceTimersByTimeAsync(1000);
+    gateway.notify("rois.event.notify_event", event("s/1"));
+    expect(heard).not.toHaveBeenCalled();
+    gateway.notify("rois.event.notify_event", event("s/2"));
+    expect(heard).toHaveBeenCalledTimes(1);
+    gateway.notify("rois.system.profile_changed", {});
+    await vi.advanceTimersByTimeAsync(1);
+    gateway.notify("rois.event.notify_event", event("s/3"));
+    expect(heard).toHaveBeenCalledTimes(2);
+    expect(gateway.called("rois.event.unsubscribe")).toEqual([{ subscribe_id: "s/2" }]);
+  });
+
+  it("and faults, profile changes and foreign notifications reach their listeners, even past one that throws", async () => {
+    const client = clientOf();
+    await client.connect();
+    const failing = vi.spyOn(console, "error").mockImplementation(() => undefined);
+    const heard = vi.fn();
+    client.on("fault", () => {
+      throw new Error("mine");
+    });
+    client.on("fault", heard);
+    client.on("profile_changed", heard);
+    const stop = client.on("notification", heard);
+    gateway.notify("rois.system.notify_error", { error_id: "e", error_type: "USER_DEFINED_ERROR" });
+    gateway.notify("rois.system.profile_changed", {});
+    gateway.notify("foreign.thing", { a: 1 });
+    expect(heard).toHaveBeenCalledTimes(5);
+    expect(heard).toHaveBeenLastCalledWith({
+      kind: "notification",
+      method: "foreign.thing",
+      params: { a: 1 },
+    });
+    expect(failing).toHaveBeenCalledOnce();
+    stop();
+    gateway.notify("foreign.thing", {});
+    expect(heard).toHaveBeenCalledTimes(5);
+    failing.mockRestore();
+  });
+});
