@@ -186,7 +186,8 @@ class LinkClient:
     def _take(self, message: Message) -> None:
         if isinstance(message, Bye):
             self._end(message.reason)
-        elif isinstance(message, Command):
+        else:
+            assert isinstance(message, Command), "the parser lets an adapter say nothing else"
             self._commands.append(message)
 
     def _write(self) -> None:

@@ -57,13 +57,14 @@ class Receivers:
 class EngineConnection(asyncio.BufferedProtocol):
     """A connected engine. Its pictures are received straight into the memory they stay in."""
 
+    _transport: asyncio.Transport  # there from `connection_made` on, before anybody else sees the connection
+
     def __init__(self, host: Host, secret: str, receivers: Receivers, greeting_timeout: float) -> None:
         self._host = host
         self._secret = secret
         self._receivers = receivers
         self._timestamps = Timestamps(receivers.clock)
         self._parser = Parser(Sender.ENGINE, _uninitialised)
-        self._transport: asyncio.Transport | None = None
         self._hello: Hello | None = None
         self._reason: str | None = None
         self._greeting_timeout = greeting_timeout
@@ -85,7 +86,7 @@ class EngineConnection(asyncio.BufferedProtocol):
     @property
     def connected(self) -> bool:
         """Whether commands still reach the engine."""
-        return self._transport is not None and self._reason is None
+        return self._reason is None
 
     async def closed(self) -> str:
         """Wait for the end of the connection and give its reason; any number of tasks may wait."""
@@ -100,22 +101,20 @@ class EngineConnection(asyncio.BufferedProtocol):
         if not self.connected:
             raise LinkError(f"the engine is gone: {self._reason}")
         self._send(encode(command))
-        assert self._transport is not None
         if self._transport.get_write_buffer_size() > MAX_UNREAD:
             self.abort("the engine does not read its commands")
 
     def close(self, reason: str) -> None:
         """Say goodbye and end the connection, `FAREWELL_TIMEOUT` seconds from now at the latest."""
-        if self._reason is None and self._transport is not None:
+        if self._reason is None:
             self._reason = reason
             self._send(encode(Bye(reason)))
-            self._shut(self._transport)
+            self._shut()
 
     def abort(self, reason: str) -> None:
         """End the connection at once, without a goodbye."""
         self._reason = self._reason or reason
-        if self._transport is not None:
-            self._transport.abort()
+        self._transport.abort()
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Called by the event loop."""
@@ -131,8 +130,6 @@ class EngineConnection(asyncio.BufferedProtocol):
 
     def buffer_updated(self, nbytes: int) -> None:
         """Called by the event loop."""
-        if self._reason is not None:
-            return  # what comes after our goodbye is of no interest
         try:
             message = self._parser.buffer_updated(nbytes)
             if message is not None:
@@ -159,10 +156,10 @@ class EngineConnection(asyncio.BufferedProtocol):
                 _tell(self._receivers.on_event, message)
             case Hello():
                 self._greet(message)
-            case Bye():
+            case _:
+                assert isinstance(message, Bye), "the parser lets an engine say nothing else"
                 self._reason = message.reason
-                assert self._transport is not None
-                self._shut(self._transport)
+                self._shut()
 
     def _take_audio(self, audio: Audio) -> None:
         samples = np.frombuffer(audio.samples, dtype="<i2").reshape(-1, audio.channels)
@@ -181,12 +178,11 @@ class EngineConnection(asyncio.BufferedProtocol):
         _log.info("engine link: %s %s is connected", hello.name, hello.version)
 
     def _send(self, parts: tuple[Bytes, ...]) -> None:
-        assert self._transport is not None
         self._transport.write(b"".join(parts))
 
-    def _shut(self, transport: asyncio.Transport) -> None:
-        transport.close()
-        self._allow(FAREWELL_TIMEOUT, transport.abort)
+    def _shut(self) -> None:
+        self._transport.close()
+        self._allow(FAREWELL_TIMEOUT, self._transport.abort)
 
     def _allow(self, seconds: float, then: Callable[[], None]) -> None:
         """Allow `seconds` for the one thing that is waited for now, the greeting or the end."""

@@ -10,7 +10,9 @@ from __future__ import annotations
 
 import asyncio
 import ipaddress
+import logging
 import secrets
+import socket
 import tempfile
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
@@ -29,6 +31,11 @@ GREETING_TIMEOUT: Final = 5.0
 """Seconds from the connection to its HELLO."""
 MAX_STRANGERS: Final = 8
 """Connections that have not greeted yet; one more is sent away."""
+
+ACCEPT_PAUSE: Final = 1.0
+"""Seconds until the next attempt when connections cannot be accepted, as for want of file descriptors."""
+
+_log = logging.getLogger(__name__)
 
 
 class LinkServer:
@@ -79,13 +86,16 @@ class LinkServer:
         server = cls(secret or secrets.token_urlsafe(32), receivers, greeting_timeout)
         with tempfile.TemporaryDirectory(prefix="openrois-", ignore_cleanup_errors=True) as private:
             place = parse_address(address or f"unix:{Path(private, 'engine')}")
-            listener = await server._start(place)
-            try:
-                yield server
-            finally:
-                listener.close()
-                await server._dismiss()
-                _remove(place)
+            with _listen(place) as listener:
+                server.address = _address_of(place, listener)
+                accepting = asyncio.create_task(server._accept_all(listener), name="engine link")
+                try:
+                    yield server
+                finally:
+                    accepting.cancel()
+                    await asyncio.wait({accepting})
+                    await server._dismiss()
+                    _remove(place)
 
     @property
     def engine(self) -> EngineConnection | None:
@@ -123,19 +133,23 @@ class LinkServer:
             if not self._arrived.empty():
                 self._arrived.get_nowait()
 
-    async def _start(self, place: Address) -> asyncio.Server:
-        loop = asyncio.get_running_loop()
-        try:
-            if isinstance(place, UnixAddress):
-                self.address = str(place)
-                return await loop.create_unix_server(self._connection, place.path)
-            _check_loopback(place.host)
-            listener = await loop.create_server(self._connection, place.host, place.port)
-            port = listener.sockets[0].getsockname()[1]
-        except OSError as error:
-            raise LinkError(f"cannot listen on {place}: {error}") from error
-        self.address = str(TcpAddress(place.host, port))
-        return listener
+    async def _accept_all(self, listener: socket.socket) -> None:
+        """Serve every connection.
+
+        Neither `loop.create_server` (Python 3.11) nor `loop.sock_accept`: both lose, open, a connection that comes
+        while they are being closed.
+        """
+        loop, clock = asyncio.get_running_loop(), self._receivers.clock
+        while True:
+            await _readable(listener)
+            try:
+                stream, _ = listener.accept()
+            except OSError as error:
+                _log.warning("engine link: cannot accept a connection: %s", error)
+                await clock.sleep_until(clock.now() + ACCEPT_PAUSE)
+            else:
+                stream.setblocking(False)
+                await loop.connect_accepted_socket(self._connection, stream)
 
     def _connection(self) -> EngineConnection:
         return EngineConnection(self, self.secret, self._receivers, self._greeting_timeout)
@@ -150,8 +164,46 @@ class LinkServer:
                     await connection.closed()
 
 
+def _listen(place: Address) -> socket.socket:
+    """A socket that listens and does not block."""
+    family = socket.AF_UNIX
+    name: str | tuple[str, int]
+    if isinstance(place, UnixAddress):
+        name = place.path
+    else:
+        name = place.host, place.port
+        family = socket.AF_INET6 if ":" in place.host else socket.AF_INET
+        _check_loopback(place.host)
+    listener = socket.socket(family, socket.SOCK_STREAM)
+    try:
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind(name)
+        listener.listen(MAX_STRANGERS)
+        listener.setblocking(False)
+    except OSError as error:
+        listener.close()
+        raise LinkError(f"cannot listen on {place}: {error}") from error
+    return listener
+
+
+async def _readable(listener: socket.socket) -> None:
+    loop = asyncio.get_running_loop()
+    ready = asyncio.Event()
+    loop.add_reader(listener, ready.set)
+    try:
+        await ready.wait()
+    finally:
+        loop.remove_reader(listener)
+
+
+def _address_of(place: Address, listener: socket.socket) -> str:
+    """Where `listener` is, with the port that the system chose."""
+    if isinstance(place, UnixAddress):
+        return str(place)
+    return str(TcpAddress(place.host, listener.getsockname()[1]))
+
+
 def _remove(place: Address) -> None:
-    """Python before 3.13 leaves the socket of a closed listener in the file system."""
     if isinstance(place, UnixAddress):
         Path(place.path).unlink(missing_ok=True)
 

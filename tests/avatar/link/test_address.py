@@ -54,3 +54,12 @@ def test_small_messages_leave_at_once_over_tcp() -> None:
         address = TcpAddress("127.0.0.1", listener.getsockname()[1])
         with connect_socket(address, 1) as stream:
             assert stream.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
+
+
+def test_a_unix_socket_is_reached_by_its_path(tmp_path: Path) -> None:
+    path = str(tmp_path / "s")
+    with socket.socket(socket.AF_UNIX) as listener:
+        listener.bind(path)
+        listener.listen()
+        with connect_socket(UnixAddress(path), 1) as stream:
+            assert stream.gettimeout() == 1

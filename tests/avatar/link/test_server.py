@@ -1,0 +1,346 @@
+import asyncio
+import logging
+import socket
+import stat
+from collections.abc import AsyncIterator
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from openrois_avatar.link.connection import MAX_UNREAD
+from openrois_avatar.link.messages import (
+    MAX_TEXT,
+    Bye,
+    Completed,
+    Event,
+    Hello,
+    LinkError,
+    Log,
+    Look,
+    React,
+    Welcome,
+)
+from openrois_avatar.link.protocol import Audio, Message, Parser, Sender
+from openrois_avatar.link.server import MAX_STRANGERS, LinkServer
+from openrois_streaming.source import RawAudio
+
+from tests.support.avatar_link import HELLO, picture, wire
+from tests.support.streaming import VirtualClock, settle
+
+
+def file_type(path: str) -> int | None:
+    return stat.S_IFMT(Path(path).stat().st_mode) if Path(path).exists() else None
+
+
+def private_to_this_user(path: str) -> bool:
+    return stat.S_IMODE(Path(path).parent.stat().st_mode) == 0o700
+
+
+class Engine:
+    """An engine made of one asyncio stream."""
+
+    def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        self.reader, self.writer = reader, writer
+        self._parser = Parser(Sender.ADAPTER)
+        self._messages: list[Message] = []
+
+    def send(self, *messages: Message) -> None:
+        self.writer.write(wire(*messages))
+
+    async def read(self) -> Message | None:
+        """The next message, None at the end of the connection."""
+        async with asyncio.timeout(5):
+            while not self._messages:
+                data = await self.reader.read(65536)
+                if not data:
+                    return None
+                self._messages += self._parser.feed(data)
+        return self._messages.pop(0)
+
+    async def aclose(self) -> None:
+        self.writer.close()
+        with suppress(OSError):
+            await self.writer.wait_closed()
+
+
+class World:
+    """A server, what it received, and the engines that connect to it."""
+
+    def __init__(self, server: LinkServer, audio: list[RawAudio], events: list[Event]) -> None:
+        self.server, self.audio, self.events = server, audio, events
+        self.engines: list[Engine] = []
+
+    @property
+    def hello(self) -> Hello:
+        return replace(HELLO, secret=self.server.secret)
+
+    async def dial(self) -> Engine:
+        engine = Engine(*await asyncio.open_unix_connection(self.server.address.removeprefix("unix:")))
+        self.engines.append(engine)
+        return engine
+
+    async def join(self) -> Engine:
+        engine = await self.dial()
+        engine.send(self.hello)
+        assert isinstance(await engine.read(), Welcome)
+        return engine
+
+
+@pytest.fixture
+async def world() -> AsyncIterator[World]:
+    audio, events = list[RawAudio](), list[Event]()
+    clock = VirtualClock(now=1000)
+    async with LinkServer.listen(on_audio=audio.append, on_event=events.append, clock=clock) as server:
+        world = World(server, audio, events)
+        yield world
+    for engine in world.engines:
+        await engine.aclose()
+
+
+async def test_an_engine_joins_and_everything_it_sends_arrives(world: World) -> None:
+    engine = await world.join()
+    connection = await world.server.accept(5)
+    assert connection is world.server.engine
+    assert connection.hello == world.hello
+    assert connection.connected
+    async with asyncio.timeout(5), world.server.video.open() as pictures:
+        engine.send(picture(3, 999_990_000_000))
+        frame = await anext(pictures)
+        assert frame.sequence == 3
+        assert frame.captured_at == pytest.approx(999.99)
+        np.testing.assert_array_equal(frame.data.reshape(-1), np.arange(32))
+        engine.send(Audio(0, 0, 2, b"\1\0\xff\xff"), Completed("1", "OK"), picture(4))
+        assert (await anext(pictures)).sequence == 4
+    assert world.events == [Completed("1", "OK")]
+    assert [(block.samples.tolist(), block.captured_at) for block in world.audio] == [([[1, -1]], 1000.0)]
+
+
+async def test_commands_reach_the_engine(world: World) -> None:
+    engine = await world.join()
+    connection = await world.server.accept(5)
+    connection.send_command(React("1", "nod"))
+    connection.send_command(Look(0.5, 0))
+    assert [await engine.read(), await engine.read()] == [React("1", "nod"), Look(0.5, 0)]
+
+
+async def test_the_end_of_the_context_says_goodbye_and_leaves_nothing_behind() -> None:
+    async with LinkServer.listen() as server:
+        world = World(server, [], [])
+        engine, stranger = await world.join(), await world.dial()
+        connection = await server.accept(5)
+        await settle()  # the stranger is let in
+        path = server.address.removeprefix("unix:")
+        assert file_type(path) == stat.S_IFSOCK
+        assert private_to_this_user(path)
+    assert [await engine.read(), await engine.read()] == [Bye("the adapter ends"), None]
+    assert [await stranger.read(), await stranger.read()] == [Bye("the adapter ends"), None]
+    assert file_type(path) is None
+    assert await connection.closed() == "the adapter ends"
+    with pytest.raises(LinkError, match="the engine is gone: the adapter ends"):
+        connection.send_command(React("1", "nod"))
+    await engine.aclose()
+    await stranger.aclose()
+
+
+async def test_a_wrong_secret_is_refused(world: World) -> None:
+    engine = await world.dial()
+    engine.send(HELLO)
+    assert [await engine.read(), await engine.read()] == [Bye("wrong secret"), None]
+    assert world.server.engine is None
+
+
+async def test_a_second_engine_is_refused_and_the_first_unharmed(world: World) -> None:
+    first, second = await world.join(), await world.dial()
+    second.send(world.hello)
+    assert [await second.read(), await second.read()] == [Bye("another engine is connected"), None]
+    (await world.server.accept(5)).send_command(React("1", "nod"))
+    assert await first.read() == React("1", "nod")
+
+
+async def test_malformed_input_closes_that_connection_only(world: World, caplog: pytest.LogCaptureFixture) -> None:
+    first, second = await world.join(), await world.dial()
+    with caplog.at_level(logging.WARNING):
+        second.writer.write(b"GET / HTTP/1.1\r\nHost: x\r\n\r\n")
+        assert isinstance(await second.read(), Bye)
+    assert "bad magic" in caplog.text
+    connection = await world.server.accept(5)
+    connection.send_command(React("1", "nod"))
+    assert await first.read() == React("1", "nod")
+    first.writer.write(b"garbage garbage garbage " + wire(picture()))
+    assert await first.read() == Bye("bad magic: this is not the engine link, or its framing is lost")
+    assert "bad magic" in await connection.closed()
+    assert not connection.connected
+    assert world.server.video.received == 0
+
+
+async def test_an_engine_that_comes_and_goes_is_not_accepted(world: World) -> None:
+    first = await world.join()
+    gone = world.server.engine
+    assert gone is not None
+    first.send(Bye("no display"))
+    assert await gone.closed() == "no display"
+    second = await world.join()
+    connection = await world.server.accept(5)
+    assert connection is not gone
+    second.writer.close()
+    async with asyncio.timeout(5):
+        assert await connection.closed() == "the engine closed the connection"
+    with pytest.raises(TimeoutError):
+        await world.server.accept(0)
+
+
+async def test_pictures_of_the_next_engine_go_into_the_same_source(world: World) -> None:
+    async with asyncio.timeout(5), world.server.video.open() as pictures:
+        first = await world.join()
+        first.send(picture(0), picture(1))
+        while (await anext(pictures)).sequence != 1:
+            pass
+        first.writer.close()
+        assert world.server.engine is not None
+        await world.server.engine.closed()
+        second = await world.join()
+        second.send(picture(0))
+        assert (await anext(pictures)).sequence == 2
+
+
+async def test_who_does_not_greet_is_sent_away() -> None:
+    async with LinkServer.listen(greeting_timeout=0) as server:
+        stranger = await World(server, [], []).dial()
+        assert [await stranger.read(), await stranger.read()] == [Bye("no HELLO in time"), None]
+        await stranger.aclose()
+
+
+async def test_a_welcomed_engine_may_be_quiet() -> None:
+    async with LinkServer.listen(greeting_timeout=0.02) as server:
+        world = World(server, [], [])
+        engine = await world.join()
+        stranger = await world.dial()  # its deadline comes after the engine's would have
+        assert await stranger.read() == Bye("no HELLO in time")
+        (await server.accept(5)).send_command(React("1", "nod"))
+        assert await engine.read() == React("1", "nod")
+        await engine.aclose()
+        await stranger.aclose()
+
+
+async def test_strangers_are_bounded_and_an_engine_still_gets_in(world: World) -> None:
+    strangers = [await world.dial() for _ in range(MAX_STRANGERS)]
+    one_too_many = await world.dial()
+    assert await one_too_many.read() == Bye("too many connections wait for their greeting")
+    strangers[0].send(world.hello)
+    assert isinstance(await strangers[0].read(), Welcome)
+
+
+async def test_an_engine_that_does_not_read_is_cut_off(world: World) -> None:
+    await world.join()
+    connection = await world.server.accept(5)
+    large = React("x" * 30_000, "nod")
+    sent = 0
+    while connection.connected:
+        connection.send_command(large)
+        sent += 30_000
+        assert sent < 10_000_000
+    assert sent > MAX_UNREAD
+    async with asyncio.timeout(5):
+        assert await connection.closed() == "the engine does not read its commands"
+
+
+async def test_a_goodbye_is_not_waited_for_forever(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("openrois_avatar.link.connection.FAREWELL_TIMEOUT", 0.01)
+    monkeypatch.setattr("openrois_avatar.link.connection.MAX_UNREAD", 10_000_000)
+    await world.join()
+    connection = await world.server.accept(5)
+    for _ in range(100):
+        connection.send_command(React("x" * 30_000, "nod"))
+    connection.close("enough")
+    connection.close("and again")
+    async with asyncio.timeout(5):
+        assert await connection.closed() == "enough"
+
+
+async def test_a_receiver_that_fails_harms_nobody(caplog: pytest.LogCaptureFixture) -> None:
+    seen = list[Event]()
+
+    def fail_first(event: Event) -> None:
+        seen.append(event)
+        if len(seen) == 1:
+            raise ZeroDivisionError
+
+    async with LinkServer.listen(on_event=fail_first) as server:
+        engine = await World(server, [], []).join()
+        with caplog.at_level(logging.ERROR):
+            engine.send(Log("a"), Audio(0, 0, 1, b""), Log("b"), Bye("x" * MAX_TEXT))
+            await (await server.accept(5)).closed()
+        await engine.aclose()
+    assert seen == [Log("a"), Log("b")]
+    assert "a receiver failed" in caplog.text
+
+
+async def test_only_a_welcomed_engine_has_a_hello(world: World) -> None:
+    await world.dial()
+    await settle()
+    (connection,) = world.server._connections
+    with pytest.raises(LinkError, match="has not been welcomed"):
+        _ = connection.hello
+
+
+async def test_it_listens_on_loopback_tcp_too() -> None:
+    async with LinkServer.listen("tcp:127.0.0.1:0", "s3cret") as server:
+        host, port = server.address.removeprefix("tcp:").split(":")
+        engine = Engine(*await asyncio.open_connection(host, int(port)))
+        engine.send(replace(HELLO, secret="s3cret"))
+        assert isinstance(await engine.read(), Welcome)
+        await engine.aclose()
+
+
+@pytest.mark.parametrize("host", ["0.0.0.0", "192.0.2.1", "[2001:db8::1]", "example.org"])
+async def test_it_never_listens_to_the_network(host: str) -> None:
+    with pytest.raises(LinkError, match="stays on this machine"):
+        async with LinkServer.listen(f"tcp:{host}:0"):
+            pass
+
+
+async def test_an_address_that_cannot_be_had_is_named() -> None:
+    async with LinkServer.listen("tcp:127.0.0.1:0") as server:
+        with pytest.raises(LinkError, match=f"cannot listen on {server.address}"):
+            async with LinkServer.listen(server.address):
+                pass
+
+
+async def test_whoever_comes_in_the_last_moment_is_not_left_hanging() -> None:
+    async with LinkServer.listen() as server:
+        late = await World(server, [], []).dial()
+    with suppress(ConnectionResetError):
+        assert await late.read() is None
+    await late.aclose()
+
+
+async def test_it_goes_on_when_connections_cannot_be_accepted(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    def too_many_files(_: socket.socket) -> None:
+        raise OSError(24, "Too many open files")
+
+    clock = VirtualClock()
+    async with LinkServer.listen(clock=clock) as server:
+        world = World(server, [], [])
+        monkeypatch.setattr(socket.socket, "accept", too_many_files)
+        engine = await world.dial()
+        async with asyncio.timeout(5):
+            while not clock.sleepers:
+                await settle()
+        assert "cannot accept a connection: [Errno 24] Too many open files" in caplog.text
+        monkeypatch.undo()
+        await clock.advance(1)
+        engine.send(world.hello)
+        assert isinstance(await engine.read(), Welcome)
+        await engine.aclose()
+
+
+async def test_a_given_path_is_removed_at_the_end(tmp_path: Path) -> None:
+    path = f"{tmp_path}/engine"
+    async with LinkServer.listen(f"unix:{path}") as server:
+        assert server.address == f"unix:{path}"
+        assert file_type(path) == stat.S_IFSOCK
+    assert file_type(path) is None
