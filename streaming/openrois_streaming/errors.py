@@ -1,0 +1,41 @@
+"""What a session refuses, and why. Each message is a sentence for a person and holds no SDP and no address."""
+
+
+class SessionError(Exception):
+    """A session cannot do what it was asked."""
+
+
+class UnknownStream(SessionError):
+    """There is no such stream in this session."""
+
+
+class UnknownPeer(SessionError):
+    """There is no such peer connection in this session, or it has ended."""
+
+
+class StaleGeneration(SessionError):
+    """A message belongs to another generation than the one that is awaited; it was dropped."""
+
+
+class InvalidDescription(SessionError):
+    """An answer cannot be used."""
+
+
+class InvalidCandidate(SessionError):
+    """A candidate cannot be read."""
+
+
+class TooManyCandidates(SessionError):
+    """The peer sent as many candidates as it may; this one was dropped."""
+
+
+class NoCommonCodec(SessionError):
+    """The application can decode none of the codecs that can be offered."""
+
+
+class TooManySections(SessionError):
+    """All m-sections of the peer connection are in use."""
+
+
+class TooManySessions(SessionError):
+    """No further application can be served."""

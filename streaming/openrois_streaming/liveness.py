@@ -1,0 +1,136 @@
+"""Whether media really reaches a viewer, and whether there still is one, judged from what was measured. Pure.
+
+Times are seconds of one monotonic clock and are given by the caller.
+"""
+
+from enum import Enum
+
+STALL = 1.0
+"""Seconds without a frame after which an open stream has stalled."""
+
+REPORT_AGE = {"video": 2.0, "audio": 8.0}
+"""Seconds a receiver's report of progress holds. Browsers report on video every second and on audio every 2.5 to 7.5 s
+(RFC 3550 section 6.3.1: 5 s, randomised by half)."""
+
+SILENCE = 4.0
+"""Seconds without a sign of life after which a viewer is gone; ICE consent alone takes 30 s (RFC 7675)."""
+
+PROBE_AFTER = 2.0
+"""Seconds of silence after which the viewer is asked for a sign of life. A viewer of audio alone, or of a suspended
+stream, has no reason to send one by itself."""
+
+PROBE_INTERVAL = 0.5
+"""Seconds between two such questions."""
+
+
+class Verdict(Enum):
+    """What is known about one stream on one peer connection."""
+
+    FLOWING = "flowing"
+    STALLED = "stalled"
+    UNDECIDED = "undecided"
+    """It was opened too short a time ago."""
+    UNANSWERED = "unanswered"
+    """Frames leave; a sign of life from the viewer would make it flow."""
+
+
+class Flow:
+    """The progress of one sender: frames that left, and the receiver's reports on them.
+
+    Time in which the stream is suspended does not count. `highest_sequence` is what the receiver has already reported
+    about this sender, for another stream.
+    """
+
+    __slots__ = ("_advanced", "_first", "_highest", "_kind", "_last", "_opened")
+
+    def __init__(self, kind: str, highest_sequence: int | None = None) -> None:
+        self._kind = kind
+        self._highest = highest_sequence
+        self._opened: float | None = None
+        self._first: float | None = None
+        self._last: float | None = None
+        self._advanced: float | None = None
+
+    def opened(self, now: float) -> None:
+        """From now on frames are wanted. A receiver that reported progress before is trusted afresh."""
+        self._opened, self._first, self._last = now, None, None
+        if self._advanced is not None:
+            self._advanced = now
+
+    def closed(self) -> None:
+        """From now on no frames are wanted."""
+        self._opened = None
+
+    def left(self, now: float) -> None:
+        """A frame was handed to the network."""
+        self._last = now
+        if self._first is None:
+            self._first = now
+
+    def reported(self, highest_sequence: int, now: float) -> None:
+        """The receiver says which packet of this stream is the newest it has (RFC 3550 section 6.4.1)."""
+        if highest_sequence != self._highest:
+            self._highest = highest_sequence
+            self._advanced = now
+
+    def judge(self, now: float, seen: float) -> Verdict:
+        """Whether media reaches the viewer; `seen` is when the viewer last gave any sign of life."""
+        if self._opened is None:
+            return Verdict.UNDECIDED
+        if self._first is None or self._last is None:
+            return Verdict.UNDECIDED if now - self._opened < STALL else Verdict.STALLED
+        if now - self._last >= STALL:
+            return Verdict.STALLED
+        return self._received(self._first, now, seen)
+
+    def _received(self, first: float, now: float, seen: float) -> Verdict:
+        age = REPORT_AGE[self._kind]
+        if self._advanced is not None:
+            return Verdict.FLOWING if now - self._advanced <= age else Verdict.STALLED
+        if now - first > age:
+            return Verdict.STALLED
+        if self._kind == "video":
+            return Verdict.UNDECIDED
+        # The first report on audio comes after several seconds. Until then it counts that packets leave towards
+        # somebody who is there; the first report on video comes within a second and is waited for.
+        return Verdict.FLOWING if seen >= first else Verdict.UNANSWERED
+
+
+class Viewer:
+    """Signs of life of the other end of one connected peer connection."""
+
+    __slots__ = ("_asked", "_seen", "since")
+
+    def __init__(self, now: float) -> None:
+        self.since = now
+        """When it was connected."""
+        self._seen = now
+        self._asked = now
+
+    @property
+    def seen(self) -> float:
+        """When it last gave a sign of life."""
+        return self._seen
+
+    def alive(self, now: float) -> None:
+        """It sent RTCP or answered a question: something that only this viewer can have sent."""
+        self._seen = now
+
+    def gone(self, now: float) -> bool:
+        """Whether it has been silent for too long."""
+        return now - self._seen >= SILENCE
+
+    def excuse(self, seconds: float) -> None:
+        """This process was not able to listen for so long (it was stopped, or the machine slept)."""
+        self._seen += seconds
+
+    def ask(self, now: float, *, urgent: bool) -> bool:
+        """Whether to ask it for a sign of life now; the question then counts as asked.
+
+        `urgent` is for when a judgement waits for a sign; otherwise it is asked after `PROBE_AFTER` of silence.
+        """
+        silent = now - self._seen
+        due = (urgent or silent >= PROBE_AFTER) and now - self._asked >= PROBE_INTERVAL
+        if due:
+            self._asked = now
+        return due

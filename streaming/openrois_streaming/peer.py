@@ -1,0 +1,269 @@
+"""One peer connection to one application: its negotiation, its streams, and whether the other end is still there."""
+
+import asyncio
+import logging
+from collections.abc import Sequence
+from typing import Protocol
+
+from openrois_signaling.messages import Answer, Bye, Candidate, IceServer, Offer
+from openrois_signaling.negotiation import Negotiation, Verdict
+
+from openrois_streaming.clock import MediaClock
+from openrois_streaming.connection import BundledConnection
+from openrois_streaming.errors import (
+    InvalidCandidate,
+    InvalidDescription,
+    SessionError,
+    StaleGeneration,
+    TooManyCandidates,
+    UnknownPeer,
+)
+from openrois_streaming.liveness import Verdict as Progress
+from openrois_streaming.liveness import Viewer
+from openrois_streaming.sdp import CandidatePolicy
+from openrois_streaming.section import Leg
+from openrois_streaming.stream import Stream
+from openrois_streaming.tasks import OwnedTasks, Task
+
+CONNECT_TIMEOUT = 15.0
+"""Seconds from the first answer in place until media can pass."""
+
+_log = logging.getLogger(__name__)
+
+
+class PeerOwner(Protocol):
+    """Who hears of a peer connection. All calls are made in the event loop and must not block."""
+
+    def peer_says(self, message: Offer | Bye) -> None:
+        """`message` is for the application."""
+        ...
+
+    def peer_changed(self, peer: "Peer") -> None:
+        """Media can pass over more of it than before."""
+        ...
+
+    def peer_ended(self, peer: "Peer") -> None:
+        """It has ended for good, and its bye is said."""
+        ...
+
+
+class Peer:
+    """A peer connection by the name of `peer_id`, which takes the place of `replaces` if that is given.
+
+    `tick` must be called several times a second. What it starts belongs to `tasks`.
+    """
+
+    def __init__(
+        self,
+        peer_id: str,
+        *,
+        replaces: str | None,
+        ice_servers: Sequence[IceServer],
+        policy: CandidatePolicy,
+        clock: MediaClock,
+        tasks: OwnedTasks,
+        owner: PeerOwner,
+    ) -> None:
+        self.peer_id = peer_id
+        self.legs: dict[Stream, Leg] = {}
+        self.viewer: Viewer | None = None
+        """The other end; None until media can pass."""
+        self._clock = clock
+        self._tasks = tasks
+        self._owner = owner
+        self._negotiation = Negotiation(peer_id, replaces)
+        self._connection = BundledConnection(ice_servers, policy, self._connection_is, self._sign_of_life)
+        self._answered_at: float | None = None
+        self._work: Task[object] | None = None
+        self._ended = False
+        self._closing: Task[None] | None = None
+
+    @property
+    def ended(self) -> bool:
+        """Whether it is over for good."""
+        return self._ended
+
+    def attach(self, stream: Stream) -> None:
+        """Give `stream` a section; an offer follows.
+
+        Raises:
+            TooManySections: there is no section to spare.
+        """
+        section = self._connection.section_for(stream)
+        section.leg = self.legs[stream] = Leg(stream, section, self._tasks, self._clock)
+        self._renegotiate()
+
+    def detach(self, stream: Stream) -> None:
+        """Stop sending `stream`, at once; its section becomes idle with the next offer."""
+        leg = self.legs.pop(stream, None)
+        if leg is None:
+            return
+        leg.close()
+        leg.section.leg = None
+        if not self._ended:
+            self._renegotiate()
+
+    def follow(self) -> None:
+        """Send what is to be sent now, and nothing else."""
+        connected = self.viewer is not None and not self._ended
+        for leg in self.legs.values():
+            negotiated = leg.generation is not None and leg.generation <= self._negotiation.answered
+            leg.up = connected and negotiated
+            leg.follow()
+
+    def judge(self, stream: Stream, now: float) -> Progress | None:
+        """What was measured about `stream` here; None if it has no media path here."""
+        leg = self.legs.get(stream)
+        if leg is None or not leg.up or self.viewer is None:
+            return None
+        return leg.flow.judge(now, self.viewer.seen)
+
+    async def answer(self, answer: Answer) -> None:
+        """Apply an answer. It is applied to its end also when the caller is cancelled.
+
+        Raises:
+            UnknownPeer: the peer has ended.
+            StaleGeneration: it is not the awaited answer; it was dropped.
+            InvalidDescription: it cannot be used; the peer has ended for good.
+        """
+        verdict = self._negotiation.answer(answer, self._clock.now())
+        if verdict is Verdict.ENDED:
+            raise UnknownPeer("the peer connection has ended")
+        if verdict is Verdict.STALE:
+            raise StaleGeneration(f"answer {answer.generation} is not awaited")
+        work = self._work = self._tasks.start(self._apply(answer.sdp), f"answer {answer.generation}")
+        await asyncio.wait({work})
+        refusal = UnknownPeer("the peer connection has ended") if work.cancelled() else work.result()
+        if refusal is not None:
+            raise refusal
+
+    async def candidate(self, candidate: Candidate) -> None:
+        """Take a candidate of the application in, now or when its answer is in place.
+
+        The end of candidates is not passed on: aiortc would give up as soon as the candidates it knows have failed,
+        although a browser that hides its addresses is only found by its own checks.
+
+        Raises:
+            UnknownPeer: the peer has ended.
+            StaleGeneration: its generation is not the present one.
+            TooManyCandidates: the peer has had as many as it may.
+            InvalidCandidate: it cannot be used.
+        """
+        verdict = self._negotiation.candidate(candidate)
+        if verdict is Verdict.ENDED:
+            raise UnknownPeer("the peer connection has ended")
+        if verdict is Verdict.STALE:
+            raise StaleGeneration(f"a candidate of generation {candidate.generation} is not awaited")
+        if verdict is Verdict.FULL:
+            raise TooManyCandidates("the peer connection has had all its candidates")
+        if candidate.candidate:
+            await self._connection.add_candidate(candidate.candidate, only_check=verdict is Verdict.HELD)
+
+    def tick(self, now: float, late: float = 0.0) -> None:
+        """Judge deadlines and signs of life at the time `now`; for `late` seconds before, nobody listened."""
+        if self._ended:
+            return
+        bye = self._negotiation.expire(now)
+        if bye is not None:
+            self._finish(bye)
+        elif self._connection.sender_failed:
+            self.end("a sender has failed")
+        elif self.viewer is None:
+            if self._answered_at is not None and now - self._answered_at >= CONNECT_TIMEOUT:
+                self.end("no media path to the application was found")
+        else:
+            self.viewer.excuse(late)
+            self._watch(self.viewer, now)
+
+    def end(self, reason: str) -> None:
+        """End it for good. The application is told `reason`; closing goes on in a task."""
+        bye = self._negotiation.end(reason)
+        if bye is not None:
+            self._finish(bye)
+
+    async def closed(self) -> None:
+        """Wait until an ended peer connection is closed, which takes a bounded time."""
+        if self._closing is not None:
+            await asyncio.wait({self._closing})
+
+    def _renegotiate(self) -> None:
+        if self._negotiation.change(self._clock.now()):
+            self._work = self._tasks.start(self._offer(), "offer")
+
+    async def _offer(self) -> None:
+        try:
+            self._negotiation.describe()
+            sdp, streams = await self._connection.describe(self._negotiation.generation + 1)
+            if self._ended:
+                return
+            offer = self._negotiation.made(sdp, streams, self._clock.now())
+        except Exception:
+            _log.exception("no offer could be made")
+            self.end("no offer could be made")
+        else:
+            self._owner.peer_says(offer)
+
+    async def _apply(self, sdp: str) -> SessionError | None:
+        """Apply an answer; returns why it was refused, which ends the peer: it may be half applied."""
+        try:
+            candidates = await self._connection.apply(sdp)
+        except InvalidDescription as refusal:
+            _log.info("an answer was refused: %s (%r)", refusal, type(refusal.__cause__))
+            self.end(str(refusal))
+            return refusal
+        if self._ended:
+            return UnknownPeer("the peer connection has ended")
+        held = self._negotiation.applied(self._clock.now())
+        if self._answered_at is None:
+            self._answered_at = self._clock.now()
+        for attribute in (*candidates, *(each.candidate for each in held)):
+            try:
+                await self._connection.add_candidate(attribute or "")
+            except InvalidCandidate:
+                _log.debug("a candidate cannot be used")
+        self.follow()
+        self._owner.peer_changed(self)
+        if self._negotiation.dirty:
+            self._renegotiate()
+        return None
+
+    def _connection_is(self, state: str) -> None:
+        if self._ended:
+            return
+        if state == "connected" and self.viewer is None:
+            self.viewer = Viewer(self._clock.now())
+            self.follow()
+            self._owner.peer_changed(self)
+        elif state == "failed":
+            self.end("the media path to the application was lost")
+        elif state == "closed":
+            self.end("the application closed the peer connection")
+
+    def _watch(self, viewer: Viewer, now: float) -> None:
+        if viewer.gone(now):
+            self.end("the viewer is gone")
+            return
+        waiting = any(self.judge(stream, now) is Progress.UNANSWERED for stream in self.legs)
+        if viewer.ask(now, urgent=waiting):
+            self._tasks.start(self._ask(), "ask for a sign of life")
+
+    async def _ask(self) -> None:
+        if await self._connection.ask_for_a_sign():
+            self._sign_of_life()
+
+    def _sign_of_life(self) -> None:
+        if self.viewer is not None:
+            self.viewer.alive(self._clock.now())
+
+    def _finish(self, bye: Bye) -> None:
+        self._ended = True
+        self.follow()
+        self._closing = self._tasks.start(self._close(), "close")
+        self._owner.peer_says(bye)
+        self._owner.peer_ended(self)
+
+    async def _close(self) -> None:
+        if self._work is not None:
+            self._work.cancel()
+            await asyncio.wait({self._work})
+        await self._connection.close()

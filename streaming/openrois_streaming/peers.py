@@ -1,0 +1,142 @@
+"""The peer connection of a session, and while it is being replaced, the one before it."""
+
+from collections.abc import Callable
+from typing import TypeAlias
+
+from openrois_signaling.messages import Bye, Offer
+
+from openrois_streaming.errors import TooManySections, UnknownPeer
+from openrois_streaming.liveness import Verdict
+from openrois_streaming.peer import Peer, PeerOwner
+from openrois_streaming.section import Leg
+from openrois_streaming.stream import Stream, StreamTable
+
+REPLACE_TIMEOUT = 5.0
+"""Seconds that a connected replacement has to play everything before the one it replaces is closed."""
+
+MakePeer: TypeAlias = Callable[[str | None, PeerOwner], Peer]
+"""Makes a peer connection that replaces another or none, and tells its owner."""
+
+
+class Peers:
+    """At most two peer connections: the present one and, until that plays, the one it replaces.
+
+    When the present one ends, the streams go back to the one before if that is still there, or end with it. `send` gets
+    offers and byes; `on_change` is called whenever it is worth to look at the streams.
+    """
+
+    def __init__(
+        self,
+        streams: StreamTable,
+        make: MakePeer,
+        send: Callable[[Offer | Bye], None],
+        on_change: Callable[[], None],
+    ) -> None:
+        self._streams = streams
+        self._make = make
+        self._send = send
+        self._on_change = on_change
+        self._present: Peer | None = None
+        self._replaced: Peer | None = None
+
+    def all(self) -> tuple[Peer, ...]:
+        """Those that have not ended, the present one first."""
+        return tuple(peer for peer in (self._present, self._replaced) if peer is not None)
+
+    def find(self, peer_id: str) -> Peer:
+        """The one of that id. Raises UnknownPeer."""
+        for peer in self.all():
+            if peer.peer_id == peer_id:
+                return peer
+        raise UnknownPeer("there is no such peer connection")
+
+    def attach(self, stream: Stream) -> None:
+        """Play `stream` over the present one, which is made if there is none. Raises TooManySections."""
+        if self._present is None:
+            self._present = self._make(None, self)
+        self._present.attach(stream)
+
+    def detach(self, stream: Stream) -> None:
+        """Play `stream` no more."""
+        for peer in self.all():
+            peer.detach(stream)
+
+    def follow(self) -> None:
+        """Send what is to be sent now, and nothing else."""
+        for peer in self.all():
+            peer.follow()
+
+    def leg(self, stream: Stream) -> Leg:
+        """The way of `stream` over the present one."""
+        assert self._present is not None, "a stream ends with its last peer connection"
+        return self._present.legs[stream]
+
+    def verdicts(self, stream: Stream, now: float) -> list[Verdict]:
+        """What was measured about `stream` on each media path it has."""
+        judged = (peer.judge(stream, now) for peer in self.all())
+        return [verdict for verdict in judged if verdict is not None]
+
+    def restart(self, peer_id: str) -> str:
+        """Replace `peer_id` by a new one; returns its id. Does nothing while it is being replaced already.
+
+        Raises:
+            UnknownPeer: there is no such peer connection, or it has no stream left to carry; then it ends.
+        """
+        peer = self.find(peer_id)
+        if not tuple(self._streams):
+            self.end("there is no stream to carry")
+            raise UnknownPeer("the peer connection has no stream to carry")
+        if peer is self._present:
+            if self._replaced is not None:
+                self._replaced.end("it was replaced")
+            self._replaced = peer
+            self._present = self._make(peer_id, self)
+            for stream in self._streams:
+                self._present.attach(stream)
+        assert self._present is not None, "there is a present one while there is any"
+        return self._present.peer_id
+
+    def tick(self, now: float, late: float) -> None:
+        """Judge all deadlines at the time `now`; for `late` seconds before, nobody listened."""
+        for peer in self.all():
+            peer.tick(now, late)
+        present, replaced = self._present, self._replaced
+        if present is None or replaced is None or present.viewer is None:
+            return
+        plays = all(present.judge(stream, now) is Verdict.FLOWING for stream in self._streams if stream.is_open)
+        if plays or now - present.viewer.since >= REPLACE_TIMEOUT:
+            replaced.end("it was replaced")
+
+    def end(self, reason: str) -> tuple[Peer, ...]:
+        """End them all; returns them, as they may still be closing."""
+        peers = self.all()
+        for peer in reversed(peers):  # the present one last: its streams must not fall back to the other
+            peer.end(reason)
+        return peers
+
+    def peer_says(self, message: Offer | Bye) -> None:
+        """`message` is for the application."""
+        self._send(message)
+
+    def peer_changed(self, peer: Peer) -> None:
+        """Media can pass over more of `peer` than before."""
+        self._on_change()
+
+    def peer_ended(self, peer: Peer) -> None:
+        """`peer` has ended."""
+        if peer is self._replaced:
+            self._replaced = None
+        else:
+            self._present, self._replaced = self._replaced, None
+            for stream in self._streams:
+                self._fall_back(stream)
+        self._on_change()
+
+    def _fall_back(self, stream: Stream) -> None:
+        if self._present is None:
+            self._streams.end(stream)
+        elif stream not in self._present.legs:
+            try:
+                self._present.attach(stream)
+            except TooManySections:
+                self._streams.end(stream)

@@ -1,0 +1,123 @@
+"""The life of one stream, as a table. Pure.
+
+A stream is connected, suspended, resumed and disconnected by its application; everything else is measured. The status
+that is told follows from the phase.
+"""
+
+from enum import Enum
+
+
+class StreamStatus(Enum):
+    """What others are told about a stream."""
+
+    NOT_CONNECTED = "not_connected"
+    NOT_RUNNING = "not_running"
+    RUNNING = "running"
+    SUSPENDED = "suspended"
+
+
+class StreamPhase(Enum):
+    """Where a stream stands."""
+
+    CONNECTING = "connecting"
+    """There is no media path yet."""
+    PARKED = "parked"
+    """There is no media path yet, and it is suspended already."""
+    IDLE = "idle"
+    """There is a media path, and no media reaches the viewer."""
+    RUNNING = "running"
+    """Media reaches the viewer."""
+    SUSPENDED = "suspended"
+    """It sends nothing, because the application wants it so."""
+    RESUMING = "resuming"
+    """It sends again, and has not reached the viewer yet."""
+    ENDED = "ended"
+    """It is over; its id is not used again."""
+
+
+class StreamInput(Enum):
+    """What can happen to a stream."""
+
+    UP = "up"
+    """The media path is there."""
+    FLOWING = "flowing"
+    """Media was measured to reach the viewer."""
+    STALLED = "stalled"
+    """Media was measured not to reach the viewer."""
+    SUSPEND = "suspend"
+    RESUME = "resume"
+    END = "end"
+
+
+_P, _I = StreamPhase, StreamInput
+
+TRANSITIONS: dict[StreamPhase, dict[StreamInput, StreamPhase]] = {
+    _P.CONNECTING: {_I.UP: _P.IDLE, _I.SUSPEND: _P.PARKED, _I.RESUME: _P.CONNECTING, _I.END: _P.ENDED},
+    _P.PARKED: {_I.UP: _P.SUSPENDED, _I.SUSPEND: _P.PARKED, _I.RESUME: _P.CONNECTING, _I.END: _P.ENDED},
+    _P.IDLE: {
+        _I.UP: _P.IDLE,
+        _I.FLOWING: _P.RUNNING,
+        _I.STALLED: _P.IDLE,
+        _I.SUSPEND: _P.SUSPENDED,
+        _I.RESUME: _P.IDLE,
+        _I.END: _P.ENDED,
+    },
+    _P.RUNNING: {
+        _I.UP: _P.RUNNING,
+        _I.FLOWING: _P.RUNNING,
+        _I.STALLED: _P.IDLE,
+        _I.SUSPEND: _P.SUSPENDED,
+        _I.RESUME: _P.RUNNING,
+        _I.END: _P.ENDED,
+    },
+    _P.SUSPENDED: {_I.UP: _P.SUSPENDED, _I.SUSPEND: _P.SUSPENDED, _I.RESUME: _P.RESUMING, _I.END: _P.ENDED},
+    _P.RESUMING: {
+        _I.UP: _P.RESUMING,
+        _I.FLOWING: _P.RUNNING,
+        _I.STALLED: _P.IDLE,
+        _I.SUSPEND: _P.SUSPENDED,
+        _I.RESUME: _P.RESUMING,
+        _I.END: _P.ENDED,
+    },
+    _P.ENDED: {},
+}
+"""All legal transitions. `suspend` and `resume` may be repeated."""
+
+STATUS: dict[StreamPhase, StreamStatus] = {
+    _P.CONNECTING: StreamStatus.NOT_CONNECTED,
+    _P.PARKED: StreamStatus.NOT_CONNECTED,
+    _P.IDLE: StreamStatus.NOT_RUNNING,
+    _P.RUNNING: StreamStatus.RUNNING,
+    _P.SUSPENDED: StreamStatus.SUSPENDED,
+    _P.RESUMING: StreamStatus.SUSPENDED,
+    _P.ENDED: StreamStatus.NOT_CONNECTED,
+}
+"""The status that belongs to a phase. A stream that resumes is told RUNNING when its first picture is on its way."""
+
+OPEN = frozenset({_P.CONNECTING, _P.IDLE, _P.RUNNING, _P.RESUMING})
+"""The phases in which a stream sends as soon as it can."""
+
+
+class IllegalTransition(RuntimeError):
+    """An input that the current phase does not have; nothing was changed."""
+
+
+def following(phase: StreamPhase, event: StreamInput) -> StreamPhase:
+    """The phase after `event`.
+
+    Raises:
+        IllegalTransition: `TRANSITIONS` does not have it.
+    """
+    try:
+        return TRANSITIONS[phase][event]
+    except KeyError:
+        raise IllegalTransition(f"{event.value} while {phase.value}") from None
+
+
+def state_table() -> str:
+    """`TRANSITIONS` and `STATUS` as text, a line for each phase."""
+    rows = [["", *(event.value for event in StreamInput), "status"]]
+    for phase, row in TRANSITIONS.items():
+        cells = [row[event].value if event in row else "-" for event in StreamInput]
+        rows.append([phase.value, *cells, STATUS[phase].value])
+    return "\n".join("  ".join(cell.ljust(10) for cell in row).rstrip() for row in rows)

@@ -1,0 +1,54 @@
+"""Figures of one stream: what was counted while it ran, and the snapshot others see."""
+
+from dataclasses import dataclass
+
+from openrois_streaming.encoded import EncodedFrame
+from openrois_streaming.state import StreamStatus
+
+
+@dataclass(frozen=True, slots=True)
+class StreamStats:
+    """One stream at one moment. Counts run from its connection, also over a change of the peer connection."""
+
+    stream_id: str
+    component_ref: str
+    kind: str
+    status: StreamStatus
+    codec: str | None
+    """The negotiated media type; None before the first answer."""
+    frames_sent: int
+    frames_dropped: int
+    """Frames this viewer was too slow for, and those that were of no use to it without them."""
+    key_frames: int
+    """Key frames among the frames sent; every frame of audio is one."""
+    bytes_sent: int
+    """Bytes of the frames sent, without headers and repetitions."""
+    key_frame_requests: int
+    """PLI and FIR that arrived."""
+    round_trip_time: float | None
+    """Seconds, smoothed; None before the first report."""
+    packets_lost: int | None
+    """As the viewer reports it for the present peer connection."""
+    fraction_lost: float | None
+    """0..1, between the last two reports."""
+    jitter: float | None
+    """Seconds."""
+
+
+class Counters:
+    """What is counted for one stream while it runs."""
+
+    __slots__ = ("bytes_sent", "frames_dropped", "frames_sent", "key_frame_requests", "key_frames")
+
+    def __init__(self) -> None:
+        self.frames_sent = 0
+        self.frames_dropped = 0
+        self.key_frames = 0
+        self.bytes_sent = 0
+        self.key_frame_requests = 0
+
+    def sent(self, frame: EncodedFrame) -> None:
+        """Count a frame that was handed to the network."""
+        self.frames_sent += 1
+        self.key_frames += frame.keyframe
+        self.bytes_sent += len(frame.data)
