@@ -31,6 +31,10 @@ class Mailbox(Protocol[T]):
         """Remove and return the oldest item; called only when there is one."""
         ...
 
+    def awaited(self) -> None:
+        """Note that the reader waits and there is nothing for it."""
+        ...
+
     def __len__(self) -> int: ...
 
 
@@ -53,6 +57,9 @@ class DropOldest(Generic[T]):
     def take(self) -> T:
         """Remove and return the oldest item."""
         return self._items.popleft()
+
+    def awaited(self) -> None:
+        """Nothing to do: the next item is as good as any."""
 
     def __len__(self) -> int:
         return len(self._items)
@@ -105,6 +112,7 @@ class Subscription(Generic[T]):
                 raise SourceEnded(f"{self._fanout.name} has ended") from self._cause
             if self._run is None or self._left or self._waiter is not None:
                 raise RuntimeError("a subscription is read inside its context, by one reader")
+            self._mailbox.awaited()
             self._waiter = asyncio.get_running_loop().create_future()
             try:
                 await self._waiter

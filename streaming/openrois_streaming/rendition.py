@@ -19,45 +19,45 @@ RawT = TypeVar("RawT")
 class WholePictures:
     """The mailbox of a viewer of predicted pictures: what it hands out can be decoded without what it lost.
 
-    Nothing comes before the first key frame. When `maxsize` pictures are waiting, all of them are lost, `on_loss` is
-    called, and it goes on with the next key frame.
+    Nothing comes before the first key frame. When `maxsize` pictures are waiting and another one comes, all are lost,
+    up to the next key frame. `ask` is called for one when the reader is back: for a reader that is not, it would only
+    burden the others.
     """
 
-    __slots__ = ("_broken", "_items", "_maxsize", "_on_loss", "_waiting")
+    __slots__ = ("_ask", "_items", "_lossy", "_maxsize", "_waiting")
 
-    def __init__(self, maxsize: int, on_loss: Callable[[], None]) -> None:
+    def __init__(self, maxsize: int, ask: Callable[[], None]) -> None:
         if maxsize < 1:
             raise ValueError(f"a mailbox holds at least one item, not {maxsize}")
         self._items: deque[EncodedFrame] = deque()
         self._maxsize = maxsize
-        self._on_loss = on_loss
+        self._ask = ask
         self._waiting = True
-        self._broken = False
+        self._lossy = False
 
     def put(self, item: EncodedFrame) -> int:
         """Queue `item` if it can be decoded; returns how many were lost, none before the first key frame."""
-        full = len(self._items) >= self._maxsize
-        if item.keyframe:
-            lost = len(self._items) if full else 0
-            if full:
-                self._items.clear()
-            self._waiting = False
-            self._items.append(item)
-            return lost
-        if self._waiting:
-            return int(self._broken)
-        if not full:
-            self._items.append(item)
-            return 0
-        lost = len(self._items) + 1
-        self._items.clear()
-        self._waiting = self._broken = True
-        self._on_loss()
+        if self._waiting and not item.keyframe:
+            return int(self._lossy)
+        lost = 0
+        if len(self._items) >= self._maxsize:
+            lost = len(self._items)
+            self._items.clear()
+            if not item.keyframe:
+                self._waiting = self._lossy = True
+                return lost + 1
+        self._waiting = False
+        self._items.append(item)
         return lost
 
     def take(self) -> EncodedFrame:
         """Remove and return the oldest picture."""
         return self._items.popleft()
+
+    def awaited(self) -> None:
+        """Ask for a key frame, if there was a loss and none has come since."""
+        if self._waiting and self._lossy:
+            self._ask()
 
     def __len__(self) -> int:
         return len(self._items)
@@ -120,8 +120,9 @@ class Rendition(Generic[RawT]):
     async def subscribe(self, maxsize: int = 8) -> AsyncIterator[Subscription[EncodedFrame]]:
         """Play this rendition while the context lasts; a viewer that is suspended leaves it.
 
-        A subscription to video begins with a key frame, which is asked for here. A reader that lets `maxsize` frames
-        wait loses them: of sound the oldest one, of video all up to the next key frame, which is asked for as a repair.
+        A subscription to video begins with a key frame, which is asked for here. A reader that lets more than `maxsize`
+        frames wait loses some: of sound the oldest, of video all up to the next key frame, which is asked for, as a
+        repair, when it reads again.
         """
         mailbox: Mailbox[EncodedFrame]
         if self._encoding.predicted:

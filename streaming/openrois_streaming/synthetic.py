@@ -12,8 +12,8 @@ and delay follow; the tone at each whole second of wall time, seen beside that s
 
 import math
 import time
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from collections.abc import AsyncGenerator, AsyncIterator
+from contextlib import aclosing, asynccontextmanager
 
 import cv2
 import numpy as np
@@ -78,9 +78,10 @@ class ColourBars:
         """Yield the iterator of frames; it does not end."""
         if self._epoch is None:
             self._epoch = self._clock.now()
-        yield self._frames(self._epoch)
+        async with aclosing(self._frames(self._epoch)) as frames:
+            yield frames
 
-    async def _frames(self, epoch: float) -> AsyncIterator[RawVideo]:
+    async def _frames(self, epoch: float) -> AsyncGenerator[RawVideo, None]:
         async for number in _due(self._clock, epoch, self.fps, patience=0):
             moment = epoch + number / self.fps
             picture = self._draw(number, wall_at(self._clock, moment))
@@ -132,9 +133,10 @@ class Tone:
         """Yield the iterator of blocks; it does not end."""
         if self._epoch is None:
             self._epoch = self._clock.now()
-        yield self._blocks(self._epoch)
+        async with aclosing(self._blocks(self._epoch)) as blocks:
+            yield blocks
 
-    async def _blocks(self, epoch: float) -> AsyncIterator[RawAudio]:
+    async def _blocks(self, epoch: float) -> AsyncGenerator[RawAudio, None]:
         offset = wall_at(self._clock, 0.0)
         async for number in _due(self._clock, epoch, SAMPLE_RATE / BLOCK_SAMPLES, patience=_KEPT_BLOCKS):
             moment = epoch + number * BLOCK_SAMPLES / SAMPLE_RATE

@@ -1,0 +1,201 @@
+import numpy as np
+import pytest
+from aiortc.codecs.h264 import H264Encoder, h264_depayload
+from aiortc.codecs.vpx import Vp8Encoder, vp8_depayload
+from openrois_streaming.encoded import EncodedFrame
+from openrois_streaming.encoder import Chunk
+from openrois_streaming.encoder_video import MAX_BITRATE, MIN_BITRATE, VideoEncoder, planar
+from openrois_streaming.source import PixelFormat, RawVideo, picture_shape
+
+from tests.support.pictures import Decoder, Scene, psnr
+
+H264, VP8 = "video/H264", "video/VP8"
+both = pytest.mark.parametrize("mime_type", [H264, VP8])
+
+# The monotonic clock of a machine that has been up for eleven days.
+START = 1_000_000.0
+
+
+def encode(
+    encoder: VideoEncoder, scene: Scene, count: int, fps: float, *, first: int = 0, forced: tuple[int, ...] = ()
+) -> list[Chunk]:
+    """Encode pictures `first` to `first + count`, and check that each gives exactly one chunk of its own time."""
+    chunks = []
+    for number in range(first, first + count):
+        moment = START + number / fps
+        [chunk] = encoder.encode(scene.picture(number, moment), key_frame=number in forced)
+        assert (chunk.pts, chunk.captured_at) == (round(moment * 90_000), moment)
+        chunks.append(chunk)
+    return chunks
+
+
+def kbits_per_second(chunks: list[Chunk], fps: float) -> float:
+    return sum(len(chunk.data) for chunk in chunks) * 8 / 1000 * fps / len(chunks)
+
+
+def nal_types(access_unit: bytes) -> list[int]:
+    return [part[0] & 31 for part in access_unit.split(b"\x00\x00\x01")[1:]]
+
+
+@both
+@pytest.mark.parametrize("fps", [15, 30, 60])
+def test_each_frame_gives_one_chunk_at_once_and_the_bit_rate_is_met_at_any_pace(mime_type: str, fps: int) -> None:
+    encoder = VideoEncoder(mime_type, bitrate=150_000, frame_rate=30)
+    chunks = encode(encoder, Scene(), 3 * fps, fps)
+    assert [chunk.keyframe for chunk in chunks] == [True] + [False] * (len(chunks) - 1)
+    assert kbits_per_second(chunks[fps:], fps) == pytest.approx(150, rel=0.3)
+
+
+@both
+def test_a_key_frame_comes_when_it_is_forced_and_a_viewer_can_start_there(mime_type: str) -> None:
+    scene = Scene()
+    chunks = encode(VideoEncoder(mime_type, bitrate=500_000, frame_rate=30), scene, 20, 30, forced=(7, 15))
+    assert [number for number, chunk in enumerate(chunks) if chunk.keyframe] == [0, 7, 15]
+    decoder = Decoder(mime_type)
+    decoded = [plane for chunk in chunks[7:] for plane in decoder.decode(chunk.data)]
+    assert len(decoded) == 13
+    assert psnr(decoded[-1], scene.luma(19)) > 28
+
+
+def test_h264_is_constrained_baseline_with_parameter_sets_in_each_key_frame() -> None:
+    chunks = encode(VideoEncoder(H264, bitrate=500_000, frame_rate=30), Scene(), 6, 30, forced=(3,))
+    for chunk in chunks:
+        types = nal_types(chunk.data)
+        if chunk.keyframe:
+            assert types[:2] == [7, 8]
+            assert types[-1] == 5
+            # profile_idc 66 with constraint_set0 and constraint_set1 (ISO/IEC 14496-10 A.2.1)
+            assert chunk.data[5] == 66
+            assert chunk.data[6] & 0xC0 == 0xC0
+        else:
+            assert types == [1], "one slice, predicted"
+
+
+@both
+def test_aiortc_packs_it_and_what_it_depacks_can_be_decoded(mime_type: str) -> None:
+    packetiser = H264Encoder() if mime_type == H264 else Vp8Encoder()
+    depayload = h264_depayload if mime_type == H264 else vp8_depayload
+    scene, decoder = Scene(), Decoder(mime_type)
+    chunks = encode(VideoEncoder(mime_type, bitrate=600_000, frame_rate=30), scene, 10, 30, forced=(5,))
+    most = 0
+    for number, chunk in enumerate(chunks):
+        frame = EncodedFrame(chunk.data, chunk.pts, 90_000, chunk.keyframe, number, chunk.captured_at)
+        payloads, timestamp = packetiser.pack(frame.to_packet())
+        assert timestamp == chunk.pts
+        assert all(len(payload) <= 1300 for payload in payloads)
+        most = max(most, len(payloads))
+        [plane] = decoder.decode(b"".join(map(depayload, payloads)))
+        assert psnr(plane, scene.luma(number)) > 26
+    assert most > 2, "a key frame that takes several packets was among them"
+
+
+def test_h264_follows_the_bit_rate_without_a_key_frame() -> None:
+    encoder, scene = VideoEncoder(H264, bitrate=400_000, frame_rate=30), Scene()
+    chunks = encode(encoder, scene, 40, 30)
+    for bitrate, first in ((800_000, 40), (200_000, 100)):
+        encoder.set_bitrate(bitrate)
+        then = encode(encoder, scene, 60, 30, first=first)
+        assert not any(chunk.keyframe for chunk in then)
+        assert kbits_per_second(then[20:], 30) == pytest.approx(bitrate / 1000, rel=0.3)
+    assert chunks[0].keyframe
+
+
+def test_vp8_starts_anew_for_another_bit_rate_but_not_for_a_little() -> None:
+    encoder, scene = VideoEncoder(VP8, bitrate=400_000, frame_rate=30), Scene()
+    encode(encoder, scene, 5, 30)
+    encoder.set_bitrate(430_000)
+    assert not any(chunk.keyframe for chunk in encode(encoder, scene, 5, 30, first=5))
+    encoder.set_bitrate(200_000)
+    then = encode(encoder, scene, 60, 30, first=10)
+    assert [chunk.keyframe for chunk in then] == [True] + [False] * 59
+    assert kbits_per_second(then[20:], 30) == pytest.approx(200, rel=0.3)
+
+
+@both
+def test_a_bit_rate_out_of_bounds_is_brought_within(mime_type: str) -> None:
+    scene = Scene()
+    least = encode(VideoEncoder(mime_type, bitrate=1, frame_rate=30), scene, 60, 30)
+    assert kbits_per_second(least[20:], 30) < 2.5 * MIN_BITRATE / 1000
+    most = VideoEncoder(mime_type, bitrate=10**9, frame_rate=30)
+    assert kbits_per_second(encode(most, scene, 20, 30)[10:], 30) < 1.3 * MAX_BITRATE / 1000
+
+
+@both
+def test_a_key_frame_is_no_burst_that_holds_up_what_follows(mime_type: str) -> None:
+    chunks = encode(VideoEncoder(mime_type, bitrate=600_000, frame_rate=30), Scene(), 40, 30, forced=(20, 30))
+    burst = max(len(chunk.data) for chunk in chunks) * 8 / 600_000
+    assert burst < 0.35, "seconds of the bit rate"
+
+
+@both
+def test_a_pause_of_the_source_changes_neither_bit_rate_nor_pictures(mime_type: str) -> None:
+    encoder, scene = VideoEncoder(mime_type, bitrate=300_000, frame_rate=30), Scene()
+    encode(encoder, scene, 40, 30)
+    then = encode(encoder, scene, 60, 30, first=40 + 30 * 20)
+    assert not any(chunk.keyframe for chunk in then)
+    assert kbits_per_second(then[20:], 30) == pytest.approx(300, rel=0.3)
+
+
+@both
+def test_a_frame_of_another_size_begins_with_a_key_frame(mime_type: str) -> None:
+    encoder, decoder = VideoEncoder(mime_type, bitrate=500_000, frame_rate=30), Decoder(mime_type)
+    chunks = encode(encoder, Scene(320, 180), 3, 30) + encode(encoder, Scene(480, 270), 3, 30, first=3)
+    assert [chunk.keyframe for chunk in chunks] == [True, False, False] * 2
+    shapes = [plane.shape for chunk in chunks for plane in decoder.decode(chunk.data)]
+    assert shapes == [(180, 320)] * 3 + [(270, 480)] * 3
+
+
+@both
+def test_frames_of_one_moment_or_out_of_order_still_get_growing_times(mime_type: str) -> None:
+    encoder, scene = VideoEncoder(mime_type, bitrate=500_000, frame_rate=30), Scene()
+    pts = []
+    for number, moment in enumerate([10.0, 10.0, 9.5, 10.1]):
+        [chunk] = encoder.encode(scene.picture(number, moment), key_frame=False)
+        pts.append(chunk.pts)
+    assert pts == [900_000, 900_001, 900_002, 909_000]
+
+
+def coloured(pixel_format: PixelFormat, width: int, height: int) -> RawVideo:
+    data = np.zeros(picture_shape(pixel_format, width, height), np.uint8)
+    data[: height // 2, :, 0] = 200
+    data[height // 2 :, :, 2] = 200
+    return RawVideo(data, pixel_format, width, height, 0, START)
+
+
+def test_bgra_and_bgr_become_the_same_i420_picture() -> None:
+    first, second = planar(coloured("bgra", 64, 32)), planar(coloured("bgr24", 64, 32))
+    assert np.array_equal(first, second)
+    # Blue above, red below (ITU-R BT.601, limited range): luma, then U and V of both halves.
+    assert first[0, 0] == pytest.approx(16 + 0.098 * 200, abs=2)
+    assert first[31, 0] == pytest.approx(16 + 0.257 * 200, abs=2)
+    u, v = first.reshape(-1)[64 * 32 :].reshape(2, 16, 32)
+    assert u[0, 0] > 200 > 128 > u[-1, 0]
+    assert v[0, 0] < 128 < 200 < v[-1, 0]
+
+
+def test_i420_is_taken_as_it_is() -> None:
+    raw = Scene().picture(0, START)
+    assert planar(raw) is raw.data
+
+
+@both
+@pytest.mark.parametrize("pixel_format", ["bgra", "bgr24"])
+def test_odd_sizes_lose_a_row_and_a_column(mime_type: str, pixel_format: PixelFormat) -> None:
+    raw = coloured(pixel_format, 161, 91)
+    [chunk] = VideoEncoder(mime_type, bitrate=500_000, frame_rate=30).encode(raw, key_frame=False)
+    [plane] = Decoder(mime_type).decode(chunk.data)
+    assert plane.shape == (90, 160)
+
+
+def test_a_bottom_up_view_is_encoded_the_right_way_up() -> None:
+    upright = coloured("bgra", 64, 32)
+    flipped = RawVideo(np.ascontiguousarray(upright.data[::-1])[::-1], "bgra", 64, 32, 0, START)
+    assert not flipped.data.flags.c_contiguous
+    assert np.array_equal(planar(flipped), planar(upright))
+
+
+def test_a_strided_view_is_encoded_without_its_padding() -> None:
+    padded = np.full((32, 80, 4), 255, np.uint8)
+    padded[:, :64] = coloured("bgra", 64, 32).data
+    view = RawVideo(padded[:, :64], "bgra", 64, 32, 0, START)
+    assert np.array_equal(planar(view), planar(coloured("bgra", 64, 32)))

@@ -1,0 +1,325 @@
+import asyncio
+import threading
+
+import pytest
+from openrois_streaming.encoded import EncodedFrame
+from openrois_streaming.encoding import Encoding
+from openrois_streaming.fanout import DropOldest, Fanout, SourceEnded, Subscription
+from openrois_streaming.keyframes import KeyFrameCause
+from openrois_streaming.rendition import Rendition, WholePictures
+from openrois_streaming.source import RawVideo
+
+from tests.support.streaming import FakeEncoders, FedSource, VirtualClock, picture, settle
+
+FRAME = 0.03
+
+
+class Stage:
+    """A rendition with a source, a clock and encoders in the test's hand."""
+
+    def __init__(self, *, predicted: bool = True) -> None:
+        self.clock = VirtualClock()
+        self.source: FedSource[RawVideo] = FedSource()
+        self.encoders = FakeEncoders()
+        self.raw = Fanout(self.source, name="stage")
+        encoding = Encoding("video/H264", 90_000, self.encoders, predicted=predicted, depth=1)
+        self.rendition = Rendition(self.raw, encoding, clock=self.clock, bitrate=1000)
+        self.next = 0
+
+    async def shoot(self, watcher: Subscription[EncodedFrame]) -> EncodedFrame:
+        """Let one frame period pass and a frame be captured, and wait until `watcher` has it encoded."""
+        await self.clock.advance(FRAME)
+        await self.source.feed(picture(self.next, self.clock.now()))
+        self.next += 1
+        return await got(watcher)
+
+    @property
+    def threads(self) -> int:
+        """Encoder threads that are alive."""
+        return sum(thread.name == "stage video/H264" for thread in threading.enumerate())
+
+
+async def got(subscription: Subscription[EncodedFrame]) -> EncodedFrame:
+    async with asyncio.timeout(5):
+        return await subscription.get()
+
+
+@pytest.fixture
+def stage() -> Stage:
+    return Stage()
+
+
+async def test_the_encoder_runs_from_the_first_viewer_to_the_last(stage: Stage) -> None:
+    rendition = stage.rendition
+    assert (rendition.running, stage.threads, stage.source.is_open) == (False, 0, False)
+    async with rendition.subscribe() as first:
+        await stage.shoot(first)
+        await stage.clock.advance(1)
+        async with rendition.subscribe() as second:
+            await stage.shoot(first)
+            await got(second)
+            assert (rendition.running, stage.threads, len(stage.encoders.made)) == (True, 1, 1)
+            assert rendition.figures().viewers == 2
+    assert (rendition.running, stage.threads, stage.source.is_open) == (False, 0, False)
+    assert rendition.figures().viewers == 0
+
+
+async def test_a_frame_arrives_with_all_that_is_known_of_it(stage: Stage) -> None:
+    async with stage.rendition.subscribe() as viewer:
+        frame = await stage.shoot(viewer)
+    assert frame == EncodedFrame(
+        data=b"0",
+        pts=round((1000 + FRAME) * 90_000),
+        clock_rate=90_000,
+        keyframe=True,
+        sequence=0,
+        captured_at=1000 + FRAME,
+    )
+    assert (stage.rendition.mime_type, stage.rendition.clock_rate) == ("video/H264", 90_000)
+
+
+async def test_a_viewer_that_joins_gets_a_key_frame_first_and_nothing_before_it(stage: Stage) -> None:
+    async with stage.rendition.subscribe() as first:
+        for _ in range(5):
+            await stage.shoot(first)
+        async with stage.rendition.subscribe() as second:
+            assert (await stage.shoot(first)).keyframe
+            joined = await got(second)
+            assert (joined.keyframe, joined.sequence) == (True, 5)
+            assert not (await stage.shoot(first)).keyframe
+            assert (await got(second)).sequence == 6
+            assert second.dropped == 0
+
+
+async def test_viewers_that_join_within_100_ms_share_a_key_frame(stage: Stage) -> None:
+    async with stage.rendition.subscribe() as first:
+        await stage.shoot(first)
+        async with stage.rendition.subscribe() as second, stage.rendition.subscribe() as third:
+            keys = [(await stage.shoot(first)).keyframe for _ in range(6)]
+            assert keys == [False, False, False, True, False, False]
+            assert (await got(second)).sequence == (await got(third)).sequence == 4
+    assert stage.rendition.figures().starts == 2
+
+
+async def test_a_key_frame_under_way_serves_the_viewer_that_joins_meanwhile(stage: Stage) -> None:
+    async with stage.rendition.subscribe() as first:
+        await stage.shoot(first)
+        await stage.clock.advance(1)
+        encoder = stage.encoders.made[0]
+        async with stage.rendition.subscribe() as second:
+            encoder.go_on.clear()
+            await stage.source.feed(picture(1, stage.clock.now()))
+            async with stage.rendition.subscribe() as third:
+                encoder.go_on.set()
+                assert [(await got(viewer)).keyframe for viewer in (first, second, third)] == [True] * 3
+                await stage.clock.advance(1)
+                assert not (await stage.shoot(first)).keyframe
+
+
+async def test_repairs_are_limited_and_do_not_delay_starts(stage: Stage) -> None:
+    rendition = stage.rendition
+    async with rendition.subscribe() as first:
+        await stage.shoot(first)
+        repairs = []
+        for number in range(1, 61):
+            rendition.request_key_frame(KeyFrameCause.REPAIR)
+            if (await stage.shoot(first)).keyframe:
+                repairs.append(number)
+        assert repairs == [1, 35]
+        async with rendition.subscribe():
+            rendition.request_key_frame(KeyFrameCause.REPAIR)
+            assert (await stage.shoot(first)).keyframe
+        figures = rendition.figures()
+        assert (figures.key_frames, figures.starts, figures.repairs) == (4, 2, 2)
+
+
+async def test_a_stalled_viewer_goes_on_at_a_key_frame_and_hurts_nobody(stage: Stage) -> None:
+    async with stage.rendition.subscribe() as fast, stage.rendition.subscribe(maxsize=4) as stalled:
+        keys = [(await stage.shoot(fast)).keyframe for _ in range(60)]
+        assert keys == [True] + [False] * 59, "nobody reads it: no key frame is spent on it"
+        assert stalled.dropped == 60
+        back = asyncio.create_task(got(stalled))
+        await settle()
+        assert (await stage.shoot(fast)).keyframe
+        assert (await back).sequence == 60
+        assert not (await stage.shoot(fast)).keyframe
+        assert (await got(stalled)).sequence == 61
+        assert (fast.dropped, fast.delivered) == (0, 62)
+    figures = stage.rendition.figures()
+    assert (figures.starts, figures.repairs) == (1, 1)
+
+
+async def test_sound_begins_at_once_and_loses_the_oldest() -> None:
+    stage = Stage(predicted=False)
+    async with stage.rendition.subscribe() as first:
+        await stage.shoot(first)
+        async with stage.rendition.subscribe(maxsize=2) as second:
+            for _ in range(4):
+                await stage.shoot(first)
+            assert [(await got(second)).sequence for _ in range(2)] == [3, 4]
+            assert second.dropped == 2
+    assert stage.encoders.made[0].forced == []
+
+
+async def test_the_failure_of_the_encoder_reaches_every_viewer_and_the_next_starts_anew(stage: Stage) -> None:
+    async with stage.rendition.subscribe() as first, stage.rendition.subscribe() as second:
+        await stage.shoot(first)
+        await got(second)
+        failure = OSError("the codec has failed")
+        stage.encoders.made[0].failure = failure
+        await stage.source.feed(picture(1, stage.clock.now()))
+        for viewer in (first, second):
+            with pytest.raises(SourceEnded) as told:
+                await got(viewer)
+            assert told.value.__cause__ is failure
+        assert not stage.rendition.running
+        async with stage.rendition.subscribe() as third:
+            again = await stage.shoot(third)
+            assert (again.keyframe, again.sequence) == (True, 1)
+            assert len(stage.encoders.made) == 2
+    assert stage.threads == 0
+
+
+async def test_an_encoder_that_cannot_be_made_is_told_to_the_viewer(stage: Stage) -> None:
+    stage.encoders.failure = OSError("no such size")
+    async with stage.rendition.subscribe() as viewer:
+        with pytest.raises(SourceEnded) as told:
+            await got(viewer)
+        assert told.value.__cause__ is stage.encoders.failure
+
+
+async def test_the_failure_of_the_source_comes_after_what_it_gave(stage: Stage) -> None:
+    async with stage.rendition.subscribe() as viewer:
+        await stage.shoot(viewer)
+        encoder = stage.encoders.made[0]
+        encoder.go_on.clear()
+        await stage.source.feed(picture(1, stage.clock.now()))
+        failure = ConnectionError("the game engine is gone")
+        await stage.source.end(failure)
+        encoder.go_on.set()
+        assert (await got(viewer)).data == b"1"
+        with pytest.raises(SourceEnded) as told:
+            await got(viewer)
+        assert told.value.__cause__ is failure
+
+
+async def test_the_end_of_the_source_is_the_end_of_the_rendition(stage: Stage) -> None:
+    async with stage.rendition.subscribe() as viewer:
+        await stage.shoot(viewer)
+        await stage.source.end()
+        with pytest.raises(SourceEnded) as told:
+            await got(viewer)
+        assert told.value.__cause__ is None
+
+
+async def test_a_fault_in_the_feeding_is_not_silent(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
+    async with stage.rendition.subscribe() as viewer:
+        await stage.shoot(viewer)
+        monkeypatch.setattr(stage.clock, "now", lambda: 1 / 0)
+        await stage.source.feed(picture(1, 1001.0))
+        with pytest.raises(SourceEnded) as told:
+            await got(viewer)
+        assert isinstance(told.value.__cause__, ZeroDivisionError)
+
+
+async def test_the_bit_rate_is_kept_when_the_encoder_stops_and_starts(stage: Stage) -> None:
+    async with stage.rendition.subscribe() as viewer:
+        await stage.shoot(viewer)
+        stage.rendition.set_bitrate(2000)
+        await stage.shoot(viewer)
+    stage.rendition.set_bitrate(3000)
+    async with stage.rendition.subscribe() as viewer:
+        await stage.shoot(viewer)
+    assert [encoder.bitrate for encoder in stage.encoders.made] == [1000, 3000]
+    assert stage.encoders.made[0].bitrates == [2000]
+    assert stage.rendition.figures().bitrate == 3000
+
+
+async def test_the_counters_go_on_when_the_encoder_stops_and_starts(stage: Stage) -> None:
+    for start in (0, 3):
+        async with stage.rendition.subscribe() as viewer:
+            assert [(await stage.shoot(viewer)).sequence for _ in range(3)] == [start, start + 1, start + 2]
+        await stage.clock.advance(1)
+    figures = stage.rendition.figures()
+    assert (figures.encoded, figures.encoded_bytes, figures.key_frames, figures.starts) == (6, 6, 2, 2)
+    assert figures.encode_seconds > 0
+    assert (figures.mime_type, figures.running) == ("video/H264", False)
+
+
+async def test_frames_that_come_while_the_encoder_is_busy_are_lost_counted_and_logged_as_a_rate(
+    stage: Stage, caplog: pytest.LogCaptureFixture
+) -> None:
+    async with stage.rendition.subscribe() as viewer:
+        await stage.shoot(viewer)
+        encoder = stage.encoders.made[0]
+        while encoder.entered.acquire(blocking=False):
+            pass
+        encoder.go_on.clear()
+        await stage.source.feed(picture(1, stage.clock.now()))
+        assert encoder.entered.acquire(timeout=5)
+        stage.rendition.request_key_frame(KeyFrameCause.REPAIR)
+        for number in range(2, 12):
+            await stage.clock.advance(2)
+            await stage.source.feed(picture(number, stage.clock.now()))
+        encoder.go_on.set()
+        assert [(await got(viewer)).data for _ in range(2)] == [b"1", b"11"]
+        assert encoder.forced == [0, 11], "the key frame that was asked of a lost frame passes to the next"
+        assert stage.rendition.figures().dropped_input == 9
+        assert [record.message for record in caplog.records] == [
+            "stage video/H264: lost 4 raw frames in 10 s",
+            "stage video/H264: lost 5 raw frames in 10 s",
+        ]
+        stage.next = 12
+        await stage.clock.advance(20)
+        await stage.shoot(viewer)
+        assert len(caplog.records) == 2, "an interval without losses is not mentioned"
+    assert stage.rendition.figures().dropped_input == 9
+
+
+def frame(sequence: int, *, keyframe: bool = False) -> EncodedFrame:
+    return EncodedFrame(b"", sequence, 90_000, keyframe, sequence, 0.0)
+
+
+def test_the_mailbox_of_a_viewer_counts_what_it_loses_and_asks_when_it_is_read_again() -> None:
+    asked = []
+    mailbox = WholePictures(3, lambda: asked.append(1))
+    mailbox.awaited()
+    assert [mailbox.put(frame(0)), len(mailbox)] == [0, 0]
+    assert [mailbox.put(frame(number, keyframe=number == 1)) for number in range(1, 4)] == [0, 0, 0]
+    assert [mailbox.put(frame(4)), len(mailbox)] == [4, 0]
+    assert [mailbox.put(frame(5)), len(mailbox), asked] == [1, 0, []]
+    mailbox.awaited()
+    assert asked == [1]
+    assert mailbox.put(frame(6, keyframe=True)) == 0
+    assert mailbox.take().sequence == 6
+    mailbox.awaited()
+    assert asked == [1]
+
+
+def test_a_key_frame_takes_the_place_of_a_full_mailbox_and_joins_another() -> None:
+    mailbox = WholePictures(2, lambda: pytest.fail("nothing is broken"))
+    mailbox.put(frame(0, keyframe=True))
+    assert mailbox.put(frame(1, keyframe=True)) == 0
+    assert [mailbox.put(frame(2, keyframe=True)), len(mailbox)] == [2, 1]
+    assert mailbox.put(frame(3)) == 0
+    assert [mailbox.take().sequence, mailbox.take().sequence] == [2, 3]
+
+
+def test_a_mailbox_of_pictures_holds_at_least_one() -> None:
+    with pytest.raises(ValueError, match="at least one"):
+        WholePictures(0, lambda: None)
+    assert len(DropOldest[int](1)) == 0
+
+
+async def test_a_viewer_that_leaves_while_it_waits_leaves_nothing_behind(stage: Stage) -> None:
+    async def watch() -> None:
+        async with stage.rendition.subscribe() as viewer:
+            await viewer.get()
+
+    watching = asyncio.create_task(watch())
+    await settle()
+    assert stage.rendition.running
+    watching.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await watching
+    assert (stage.rendition.running, stage.threads, stage.source.is_open) == (False, 0, False)
