@@ -40,6 +40,7 @@ class EngineHost:
         reservations: who holds which component.
         sleep: waits for some seconds, between the commands of a sequence.
         wall_clock: epoch seconds.
+        ice_servers: what both ends of every stream may use, as the W3C's RTCIceServer objects.
     """
 
     engine: Engine
@@ -47,6 +48,7 @@ class EngineHost:
     reservations: Reservations = field(default_factory=Reservations)
     sleep: Callable[[float], Awaitable[None]] = asyncio.sleep
     wall_clock: Callable[[], float] = time.time
+    ice_servers: tuple[Mapping[str, Any], ...] = ()
 
 
 class ApplicationSession:

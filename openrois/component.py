@@ -8,7 +8,6 @@ from openrois.errors import Aborted, BadParameter, ComponentFailed, RoISError, U
 from openrois.types.codes import ComponentStatus
 from openrois.types.messages import Argument, Parameter, Result
 from openrois.types.profiles import (
-    CommandMessageProfile,
     HRIComponentProfile,
     ParameterProfile,
     QueryMessageProfile,
@@ -17,7 +16,6 @@ from openrois.types.profiles import (
 from openrois.types.values import check_value
 
 __all__ = [
-    "COMMON_COMMANDS",
     "COMMON_QUERIES",
     "Component",
     "Emit",
@@ -36,19 +34,19 @@ Emit = Callable[[str, tuple[Result, ...]], None]
 _Function = TypeVar("_Function", bound=Callable[..., Awaitable[tuple[Result, ...]]])
 
 
-def command(name: str) -> Callable[[_Function], _Function]:
-    """Mark a method as the one that runs command `name`: arguments by name in, results out, returns at the end."""
-    return _mark("_rois_command", name)
+def command(*names: str) -> Callable[[_Function], _Function]:
+    """Mark a method as the one that runs the commands `names`: arguments by name in, results out at the end."""
+    return _mark("_rois_commands", names)
 
 
-def query(name: str) -> Callable[[_Function], _Function]:
-    """Mark a method as the one that answers query `name`."""
-    return _mark("_rois_query", name)
+def query(*names: str) -> Callable[[_Function], _Function]:
+    """Mark a method as the one that answers the queries `names`."""
+    return _mark("_rois_queries", names)
 
 
-def _mark(attribute: str, name: str) -> Callable[[_Function], _Function]:
+def _mark(attribute: str, names: tuple[str, ...]) -> Callable[[_Function], _Function]:
     def mark(function: _Function) -> _Function:
-        setattr(function, attribute, name)
+        setattr(function, attribute, names)
         return function
 
     return mark
@@ -64,7 +62,6 @@ def parameter_profile(name: str, type_code: str, default: str = "", description:
     )
 
 
-COMMON_COMMANDS: Final = tuple(CommandMessageProfile(name=name) for name in ("start", "stop", "suspend", "resume"))
 COMMON_QUERIES: Final = (
     QueryMessageProfile(name="component_status", results=(parameter_profile("status", "Component_Status"),)),
 )
@@ -72,6 +69,8 @@ COMMON_QUERIES: Final = (
 
 class Component:
     """What every component in this process shares; a subclass marks its messages with `command` and `query`.
+
+    A profile may only offer what a method does (`stop` and `component_status` need none), else `TypeError` is raised.
 
     Its status is READY, or BUSY while a command runs; a subclass that depends on something outside overrides
     `condition`. Of `start` one runs at a time: `stop` ends it with ABORT, and so does the next `start`. Other commands
@@ -85,13 +84,20 @@ class Component:
         self.profile = profile
         self.emit: Emit = _nobody_listens
         self.parameters: dict[str, str] = {p.name: p.default_value for p in profile.parameter_profiles}
+        self._require_methods()
         self._running = 0
         self._start: asyncio.Task[tuple[Result, ...]] | None = None
 
+    def _require_methods(self) -> None:
+        offered = {p.name for p in self.profile.command_profiles} - self._commands.keys() - {"stop"}
+        offered |= {p.name for p in self.profile.query_profiles} - self._queries.keys() - {"component_status"}
+        if offered:
+            raise TypeError(f"{type(self).__name__} offers {', '.join(sorted(offered))} and has no method for it")
+
     def __init_subclass__(cls, **arguments: Any) -> None:
         super().__init_subclass__(**arguments)
-        cls._commands = _collect(cls, "_rois_command")
-        cls._queries = _collect(cls, "_rois_query")
+        cls._commands = _collect(cls, "_rois_commands")
+        cls._queries = _collect(cls, "_rois_queries")
 
     def condition(self) -> ComponentStatus:
         """Return READY, or what keeps the component from working."""
@@ -177,7 +183,7 @@ class Component:
     async def _call(self, command_type: str, values: Arguments) -> tuple[Result, ...]:
         name = self._commands.get(command_type)
         if name is None:
-            # The profile offers the command, so the component takes it: there is nothing of its own to do.
+            # Only `stop` needs no method of its own: ending `start` is all there is to it.
             return ()
         function: Callable[[Arguments], Awaitable[tuple[Result, ...]]] = getattr(self, name)
         try:
@@ -238,7 +244,7 @@ def _collect(cls: type, attribute: str) -> dict[str, str]:
     for base in reversed(cls.__mro__):
         for name, function in vars(base).items():
             if hasattr(function, attribute):
-                marked[getattr(function, attribute)] = name
+                marked.update(dict.fromkeys(getattr(function, attribute), name))
     return marked
 
 

@@ -22,13 +22,13 @@ ICE_SERVERS_TTL = 3600
 """Seconds for which an application may keep the answer of `signaling.ice_servers`."""
 
 
-async def serve_application(host: EngineHost, stream: MessageStream, ice_servers: tuple[str, ...]) -> StreamClosed:
+async def serve_application(host: EngineHost, stream: MessageStream) -> StreamClosed:
     """Serve one application until its connection ends; return why it did."""
     session = RpcSession(stream)
     signaling = _Signaling(host)
     app = ApplicationSession(host, session.notify, passes=signaling.passes)
     signaling.app = app
-    session.methods = {**base_methods(app), **stream_methods(app), **signaling.methods(ice_servers)}
+    session.methods = {**base_methods(app), **stream_methods(app), **signaling.methods()}
     try:
         return await session.run()
     finally:
@@ -53,9 +53,10 @@ class _Signaling:
             self._relay.forget(peer_id, engine_of(peer_id))
         return True
 
-    def methods(self, ice_servers: tuple[str, ...]) -> dict[str, Handler]:
+    def methods(self) -> dict[str, Handler]:
         """Return the `signaling.*` methods; whoever calls one gets the extensions' notifications."""
-        offered = IceServers(tuple(IceServer(urls=(url,)) for url in ice_servers), ICE_SERVERS_TTL)
+        servers = tuple(IceServer.model_validate(server) for server in self._host.ice_servers)
+        offered = IceServers(servers, ICE_SERVERS_TTL)
         table = signaling_methods(self._relay, self.app.client.client_id, lambda: offered)
 
         def answering(name: str) -> Handler:

@@ -52,8 +52,9 @@ async def run_gateway(settings: GatewaySettings) -> AsyncIterator[Gateway]:
         OSError: the port is taken, or the address is not this machine's.
     """
     async with TaskScope() as tasks, AsyncExitStack() as stack:
-        host = EngineHost(Engine(settings.engine_id), tasks)
-        server = _Server(host, settings.ice_servers)
+        ice_servers = tuple({"urls": [url]} for url in settings.ice_servers)
+        host = EngineHost(Engine(settings.engine_id), tasks, ice_servers=ice_servers)
+        server = _Server(host)
         runner = web.AppRunner(server.app, access_log=None, shutdown_timeout=_SHUTDOWN_TIMEOUT)
         await runner.setup()
         stack.push_async_callback(runner.cleanup)
@@ -67,9 +68,8 @@ async def run_gateway(settings: GatewaySettings) -> AsyncIterator[Gateway]:
 class _Server:
     """The HTTP side: which path is what, who is let in, and the sockets that are open."""
 
-    def __init__(self, host: EngineHost, ice_servers: tuple[str, ...]) -> None:
+    def __init__(self, host: EngineHost) -> None:
         self._host = host
-        self._ice_servers = ice_servers
         self._sockets: set[ServerSocket] = set()
         self.app = web.Application(middlewares=[_guard])
         self.app.router.add_get("/healthz", self._healthz)
@@ -82,9 +82,7 @@ class _Server:
 
     async def _page_or_application(self, request: web.Request) -> web.StreamResponse:
         if _wants_websocket(request):
-            return await self._serve(
-                request, APPLICATION, lambda stream: serve_application(self._host, stream, self._ice_servers)
-            )
+            return await self._serve(request, APPLICATION, lambda stream: serve_application(self._host, stream))
         return page_response(request.match_info["path"])
 
     async def _adapter(self, request: web.Request) -> web.StreamResponse:

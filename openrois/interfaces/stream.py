@@ -84,7 +84,13 @@ async def connect_stream(app: ApplicationSession, component_ref: str, parameters
         raise Unsupported(f"there is no component {component_ref[:200]!r}")
     if len(app.streams) >= MAX_STREAMS:
         raise OutOfResources(f"one application has at most {MAX_STREAMS} streams")
-    params = {"component_ref": component_ref, "parameters": [p.model_dump(mode="json") for p in parameters]}
+    params: dict[str, Any] = {
+        "component_ref": component_ref,
+        "parameters": [p.model_dump(mode="json") for p in parameters],
+    }
+    if app.host.ice_servers:
+        # The other end of the stream needs them as much as the application does.
+        params["ice_servers"] = list(app.host.ice_servers)
     result = await _call(app, "rois.stream.connect_stream", params, ConnectStreamResult)
     app.streams[result.stream_id] = component_ref
     return result.stream_id

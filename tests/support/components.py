@@ -2,7 +2,7 @@
 
 import asyncio
 
-from openrois.component import COMMON_COMMANDS, COMMON_QUERIES, Component, command, parameter_profile, query
+from openrois.component import COMMON_QUERIES, Component, command, parameter_profile, query
 from openrois.errors import ComponentFailed, TimedOut
 from openrois.types.codes import ComponentFunction
 from openrois.types.messages import Result
@@ -30,7 +30,8 @@ class Lamp(Component):
                 name=name,
                 function=ComponentFunction.ACTUATION,
                 command_profiles=(
-                    *COMMON_COMMANDS,
+                    CommandMessageProfile(name="start"),
+                    CommandMessageProfile(name="stop"),
                     CommandMessageProfile(
                         name="switch",
                         arguments=(parameter_profile("times", "int"), parameter_profile("note", "string")),
@@ -94,7 +95,6 @@ class Bell(Component):
                 identifier=RoISIdentifier(code=component_urn("Bell", "Test")),
                 name=name,
                 function=ComponentFunction.SENSING,
-                command_profiles=COMMON_COMMANDS,
                 query_profiles=COMMON_QUERIES,
                 event_profiles=(EventMessageProfile(name="rang", results=(parameter_profile("tune", "string"),)),),
             )

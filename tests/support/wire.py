@@ -91,7 +91,7 @@ NOTIFICATIONS = (
 
 
 @asynccontextmanager
-async def application(host: EngineHost, ice_servers: tuple[str, ...] = ()) -> AsyncIterator[Application]:
+async def application(host: EngineHost) -> AsyncIterator[Application]:
     """Connect an application to the gateway's side of `host` over memory."""
     near, far = memory_pair()
     app = Application(RpcSession(near))
@@ -99,7 +99,7 @@ async def application(host: EngineHost, ice_servers: tuple[str, ...] = ()) -> As
         name: (lambda params, name=name: app.told.put_nowait((name, params))) for name in NOTIFICATIONS
     }
     async with asyncio.TaskGroup() as tasks:
-        serving = tasks.create_task(serve_application(host, far, ice_servers))
+        serving = tasks.create_task(serve_application(host, far))
         running = tasks.create_task(app.session.run())
         try:
             yield app

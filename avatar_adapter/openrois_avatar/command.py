@@ -1,0 +1,44 @@
+"""`openrois avatar`: run an avatar adapter until it is told to stop."""
+
+import argparse
+import asyncio
+import signal
+import sys
+from collections.abc import Sequence
+from typing import Final
+
+import uvloop
+from openrois.dialer import serve_parent
+from openrois.logs import set_up_logging
+
+from openrois_avatar.adapter import run_avatar
+from openrois_avatar.settings import ENGINES, AvatarSettings
+
+__all__ = ["main"]
+
+_SWITCH_INTERVAL: Final = 0.0005
+"""Seconds after which a busy thread gives way: encoder threads must not keep the event loop waiting for 5 ms."""
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Run the command and return its exit status: 0 when stopped, 1 when it could not start, 2 for wrong usage."""
+    defaults = AvatarSettings()
+    parser = argparse.ArgumentParser(prog="openrois avatar", description="An avatar behind a gateway.")
+    parser.add_argument("--gateway", default=defaults.gateway, metavar="URL", help="(%(default)s)")
+    parser.add_argument("--engine-id", default=defaults.engine_id, help="unique behind its gateway (%(default)s)")
+    parser.add_argument("--engine", choices=ENGINES, default=defaults.engine, help="what renders it (%(default)s)")
+    parser.add_argument("--verbose", action="store_true", help="log more")
+    chosen = parser.parse_args(arguments)
+    set_up_logging(verbose=chosen.verbose)
+    sys.setswitchinterval(_SWITCH_INTERVAL)
+    uvloop.run(_run(AvatarSettings(chosen.gateway, chosen.engine_id, chosen.engine)))
+    return 0
+
+
+async def _run(settings: AvatarSettings) -> None:
+    async with run_avatar(settings) as avatar:
+        serving = asyncio.ensure_future(serve_parent(avatar.host, settings.gateway))
+        for name in (signal.SIGINT, signal.SIGTERM):
+            asyncio.get_running_loop().add_signal_handler(name, serving.cancel)
+        print(f"ready {settings.engine_id}", flush=True)
+        await asyncio.wait({serving})

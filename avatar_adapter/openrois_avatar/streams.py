@@ -1,0 +1,210 @@
+"""The streams of the avatar: RoIS and signaling methods in, the media plane behind, status notifications out.
+
+RoIS words end here: below it is about sessions, peer connections and tracks.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Final, TypeVar
+
+from openrois_signaling.messages import Answer, Bye, Candidate, IceServer, MediaKind, Offer, Restart
+from openrois_streaming import errors as media_errors
+from openrois_streaming import state
+from openrois_streaming.clock import MediaClock
+from openrois_streaming.feed import MediaPublisher
+from openrois_streaming.session import StreamSession
+from openrois_streaming.sessions import StreamSessions
+from openrois_streaming.stream import StreamChange
+from pydantic import Field, ValidationError
+
+from openrois.contract import Client
+from openrois.errors import BadParameter, OutOfResources, RoISError, Unsupported
+from openrois.types.codes import ReturnCode, StreamStatus
+from openrois.types.messages import Parameter
+from openrois.types.model import Model
+from openrois.types.references import new_id
+from openrois.types.streams import ConnectStreamParams, StreamParams, StreamStatusNotification
+from openrois.types.values import date_time
+
+__all__ = ["AvatarStreams", "Published"]
+
+_STATUS: Final = {
+    state.StreamStatus.NOT_CONNECTED: StreamStatus.STREAMING_NOT_CONNECTED,
+    state.StreamStatus.NOT_RUNNING: StreamStatus.STREAMING_NOT_RUNNING,
+    state.StreamStatus.RUNNING: StreamStatus.STREAMING_RUNNING,
+    state.StreamStatus.SUSPENDED: StreamStatus.STREAMING_SUSPENDED,
+}
+
+_REFUSALS: Final[dict[type[media_errors.SessionError], type[RoISError]]] = {
+    media_errors.UnknownStream: Unsupported,
+    media_errors.UnknownPeer: Unsupported,
+    media_errors.NoCommonCodec: Unsupported,
+    media_errors.TooManySections: OutOfResources,
+    media_errors.TooManySessions: OutOfResources,
+    media_errors.TooManyCandidates: OutOfResources,
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Published:
+    """What a streaming component sends: its frames, and of which kind they are."""
+
+    publisher: MediaPublisher
+    kind: MediaKind
+
+
+class _ConnectFromGateway(ConnectStreamParams):
+    """As an application's, and the ICE servers that the gateway adds."""
+
+    ice_servers: tuple[IceServer, ...] = Field(default=(), strict=False)
+
+
+class _EncodingParameters(Model, extra="ignore"):
+    """What of `encoding_parameters` is read; other members are for engines that know them."""
+
+    codecs: tuple[str, ...] | None = Field(default=None, max_length=32, strict=False)
+
+
+class _TransportParameters(Model, extra="ignore"):
+    """What of `transport_parameters` is read: `recvonly` is a stream that the application receives."""
+
+    direction: str = "recvonly"
+
+
+Read = TypeVar("Read", bound=Model)
+
+
+class AvatarStreams:
+    """Connects applications to what the avatar shows and says; an `Extension`.
+
+    Its `sessions` have to be entered for as long as it is used.
+
+    Args:
+        engine_id: leads the ids that are minted here.
+        published: the streaming components, by component_ref.
+        clock: the media clock.
+    """
+
+    def __init__(self, engine_id: str, published: Mapping[str, Published], clock: MediaClock) -> None:
+        self._engine_id = engine_id
+        self._published = published
+        self._clock = clock
+        self._clients: dict[str, Client] = {}
+        self.sessions = StreamSessions(self._make_session)
+
+    async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
+        """Do what an application asks; the reply always comes before the notifications that it causes."""
+        try:
+            more = await self._handle(method, params, client)
+        except ValidationError as error:
+            raise BadParameter(f"{method}: {error}") from error
+        except media_errors.StaleGeneration:
+            # It was overtaken by a later offer; the application will see that one.
+            more = {}
+        except media_errors.SessionError as error:
+            raise _REFUSALS.get(type(error), BadParameter)(str(error)) from error
+        return {"return_code": ReturnCode.OK.value, **more}
+
+    async def _handle(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
+        match method:
+            case "rois.stream.connect_stream":
+                return self._connect(_ConnectFromGateway.model_validate(params), client)
+            case "rois.stream.query_stream_status":
+                session, stream_id = self._stream(params, client)
+                return {"status": _STATUS[session.status(stream_id)].value}
+            case "rois.stream.suspend_stream":
+                session, stream_id = self._stream(params, client)
+                session.suspend(stream_id)
+            case "rois.stream.resume_stream":
+                session, stream_id = self._stream(params, client)
+                session.resume(stream_id)
+            case "rois.stream.disconnect_stream":
+                session, stream_id = self._stream(params, client)
+                session.disconnect(stream_id)
+            case _:
+                await self._signal(method, params, client)
+        return {}
+
+    async def _signal(self, method: str, params: Mapping[str, Any], client: Client) -> None:
+        match method:
+            case Answer.method:
+                answer = Answer.model_validate(params)
+                await self.sessions.with_peer(client.client_id, answer.peer_id).answer(answer)
+            case Candidate.method:
+                candidate = Candidate.model_validate(params)
+                await self.sessions.with_peer(client.client_id, candidate.peer_id).candidate(candidate)
+            case Restart.method:
+                peer_id = Restart.model_validate(params).peer_id
+                self.sessions.with_peer(client.client_id, peer_id).restart(peer_id)
+            case _:
+                raise Unsupported(f"there is no method {method}")
+
+    def _stream(self, params: Mapping[str, Any], client: Client) -> tuple[StreamSession, str]:
+        stream_id = StreamParams.model_validate(params).stream_id
+        return self.sessions.with_stream(client.client_id, stream_id), stream_id
+
+    def _connect(self, params: _ConnectFromGateway, client: Client) -> dict[str, Any]:
+        published = self._published.get(params.component_ref)
+        if published is None:
+            raise Unsupported(f"{params.component_ref} has no streams")
+        encoding = _parameter(params.parameters, "encoding_parameters", _EncodingParameters)
+        transport = _parameter(params.parameters, "transport_parameters", _TransportParameters)
+        if transport.direction != "recvonly":
+            raise Unsupported(f"streams of direction {transport.direction!r} are not supported")
+        self._clients[client.client_id] = client
+        session = self.sessions.open(client.client_id)
+        session.ice_servers = params.ice_servers
+        stream_id = new_id(self._engine_id)
+        session.connect(stream_id, params.component_ref, published.publisher, published.kind, encoding.codecs)
+        return {"stream_id": stream_id}
+
+    def _make_session(self, client_id: str) -> StreamSession:
+        client = self._clients[client_id]
+
+        def send(message: Offer | Bye) -> None:
+            client.notify(message.method, message.wire())
+
+        def changed(change: StreamChange) -> None:
+            self._announce(client, change)
+
+        return StreamSession(
+            mint=lambda: new_id(self._engine_id),
+            send=send,
+            on_change=changed,
+            clock=self._clock,
+            name=f"session {client_id[:8]}",
+        )
+
+    @staticmethod
+    def _announce(client: Client, change: StreamChange) -> None:
+        statuses = [_STATUS[change.status]]
+        if change.resumed:
+            # RESUMED is an event only: what it announces is the status RUNNING.
+            statuses.insert(0, StreamStatus.STREAMING_RESUMED)
+        for status in statuses:
+            notice = StreamStatusNotification(
+                stream_id=change.stream_id,
+                component_ref=change.component_ref,
+                status=status,
+                timestamp=date_time(change.at),
+            )
+            client.notify(notice.method, notice.model_dump(mode="json"))
+
+    async def forget(self, client_id: str) -> None:
+        """End the streams of an application that is gone."""
+        self._clients.pop(client_id, None)
+        await self.sessions.close(client_id, "the application is gone")
+
+
+def _parameter(parameters: tuple[Parameter, ...], name: str, model: type[Read]) -> Read:
+    """Read a parameter that is a JSON object in a text; one that is absent or empty has its defaults.
+
+    Raises:
+        BadParameter: it is not such a text, or a member has a wrong type.
+    """
+    text = next((parameter.value for parameter in parameters if parameter.name == name), "")
+    try:
+        return model.model_validate(json.loads(text) if text else {})
+    except (ValueError, RecursionError) as error:
+        raise BadParameter(f"{name} is a JSON object in a text: {error}") from error
