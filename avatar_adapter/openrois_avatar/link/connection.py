@@ -153,7 +153,7 @@ class EngineConnection(asyncio.BufferedProtocol):
             case Audio():
                 self._take_audio(message)
             case Completed() | Log():
-                _tell(self._receivers.on_event, message)
+                tell(self._receivers.on_event, message)
             case Hello():
                 self._greet(message)
             case _:
@@ -163,7 +163,7 @@ class EngineConnection(asyncio.BufferedProtocol):
 
     def _take_audio(self, audio: Audio) -> None:
         samples = np.frombuffer(audio.samples, dtype="<i2").reshape(-1, audio.channels)
-        _tell(self._receivers.on_audio, RawAudio(samples, self._timestamps.captured_at(audio.timestamp_ns)))
+        tell(self._receivers.on_audio, RawAudio(samples, self._timestamps.captured_at(audio.timestamp_ns)))
 
     def _greet(self, hello: Hello) -> None:
         if not hmac.compare_digest(hello.secret.encode(), self._secret.encode()):
@@ -194,8 +194,8 @@ class EngineConnection(asyncio.BufferedProtocol):
             self._timer.cancel()
 
 
-def _tell(callback: Callable[[_Item], None] | None, item: _Item) -> None:
-    """A receiver that fails is a fault of ours and none of the engine's: its connection goes on."""
+def tell(callback: Callable[[_Item], None] | None, item: _Item) -> None:
+    """Call a receiver if there is one; if it fails that is logged, and whoever told it goes on."""
     if callback is None:
         return
     try:

@@ -1,0 +1,187 @@
+"""A game engine of our own as a child process: started, greeted, started again when it dies, ended with the adapter."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from asyncio.subprocess import Process
+from collections.abc import Callable, Coroutine
+from contextlib import AsyncExitStack, suppress
+from types import TracebackType
+from typing import Any, Final, NoReturn, Self
+
+from openrois_streaming.clock import MediaClock, SystemClock
+from openrois_streaming.source import RawAudio
+
+from openrois.backoff import Backoff
+from openrois_avatar.child import Output, child_process, ended_within
+from openrois_avatar.link.address import ADDRESS_VARIABLE, SECRET_VARIABLE
+from openrois_avatar.link.connection import EngineConnection, tell
+from openrois_avatar.link.inlet import EngineVideo
+from openrois_avatar.link.messages import Command, Event, Hello, LinkError, Quit
+from openrois_avatar.link.server import LinkServer
+
+START_TIMEOUT: Final = 20.0
+"""Seconds from the start of the process to its HELLO; Panda3D on a cold disk needs a few."""
+QUIT_TIMEOUT: Final = 1.0
+"""Seconds that an engine has to end itself after `Quit`; then come SIGTERM and, 0.5 s later, SIGKILL."""
+FIRST_DELAY: Final = 0.5
+LONGEST_DELAY: Final = 10.0
+"""Seconds before a new start; the delay doubles from the first to the longest."""
+
+_log = logging.getLogger(__name__)
+
+
+class EmbeddedEngine:
+    """`python -m module` as a game engine on the engine link, for as long as the context lasts.
+
+    When it dies it is started again, and its pictures and sound go on where they went before; `on_lost` and `on_back`
+    tell. Entering waits for the first HELLO; leaving takes at most about 1.5 s.
+
+    Args:
+        module: the engine's module.
+        arguments: its arguments.
+        on_audio: gets its blocks of sound.
+        on_event: gets its events.
+        on_lost: called with the reason when the engine has gone.
+        on_back: called with its HELLO when it is there again.
+        clock: the media clock; the machine's if not given.
+        start_timeout: seconds that it has for its HELLO.
+
+    Raises:
+        LinkError: on entering, if the engine ended, or did not greet in time; the text has what it printed last.
+    """
+
+    def __init__(
+        self,
+        module: str,
+        *arguments: str,
+        on_audio: Callable[[RawAudio], None] | None = None,
+        on_event: Callable[[Event], None] | None = None,
+        on_lost: Callable[[str], None] | None = None,
+        on_back: Callable[[Hello], None] | None = None,
+        clock: MediaClock | None = None,
+        start_timeout: float = START_TIMEOUT,
+    ) -> None:
+        self._module = module
+        self._arguments = arguments
+        self._clock = clock or SystemClock()
+        self._listening = LinkServer.listen(on_audio=on_audio, on_event=on_event, clock=self._clock)
+        self._on_lost = on_lost
+        self._on_back = on_back
+        self._start_timeout = start_timeout
+        self._ready = asyncio.Event()
+        self._stack = AsyncExitStack()
+
+    async def __aenter__(self) -> Self:
+        async with AsyncExitStack() as stack:
+            self._server = await stack.enter_async_context(self._listening)
+            running = asyncio.create_task(self._keep_running(), name=f"engine {self._module}")
+            stack.push_async_callback(_stop, running)
+            await _first(running, self._ready.wait())
+            if running.done():
+                running.result()
+            self._stack = stack.pop_all()
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        await self._stack.aclose()
+
+    @property
+    def video(self) -> EngineVideo:
+        """The pictures of the engine, whichever start it is; a `MediaSource`."""
+        return self._server.video
+
+    @property
+    def hello(self) -> Hello | None:
+        """What the engine said of itself; None while it is not there."""
+        return None if self._server.engine is None else self._server.engine.hello
+
+    def send(self, command: Command) -> None:
+        """Send a command to the engine; never waits.
+
+        Raises:
+            LinkError: the engine is not there now.
+        """
+        if self._server.engine is None:
+            raise LinkError("the engine is not there now")
+        self._server.engine.send_command(command)
+
+    async def _keep_running(self) -> None:
+        backoff = Backoff(FIRST_DELAY, 2.0, LONGEST_DELAY)
+        while True:
+            started = self._clock.now()
+            try:
+                await self._live()
+            except (LinkError, OSError) as error:  # OSError: the process could not be started
+                if not self._ready.is_set():
+                    raise
+                delay = backoff.after(self._clock.now() - started)
+                _log.warning("%s; it is started again in %.1f s", error, delay)
+            await self._clock.sleep_until(self._clock.now() + delay)
+
+    async def _live(self) -> NoReturn:
+        """One life of the engine: always ends with a `LinkError` that says how."""
+        output = Output(self._module, self._clock)
+        environment = {ADDRESS_VARIABLE: self._server.address, SECRET_VARIABLE: self._server.secret}
+        running = child_process(self._module, *self._arguments, output=output, environment=environment)
+        end = "did not greet"
+        async with running as process:
+            connection = await self._greeting(process)
+            if connection is not None:
+                await self._serve(connection, process)
+                end = "is gone"
+        raise LinkError(f"{self._module} {end} (status {process.returncode}): {output.last_words}")
+
+    async def _greeting(self, process: Process) -> EngineConnection | None:
+        """The engine's connection, None if it does not come in time or ends before."""
+        arrival = asyncio.create_task(self._server.accept(self._start_timeout))
+        try:
+            await _first(arrival, process.wait())
+            return arrival.result() if arrival.done() else None
+        except TimeoutError:
+            return None
+        finally:
+            arrival.cancel()
+
+    async def _serve(self, connection: EngineConnection, process: Process) -> None:
+        if self._ready.is_set():
+            tell(self._on_back, connection.hello)
+        self._ready.set()
+        try:
+            await _first(connection.closed(), process.wait())
+        finally:
+            await _farewell(connection, process)
+        tell(self._on_lost, await connection.closed())
+
+
+async def _first(*things: Coroutine[Any, Any, object] | asyncio.Task[Any]) -> None:
+    """Wait until the first of `things` is done or has failed. Coroutines do not outlive this; tasks go on."""
+    tasks = [thing if isinstance(thing, asyncio.Task) else asyncio.create_task(thing) for thing in things]
+    try:
+        await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        for thing, task in zip(things, tasks, strict=True):
+            if thing is not task:
+                task.cancel()
+
+
+async def _farewell(connection: EngineConnection, process: Process) -> None:
+    """Let a live engine end itself, and hear out one that has ended."""
+    if connection.connected and process.returncode is None:
+        connection.send_command(Quit())
+        await ended_within(process, QUIT_TIMEOUT)
+    if process.returncode is not None:
+        with suppress(TimeoutError):
+            async with asyncio.timeout(QUIT_TIMEOUT):
+                await connection.closed()
+    connection.abort("the engine did not end")
+
+
+async def _stop(task: asyncio.Task[None]) -> None:
+    task.cancel()
+    await asyncio.wait({task})
+    if not task.cancelled():
+        task.result()

@@ -1,0 +1,159 @@
+import asyncio
+import logging
+import os
+import select
+import signal
+import sys
+from asyncio.subprocess import PIPE
+
+import pytest
+from openrois_avatar.link.embedded import EmbeddedEngine
+from openrois_avatar.link.messages import Completed, Event, Hello, LinkError, Log, React, Silence
+from openrois_streaming.source import RawAudio
+
+from tests.support.streaming import VirtualClock, settle
+
+pytestmark = pytest.mark.engine
+
+FAKE = "tests.support.fake_engine"
+
+
+class Witness:
+    """Sees what an embedded engine tells, and lets a test wait for it."""
+
+    def __init__(self) -> None:
+        self.lost = asyncio.Queue[str]()
+        self.back = asyncio.Queue[Hello]()
+        self.events = asyncio.Queue[Event]()
+        self.audio = asyncio.Queue[RawAudio]()
+
+    def engine(self, behaviour: str, **options: object) -> EmbeddedEngine:
+        return EmbeddedEngine(
+            FAKE,
+            behaviour,
+            on_audio=self.audio.put_nowait,
+            on_event=self.events.put_nowait,
+            on_lost=self.lost.put_nowait,
+            on_back=self.back.put_nowait,
+            **options,  # type: ignore[arg-type]
+        )
+
+
+def pid_of(engine: EmbeddedEngine) -> int:
+    """The fake engine's version is its process id."""
+    assert engine.hello is not None
+    return int(engine.hello.version)
+
+
+def is_gone(pid: int, timeout: float = 0.0) -> bool:
+    """Whether the process has ended, `timeout` seconds from now at the latest."""
+    try:
+        handle = os.pidfd_open(pid)
+    except ProcessLookupError:
+        return True
+    try:
+        return bool(select.select([handle], [], [], timeout)[0])
+    finally:
+        os.close(handle)
+
+
+async def test_an_engine_runs_and_is_ended_with_the_context(caplog: pytest.LogCaptureFixture) -> None:
+    witness = Witness()
+    with caplog.at_level(logging.INFO):
+        async with asyncio.timeout(20), witness.engine("good") as engine:
+            async with engine.video.open() as pictures:
+                assert (await anext(pictures)).sequence < (await anext(pictures)).sequence
+            assert (await witness.audio.get()).samples.shape == (960, 2)
+            engine.send(React("1", "nod"))
+            assert [await witness.events.get(), await witness.events.get()] == [Log("nod"), Completed("1", "OK")]
+            pid = pid_of(engine)
+    assert is_gone(pid)
+    assert witness.lost.empty()
+    assert f"{FAKE}: running" in caplog.text
+    assert engine.hello is None
+    with pytest.raises(LinkError, match="not there"):
+        engine.send(Silence())
+
+
+async def test_an_engine_that_crashes_is_started_again_after_a_while() -> None:
+    witness, clock = Witness(), VirtualClock()
+    async with asyncio.timeout(20), witness.engine("good", clock=clock) as engine, engine.video.open() as pictures:
+        last = await anext(pictures)
+        for delay in (0.5, 1.0):
+            pid = pid_of(engine)
+            engine.send(React("1", "crash"))
+            assert await witness.lost.get() == "the engine closed the connection"
+            assert is_gone(pid, 5)
+            assert engine.hello is None
+            while not clock.sleepers:
+                await settle()
+            await clock.advance(delay - 0.01)
+            assert clock.sleepers
+            await clock.advance(0.01)
+            assert int((await witness.back.get()).version) != pid
+            following = await anext(pictures)
+            assert following.sequence > last.sequence
+            last = following
+
+
+async def test_an_engine_that_hangs_up_is_replaced() -> None:
+    witness, clock = Witness(), VirtualClock()
+    async with asyncio.timeout(20), witness.engine("stubborn", clock=clock) as engine:
+        pid = pid_of(engine)
+        engine.send(React("1", "hang up"))
+        assert await witness.lost.get() == "hanging up"
+        while not clock.sleepers:
+            await settle()
+        assert is_gone(pid)
+
+
+async def test_an_engine_that_refuses_to_end_is_killed_in_time() -> None:
+    loop = asyncio.get_running_loop()
+    async with asyncio.timeout(20), Witness().engine("stubborn") as engine:
+        pid = pid_of(engine)
+        leaving = loop.time()
+    assert is_gone(pid)
+    assert loop.time() - leaving < 2.0
+
+
+async def test_an_engine_that_cannot_start_says_why() -> None:
+    expected = f"{FAKE} did not greet (status 1): first line / no graphics pipe is available"
+    with pytest.raises(LinkError) as refused:
+        async with asyncio.timeout(20), Witness().engine("broken"):
+            pass
+    assert str(refused.value) == expected
+
+
+async def test_an_engine_that_never_greets_is_not_waited_for() -> None:
+    with pytest.raises(LinkError, match=r"did not greet \(status -15\)"):
+        async with asyncio.timeout(20), Witness().engine("mute", start_timeout=0.5):
+            pass
+
+
+async def test_entering_can_be_given_up() -> None:
+    with pytest.raises(TimeoutError):
+        async with asyncio.timeout(0.3), Witness().engine("mute"):
+            pass
+
+
+ADAPTER = f"""
+import asyncio
+from openrois_avatar.link.embedded import EmbeddedEngine
+async def main():
+    async with EmbeddedEngine("{FAKE}", "stubborn") as engine:
+        print(engine.hello.version, flush=True)
+        await asyncio.Event().wait()
+asyncio.run(main())
+"""
+
+
+async def test_nothing_is_left_behind_when_the_adapter_is_killed() -> None:
+    adapter = await asyncio.create_subprocess_exec(sys.executable, "-c", ADAPTER, stdout=PIPE)
+    try:
+        assert adapter.stdout is not None
+        async with asyncio.timeout(20):
+            pid = int(await adapter.stdout.readline())
+    finally:
+        adapter.send_signal(signal.SIGKILL)
+        await adapter.wait()
+    assert is_gone(pid, 5)
