@@ -1,7 +1,6 @@
 """A sub-command of `openrois` as a child process that is watched: started, listened to, started again, and ended."""
 
 import asyncio
-import ctypes
 import logging
 import os
 import signal
@@ -13,14 +12,12 @@ from typing import Final
 
 from openrois.backoff import Backoff
 
-__all__ = ["Program", "ProgramFailed", "die_with_parent"]
+__all__ = ["Program", "ProgramFailed"]
 
 _log = logging.getLogger(__name__)
 
 STOP_TIMEOUT: Final = 2.2
 """Seconds that a program has to end by itself before it is killed, with whatever it started."""
-
-_PR_SET_PDEATHSIG: Final = 1
 
 
 class ProgramFailed(Exception):
@@ -60,12 +57,13 @@ class Program:
         process = await asyncio.create_subprocess_exec(
             sys.executable,
             "-m",
+            "openrois_avatar.launch",
+            str(os.getpid()),
             "openrois.cli",
             *self._arguments,
             stdin=asyncio.subprocess.DEVNULL,
             stdout=asyncio.subprocess.PIPE,
             start_new_session=True,
-            preexec_fn=die_with_parent,
         )
         try:
             assert process.stdout is not None
@@ -75,12 +73,6 @@ class Program:
             return await process.wait()
         finally:
             await _end(process)
-
-
-def die_with_parent() -> None:
-    """Ask the kernel to end this process when its parent dies, however it dies (Linux; elsewhere nothing happens)."""
-    if sys.platform == "linux":
-        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
 
 
 async def _end(process: asyncio.subprocess.Process) -> None:
