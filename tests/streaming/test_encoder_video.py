@@ -1,3 +1,4 @@
+import av
 import numpy as np
 import pytest
 from aiortc.codecs.h264 import H264Encoder, h264_depayload
@@ -185,6 +186,12 @@ def test_odd_sizes_lose_a_row_and_a_column(mime_type: str, pixel_format: PixelFo
     [chunk] = VideoEncoder(mime_type, bitrate=500_000, frame_rate=30).encode(raw, key_frame=False)
     [plane] = Decoder(mime_type).decode(chunk.data)
     assert plane.shape == (90, 160)
+
+
+@both
+def test_a_picture_that_no_codec_takes_is_a_failure(mime_type: str) -> None:
+    with pytest.raises(av.FFmpegError):
+        VideoEncoder(mime_type, bitrate=500_000, frame_rate=30).encode(coloured("bgra", 2, 2), key_frame=False)
 
 
 def test_a_bottom_up_view_is_encoded_the_right_way_up() -> None:
