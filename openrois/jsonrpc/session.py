@@ -15,6 +15,7 @@ from typing import Any, Final, TypeVar
 from pydantic import BaseModel, ValidationError
 
 from openrois.jsonrpc import protocol
+from openrois.jsonrpc.calls import Calls, RpcError, SessionClosed
 from openrois.jsonrpc.outbox import Outbox, OutboxOverflow
 from openrois.jsonrpc.protocol import Peer
 from openrois.transport.stream import MessageStream, StreamClosed
@@ -38,6 +39,10 @@ MAX_RUNNING_REQUESTS: Final = 256
 CALL_TIMEOUT: Final = 10.0
 """Seconds that a call of ours waits for its answer."""
 
+MAX_PROBLEMS: Final = 16
+"""Problems that one -32602 lists; whoever sent the params chose how many there are."""
+
+_MAX_PATH: Final = 200
 _FLUSH_TIMEOUT: Final = 1.0
 
 
@@ -68,19 +73,6 @@ class InvalidParams(Exception):
         self.problems = problems
 
 
-class RpcError(Exception):
-    """The other side answered with a JSON-RPC error."""
-
-    def __init__(self, code: int, message: str, data: Any = None) -> None:
-        super().__init__(f"{message} ({code})")
-        self.code = code
-        self.data = data
-
-
-class SessionClosed(Exception):
-    """The connection ended before the answer came, or had ended before the question was asked."""
-
-
 class _MethodNotFound(Exception):
     """Nobody serves the method that was asked."""
 
@@ -99,20 +91,15 @@ def method(model: type[Params], function: Callable[[Params], Awaitable[Any]]) ->
         try:
             checked = model.model_validate(params)
         except ValidationError as error:
-            raise InvalidParams([_problem(entry) for entry in error.errors(include_url=False)]) from None
+            entries = error.errors(include_url=False, include_context=False, include_input=False)
+            raise InvalidParams([_problem(entry) for entry in entries[:MAX_PROBLEMS]]) from None
         return await function(checked)
 
     return handle
 
 
 def _problem(entry: Any) -> dict[str, str]:
-    return {"path": ".".join(str(part) for part in entry["loc"]), "message": entry["msg"]}
-
-
-@dataclass(slots=True)
-class _Waiter:
-    answer: asyncio.Future[Any]
-    on_result: Callable[[Any], None] | None
+    return {"path": ".".join(str(part) for part in entry["loc"])[:_MAX_PATH], "message": entry["msg"]}
 
 
 @dataclass
@@ -120,19 +107,23 @@ class RpcSession:
     """A JSON-RPC connection; `run` does the work and ends with the connection.
 
     Attributes:
-        stream: what it speaks over; closed when `run` ends.
+        stream: what it speaks over; whoever opened it closes it after `run`.
         methods: what the other side may ask.
         notifications: what the other side may tell; unknown ones are dropped.
+        outbox: what waits to be sent.
+        call_timeout: seconds that a call of ours waits for its answer.
     """
 
     stream: MessageStream
     methods: Mapping[str, Handler] = field(default_factory=dict)
     notifications: Mapping[str, NotificationHandler] = field(default_factory=dict)
     outbox: Outbox = field(default_factory=Outbox)
+    call_timeout: float = CALL_TIMEOUT
 
     def __post_init__(self) -> None:
         self._peer = Peer()
-        self._waiters: dict[int, _Waiter] = {}
+        self._calls = Calls(self._peer)
+        self._violations = 0
         self._slots = asyncio.Semaphore(MAX_RUNNING_REQUESTS)
         self._closed: StreamClosed | None = None
 
@@ -154,7 +145,7 @@ class RpcSession:
             pass
         finally:
             self._closed = self._closed or StreamClosed(1006)
-            self._fail_waiters()
+            self._calls.fail(str(self._closed))
         return self._closed
 
     async def close(self, code: int = 1000, reason: str = "") -> None:
@@ -173,14 +164,20 @@ class RpcSession:
                     tasks.create_task(self._serve(request))
                 case protocol.Notification(name, params):
                     self._take_notification(name, params)
-                case protocol.Response(request_id, result):
-                    self._settle(request_id, result)
-                case protocol.ErrorResponse(request_id, code, message, data):
-                    self._refuse(request_id, RpcError(code, message, data))
+                case protocol.Response() as response:
+                    self._calls.settle(response)
+                case protocol.ErrorResponse() as refusal:
+                    self._calls.refuse(refusal)
                 case protocol.Violation(reason, answer):
-                    _log.info("protocol violation: %s", reason)
+                    self._note_violation(reason)
                     if answer is not None:
                         self._put(answer)
+
+    def _note_violation(self, reason: str) -> None:
+        self._violations += 1
+        if self._violations.bit_count() == 1:
+            # Powers of two: the first is reported at once, a flood seldom.
+            _log.info("protocol violation, %d so far: %s", self._violations, reason)
 
     async def _write(self) -> None:
         while True:
@@ -191,33 +188,42 @@ class RpcSession:
                 return
 
     async def _serve(self, request: protocol.Request) -> None:
+        then = None
         try:
-            self._answer(request.id, await self._handle(request))
+            result = await self._handle(request)
+            if isinstance(result, Reply):
+                result, then = result.result, result.then
+            if isinstance(result, BaseModel):
+                result = result.model_dump(mode="json")
+            answer = Peer.response(request.id, result)
         except InvalidParams as error:
-            self._put(Peer.error(request.id, protocol.INVALID_PARAMS, "Invalid params", error.problems))
+            answer = Peer.error(request.id, protocol.INVALID_PARAMS, "Invalid params", error.problems)
         except _MethodNotFound:
-            self._put(Peer.error(request.id, protocol.METHOD_NOT_FOUND, "Method not found"))
+            answer = Peer.error(request.id, protocol.METHOD_NOT_FOUND, "Method not found")
         except Exception:
             _log.exception("%s failed", request.method)
-            self._put(Peer.error(request.id, protocol.INTERNAL_ERROR, "Internal error"))
+            then = None
+            answer = Peer.error(request.id, protocol.INTERNAL_ERROR, "Internal error")
         finally:
             self._slots.release()
+        self._put(answer)
+        if then is not None:
+            self._carry_out(request.method, then)
+
+    def _carry_out(self, name: str, then: Callable[[], None]) -> None:
+        try:
+            then()
+        except Exception:
+            # The reply has left, so this can't be told any more.
+            _log.exception("what follows the reply of %s failed", name)
 
     async def _handle(self, request: protocol.Request) -> Any:
         handler = self.methods.get(request.method)
         if handler is None:
             raise _MethodNotFound
+        if not isinstance(request.params, dict):
+            raise InvalidParams([{"path": "", "message": "params must be an object"}])
         return await handler(request.params)
-
-    def _answer(self, request_id: protocol.RequestId, result: Any) -> None:
-        then = None
-        if isinstance(result, Reply):
-            result, then = result.result, result.then
-        if isinstance(result, BaseModel):
-            result = result.model_dump(mode="json")
-        self._put(Peer.response(request_id, result))
-        if then is not None:
-            then()
 
     def _take_notification(self, name: str, params: dict[str, Any]) -> None:
         handler = self.notifications.get(name)
@@ -225,39 +231,20 @@ class RpcSession:
             return
         try:
             handler(params)
+        except ValidationError:
+            self._note_violation(f"the params of the notification {name} do not fit")
         except Exception:
             _log.exception("the notification %s could not be taken", name)
 
-    def _settle(self, request_id: int, result: Any) -> None:
-        waiter = self._waiters.pop(request_id)
-        if waiter.answer.done():
-            return
-        try:
-            if waiter.on_result is not None:
-                waiter.on_result(result)
-        except Exception as error:
-            waiter.answer.set_exception(error)
-        else:
-            waiter.answer.set_result(result)
-
-    def _refuse(self, request_id: int, error: RpcError) -> None:
-        waiter = self._waiters.pop(request_id)
-        if not waiter.answer.done():
-            waiter.answer.set_exception(error)
-
-    def _fail_waiters(self) -> None:
-        for waiter in self._waiters.values():
-            if not waiter.answer.done():
-                waiter.answer.set_exception(SessionClosed(str(self._closed)))
-        self._waiters.clear()
-
     def _put(self, text: str, *, droppable: bool = False) -> None:
+        if self._closed is not None:
+            return
         try:
             self.outbox.put(text, droppable=droppable)
         except OutboxOverflow as overflow:
             # The other side is not reading, so a closing handshake could not reach it either.
             _log.warning("connection aborted: %s", overflow)
-            self._closed = self._closed or StreamClosed(1006, "outbox overflow")
+            self._closed = StreamClosed(1006, "outbox overflow")
             self.stream.abort()
 
     async def call(
@@ -265,16 +252,19 @@ class RpcSession:
         name: str,
         params: Mapping[str, Any],
         *,
-        timeout: float = CALL_TIMEOUT,
+        timeout: float | None = None,
         on_result: Callable[[Any], None] | None = None,
+        on_late: Callable[[Any], None] | None = None,
     ) -> Any:
         """Ask the other side and wait for its answer.
 
         Args:
             name: the method.
             params: its params.
-            timeout: seconds to wait at most.
+            timeout: seconds to wait at most, `call_timeout` unless given.
             on_result: called with the result before any later message of the other side is looked at.
+            on_late: called with a result that comes after the caller gave up, by timeout or cancellation; without it
+                such a result is dropped.
 
         Returns:
             The result.
@@ -282,20 +272,24 @@ class RpcSession:
         Raises:
             RpcError: the other side answered with an error.
             SessionClosed: the connection ended first.
-            TimeoutError: no answer in time; one that comes later is dropped.
+            TimeoutError: no answer in time.
         """
         if self._closed is not None:
             raise SessionClosed(str(self._closed))
-        request_id, text = self._peer.request(name, params)
-        answer: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
-        self._waiters[request_id] = _Waiter(answer, on_result)
-        self._put(text)
+        request_id, text, answer = self._calls.open(name, params, on_result, on_late)
         try:
-            async with asyncio.timeout(timeout):
+            self._put(text)
+            async with asyncio.timeout(self.call_timeout if timeout is None else timeout):
                 return await answer
         finally:
-            self._peer.forget(request_id)
-            self._waiters.pop(request_id, None)
+            self._calls.abandon(request_id)
+
+    def post(self, name: str, params: Mapping[str, Any]) -> None:
+        """Ask and let the answer be dropped; nothing happens when the connection has ended."""
+        if self._closed is None:
+            request_id, text, _ = self._calls.open(name, params, None, _ignore)
+            self._calls.abandon(request_id)
+            self._put(text)
 
     def notify(self, name: str, params: Mapping[str, Any], *, droppable: bool = False) -> None:
         """Tell the other side; nothing happens when the connection has ended.
@@ -307,3 +301,7 @@ class RpcSession:
         """
         if self._closed is None:
             self._put(Peer.notification(name, params), droppable=droppable)
+
+
+def _ignore(_result: Any) -> None:
+    """Take an answer that nobody asked for."""

@@ -1,0 +1,108 @@
+"""Our own requests on one connection: who waits for which answer, and what an answer does that comes too late."""
+
+import asyncio
+import logging
+from collections import OrderedDict
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, Final
+
+from openrois.jsonrpc.protocol import ErrorResponse, Peer, Response
+
+__all__ = ["Calls", "RpcError", "SessionClosed"]
+
+_log = logging.getLogger(__name__)
+
+MAX_LATE: Final = 1024
+"""Abandoned requests whose late answer still matters; the oldest of more is forgotten."""
+
+OnResult = Callable[[Any], None]
+
+
+class RpcError(Exception):
+    """The other side answered with a JSON-RPC error."""
+
+    def __init__(self, code: int, message: str, data: Any = None) -> None:
+        super().__init__(f"{message} ({code})")
+        self.code = code
+        self.data = data
+
+
+class SessionClosed(Exception):
+    """The connection ended before the answer came, or had ended before the question was asked."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Waiter:
+    answer: asyncio.Future[Any]
+    on_result: OnResult | None
+    on_late: OnResult | None
+
+
+class Calls:
+    """The requests of `peer` that wait for their answers."""
+
+    def __init__(self, peer: Peer) -> None:
+        self._peer = peer
+        self._waiters: dict[int, _Waiter] = {}
+        self._late: OrderedDict[int, OnResult] = OrderedDict()
+
+    def open(
+        self, name: str, params: Mapping[str, Any], on_result: OnResult | None, on_late: OnResult | None
+    ) -> tuple[int, str, asyncio.Future[Any]]:
+        """Return a new request's id, its text, and the future that its answer settles."""
+        request_id, text = self._peer.request(name, params)
+        answer: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
+        self._waiters[request_id] = _Waiter(answer, on_result, on_late)
+        return request_id, text, answer
+
+    def settle(self, response: Response) -> None:
+        """Take an answer: `on_result` sees it at once, or `on_late` where nobody waits any more."""
+        waiter = self._waiters.pop(response.id, None)
+        if waiter is None or waiter.answer.done():
+            on_late = waiter.on_late if waiter is not None else self._late.pop(response.id, None)
+            self._take_late(on_late, response.result)
+            return
+        try:
+            if waiter.on_result is not None:
+                waiter.on_result(response.result)
+        except Exception as error:
+            waiter.answer.set_exception(error)
+        else:
+            waiter.answer.set_result(response.result)
+
+    def _take_late(self, on_late: OnResult | None, result: Any) -> None:
+        if on_late is None:
+            return
+        try:
+            on_late(result)
+        except Exception as error:
+            _log.info("a late answer could not be taken: %s", error)
+
+    def refuse(self, refusal: ErrorResponse) -> None:
+        """Take a JSON-RPC error."""
+        self._late.pop(refusal.id, None)
+        waiter = self._waiters.pop(refusal.id, None)
+        if waiter is not None and not waiter.answer.done():
+            waiter.answer.set_exception(RpcError(refusal.code, refusal.message, refusal.data))
+
+    def abandon(self, request_id: int) -> None:
+        """Stop waiting, if the answer has not come: it is dropped, or given to `on_late`."""
+        waiter = self._waiters.pop(request_id, None)
+        if waiter is None:
+            return
+        if waiter.on_late is None:
+            self._peer.forget(request_id)
+            return
+        self._late[request_id] = waiter.on_late
+        if len(self._late) > MAX_LATE:
+            oldest, _ = self._late.popitem(last=False)
+            self._peer.forget(oldest)
+
+    def fail(self, reason: str) -> None:
+        """Fail whatever waits with `SessionClosed`: no answer will come any more."""
+        for waiter in self._waiters.values():
+            if not waiter.answer.done():
+                waiter.answer.set_exception(SessionClosed(reason))
+        self._waiters.clear()
+        self._late.clear()

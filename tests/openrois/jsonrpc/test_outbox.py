@@ -1,0 +1,79 @@
+"""Order and budgets of what waits to be sent."""
+
+import asyncio
+import logging
+
+import pytest
+
+from openrois.jsonrpc.outbox import Outbox, OutboxOverflow
+
+
+async def taken(outbox: Outbox) -> list[str]:
+    return [await outbox.get() for _ in range(len(outbox))]
+
+
+async def test_what_is_put_is_taken_in_order() -> None:
+    outbox = Outbox()
+    for text, droppable in (("a", False), ("b", True), ("c", False)):
+        outbox.put(text, droppable=droppable)
+    assert await taken(outbox) == ["a", "b", "c"]
+
+
+async def test_a_taker_waits_for_the_next() -> None:
+    outbox = Outbox()
+    taking = asyncio.ensure_future(outbox.get())
+    await asyncio.sleep(0)
+    assert not taking.done()
+    outbox.put("a")
+    assert await taking == "a"
+
+
+async def test_too_many_events_drop_the_oldest_event_and_nothing_else() -> None:
+    outbox = Outbox(control_limit=4, event_limit=2)
+    for text in ("reply 1", "event 1", "reply 2", "event 2", "event 3", "event 4", "reply 3"):
+        outbox.put(text, droppable=text.startswith("event"))
+    assert outbox.dropped == 2
+    assert await taken(outbox) == ["reply 1", "reply 2", "event 3", "event 4", "reply 3"]
+
+
+async def test_one_control_message_too_many_overflows_and_is_not_kept() -> None:
+    outbox = Outbox(control_limit=2, event_limit=5)
+    outbox.put("event", droppable=True)
+    outbox.put("1")
+    outbox.put("2")
+    with pytest.raises(OutboxOverflow):
+        outbox.put("3")
+    assert await taken(outbox) == ["event", "1", "2"]
+
+
+async def test_room_comes_back_as_messages_are_taken() -> None:
+    outbox = Outbox(control_limit=1, event_limit=1)
+    for _ in range(3):
+        outbox.put("control")
+        outbox.put("event", droppable=True)
+        assert await taken(outbox) == ["control", "event"]
+    assert outbox.dropped == 0
+
+
+async def test_drops_are_logged_ever_more_seldom(caplog: pytest.LogCaptureFixture) -> None:
+    outbox = Outbox(event_limit=1)
+    with caplog.at_level(logging.WARNING):
+        for _ in range(1 + 100):
+            outbox.put("event", droppable=True)
+    assert outbox.dropped == 100
+    assert len(caplog.records) == 7
+
+
+async def test_drained_waits_until_the_taker_asks_for_more() -> None:
+    outbox = Outbox()
+    async with asyncio.timeout(1):
+        await outbox.drained()
+    outbox.put("a")
+    draining = asyncio.ensure_future(outbox.drained())
+    await outbox.get()
+    await asyncio.sleep(0)
+    assert not draining.done()
+    taking = asyncio.ensure_future(outbox.get())
+    async with asyncio.timeout(1):
+        await draining
+    taking.cancel()

@@ -1,0 +1,485 @@
+"""A session over memory: what the other side sees of its orders, bounds and ends."""
+
+import asyncio
+import json
+import logging
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from typing import Any
+
+import pytest
+from pydantic import BaseModel
+
+from openrois.jsonrpc.calls import MAX_LATE
+from openrois.jsonrpc.outbox import Outbox
+from openrois.jsonrpc.session import (
+    MAX_PROBLEMS,
+    MAX_RUNNING_REQUESTS,
+    Handler,
+    InvalidParams,
+    NotificationHandler,
+    Reply,
+    RpcError,
+    RpcSession,
+    SessionClosed,
+    method,
+)
+from openrois.transport.memory import MemoryStream, memory_pair
+from openrois.transport.stream import StreamClosed
+
+
+class Other:
+    """The other side: raw messages, by hand."""
+
+    def __init__(self, session: RpcSession, stream: MemoryStream, running: asyncio.Task[StreamClosed]) -> None:
+        self.session = session
+        self.stream = stream
+        self.running = running
+
+    async def say(self, **message: Any) -> None:
+        await self.stream.send(json.dumps({"jsonrpc": "2.0", **message}))
+
+    async def hear(self) -> dict[str, Any]:
+        async with asyncio.timeout(5):
+            message: dict[str, Any] = json.loads(await self.stream.receive())
+        assert message.pop("jsonrpc") == "2.0"
+        return message
+
+    async def ended(self) -> StreamClosed:
+        async with asyncio.timeout(5):
+            return await asyncio.shield(self.running)
+
+
+@asynccontextmanager
+async def connected(
+    methods: dict[str, Handler] | None = None,
+    notifications: dict[str, NotificationHandler] | None = None,
+    *,
+    outbox: Outbox | None = None,
+    capacity: int = 64,
+) -> AsyncIterator[Other]:
+    near, far = memory_pair(capacity)
+    session = RpcSession(near, methods or {}, notifications or {}, outbox if outbox is not None else Outbox())
+    running = asyncio.ensure_future(session.run())
+    try:
+        yield Other(session, far, running)
+    finally:
+        far.abort()
+        async with asyncio.timeout(5):
+            await running
+
+
+async def settle() -> None:
+    """Let everything run that can run without anything new from outside."""
+    for _ in range(20):
+        await asyncio.sleep(0)
+
+
+def gate() -> tuple[asyncio.Event, Handler]:
+    """Return a handler that answers its params once the event is set."""
+    opened = asyncio.Event()
+
+    async def handle(params: dict[str, Any]) -> dict[str, Any]:
+        await opened.wait()
+        return params
+
+    return opened, handle
+
+
+async def echo(params: dict[str, Any]) -> dict[str, Any]:
+    return params
+
+
+class Params(BaseModel):
+    number: int
+    inner: list[int] = []
+
+
+class TestServing:
+    async def test_an_answer_has_the_id_of_its_request(self) -> None:
+        async with connected({"echo": echo}) as other:
+            for request_id in ("a", 5, None, 2.5):
+                await other.say(id=request_id, method="echo", params={"x": request_id})
+                assert await other.hear() == {"id": request_id, "result": {"x": request_id}}
+
+    async def test_answers_come_in_the_order_in_which_they_are_ready(self) -> None:
+        opened, slow = gate()
+        async with connected({"slow": slow, "echo": echo}) as other:
+            await other.say(id=1, method="slow")
+            await other.say(id=2, method="echo")
+            assert (await other.hear())["id"] == 2
+            opened.set()
+            assert (await other.hear())["id"] == 1
+
+    async def test_an_unknown_method_whatever_its_params(self) -> None:
+        async with connected() as other:
+            unusable: tuple[Any, ...] = ({}, [], 5)
+            for params in unusable:
+                await other.say(id=1, method="__class__", params=params)
+                assert await other.hear() == {"id": 1, "error": {"code": -32601, "message": "Method not found"}}
+
+    async def test_params_that_are_no_object(self) -> None:
+        async with connected({"echo": echo}) as other:
+            await other.say(id=1, method="echo", params=[1])
+            error = (await other.hear())["error"]
+            assert error["code"] == -32602
+            assert error["data"] == [{"path": "", "message": "params must be an object"}]
+
+    async def test_params_that_do_not_fit_are_named_by_dotted_paths(self) -> None:
+        async def taking(params: Params) -> Params:
+            return params
+
+        async with connected({"take": method(Params, taking)}) as other:
+            await other.say(id=1, method="take", params={"inner": [1, "x"]})
+            error = (await other.hear())["error"]
+            assert (error["code"], sorted(p["path"] for p in error["data"])) == (-32602, ["inner.1", "number"])
+            assert all(set(problem) == {"path", "message"} for problem in error["data"])
+            await other.say(id=2, method="take", params={"number": 3})
+            assert (await other.hear())["result"] == {"number": 3, "inner": []}
+
+    async def test_a_refusal_does_not_grow_with_the_params(self) -> None:
+        async def taking(params: Params) -> Params:
+            return params
+
+        async with connected({"take": method(Params, taking)}) as other:
+            await other.say(id=1, method="take", params={"number": 1, "inner": ["x"] * 5000})
+            assert len((await other.hear())["error"]["data"]) == MAX_PROBLEMS
+
+    async def test_a_bug_is_answered_without_a_word_about_it(self, caplog: pytest.LogCaptureFixture) -> None:
+        async def broken(_params: dict[str, Any]) -> None:
+            raise ZeroDivisionError("the secret")
+
+        async with connected({"broken": broken, "echo": echo}) as other:
+            await other.say(id=1, method="broken")
+            assert await other.hear() == {"id": 1, "error": {"code": -32603, "message": "Internal error"}}
+            await other.say(id=2, method="echo")
+            assert (await other.hear())["id"] == 2
+        assert "the secret" in caplog.text
+
+    async def test_a_result_that_cannot_be_written_is_a_bug_and_nothing_follows_it(self) -> None:
+        followed: list[str] = []
+
+        async def unwritable(_params: dict[str, Any]) -> Reply:
+            return Reply({"x": float("nan")}, lambda: followed.append("x"))
+
+        async with connected({"unwritable": unwritable}) as other:
+            await other.say(id=1, method="unwritable")
+            assert (await other.hear())["error"]["code"] == -32603
+        assert not followed
+
+    async def test_the_reply_leaves_before_what_its_call_causes(self) -> None:
+        async with connected() as other:
+
+            async def start(_params: dict[str, Any]) -> Reply:
+                return Reply({}, lambda: other.session.notify("caused", {}))
+
+            other.session.methods = {"start": start}
+            await other.say(id=1, method="start")
+            assert "result" in await other.hear()
+            assert (await other.hear())["method"] == "caused"
+
+    async def test_what_fails_after_the_reply_is_not_a_second_answer(self, caplog: pytest.LogCaptureFixture) -> None:
+        def fail() -> None:
+            raise ZeroDivisionError
+
+        async def start(_params: dict[str, Any]) -> Reply:
+            return Reply({}, fail)
+
+        async with connected({"start": start, "echo": echo}) as other:
+            await other.say(id=1, method="start")
+            await other.say(id=2, method="echo")
+            assert [await other.hear(), await other.hear()] == [{"id": 1, "result": {}}, {"id": 2, "result": {}}]
+        assert "start" in caplog.text
+
+    async def test_while_many_requests_run_no_more_is_read(self) -> None:
+        opened, slow = gate()
+        async with connected({"slow": slow, "echo": echo}, capacity=MAX_RUNNING_REQUESTS + 8) as other:
+            for request_id in range(MAX_RUNNING_REQUESTS):
+                await other.say(id=request_id, method="slow")
+            await other.say(id="one more", method="echo")
+            await settle()
+            assert len(other.session.outbox) == 0
+            opened.set()
+            answers = [(await other.hear())["id"] for _ in range(MAX_RUNNING_REQUESTS + 1)]
+            assert sorted(answers, key=str) == sorted([*range(MAX_RUNNING_REQUESTS), "one more"], key=str)
+
+    async def test_violations_are_answered_once_and_logged_seldom(self, caplog: pytest.LogCaptureFixture) -> None:
+        with caplog.at_level(logging.INFO):
+            async with connected({"echo": echo}) as other:
+                for _ in range(100):
+                    await other.stream.send("nonsense")
+                    assert (await other.hear())["error"]["code"] == -32700
+                await other.say(id=7, result="nobody asked")
+                await other.say(id=8, method="echo")
+                assert (await other.hear())["id"] == 8
+        assert len(caplog.records) == 7
+
+
+class TestNotifications:
+    async def test_they_are_taken_in_order_and_unknown_ones_are_dropped(self) -> None:
+        taken: list[Any] = []
+        async with connected({"echo": echo}, {"known": lambda params: taken.append(params["n"])}) as other:
+            for number, name in enumerate(("known", "unknown", "known", "echo")):
+                await other.say(method=name, params={"n": number})
+            await other.say(id=1, method="echo")
+            assert (await other.hear())["id"] == 1
+        assert taken == [0, 2]
+
+    async def test_one_that_cannot_be_taken_ends_nothing(self, caplog: pytest.LogCaptureFixture) -> None:
+        def misfit(params: dict[str, Any]) -> None:
+            Params.model_validate(params)
+
+        def broken(_params: dict[str, Any]) -> None:
+            raise ZeroDivisionError
+
+        with caplog.at_level(logging.INFO):
+            async with connected({"echo": echo}, {"misfit": misfit, "broken": broken}) as other:
+                await other.say(method="misfit", params={"number": "secret"})
+                await other.say(method="broken")
+                await other.say(id=1, method="echo")
+                assert (await other.hear())["id"] == 1
+        assert "secret" not in caplog.text
+        assert "broken" in caplog.text
+
+
+class TestCalling:
+    async def test_answers_find_their_callers_in_any_order(self) -> None:
+        async with connected() as other:
+            calls = [asyncio.ensure_future(other.session.call("m", {"n": n})) for n in range(3)]
+            asked = [await other.hear() for _ in calls]
+            for question in reversed(asked):
+                await other.say(id=question["id"], result=question["params"]["n"] * 10)
+            assert await asyncio.gather(*calls) == [0, 10, 20]
+
+    async def test_an_error_answer_is_raised(self) -> None:
+        async with connected() as other:
+            call = asyncio.ensure_future(other.session.call("m", {}))
+            question = await other.hear()
+            await other.say(id=question["id"], error={"code": -32601, "message": "no", "data": 5})
+            with pytest.raises(RpcError) as raised:
+                await call
+            assert (raised.value.code, raised.value.data) == (-32601, 5)
+
+    async def test_on_result_sees_the_result_before_the_next_message_is_looked_at(self) -> None:
+        seen: list[str] = []
+        async with connected(notifications={"told": lambda _params: seen.append("told")}) as other:
+            call = asyncio.ensure_future(other.session.call("m", {}, on_result=lambda result: seen.append(result)))
+            question = await other.hear()
+            await other.say(id=question["id"], result="answered")
+            await other.say(method="told")
+            assert await call == "answered"
+            await settle()
+        assert seen == ["answered", "told"]
+
+    async def test_what_on_result_raises_the_caller_gets(self) -> None:
+        def refuse(_result: Any) -> None:
+            raise ZeroDivisionError
+
+        async with connected() as other:
+            call = asyncio.ensure_future(other.session.call("m", {}, on_result=refuse))
+            await other.say(id=(await other.hear())["id"], result=1)
+            with pytest.raises(ZeroDivisionError):
+                await call
+
+    async def test_no_answer_in_time_and_a_late_one_is_dropped(self) -> None:
+        async with connected({"echo": echo}) as other:
+            other.session.call_timeout = 0
+            with pytest.raises(TimeoutError):
+                await other.session.call("m", {})
+            question = await other.hear()
+            await other.say(id=question["id"], result=1)
+            await other.say(id="next", method="echo")
+            assert (await other.hear())["id"] == "next"
+
+    @pytest.mark.parametrize("how", ["timeout", "cancelled", "cancelled with the answer"])
+    async def test_a_late_result_is_given_to_on_late_once(self, how: str) -> None:
+        late: list[Any] = []
+        async with connected({"echo": echo}) as other:
+            timeout = 0 if how == "timeout" else 60
+            call = asyncio.ensure_future(other.session.call("m", {}, timeout=timeout, on_late=late.append))
+            question = await other.hear()
+            if how == "cancelled with the answer":
+                await other.say(id=question["id"], result="late")
+                call.cancel()
+            else:
+                call.cancel()
+                await asyncio.wait({call})
+                await other.say(id=question["id"], result="late")
+            await other.say(id=question["id"], result="again")
+            await other.say(id="next", method="echo")
+            assert (await other.hear())["id"] == "next"
+            assert late == ["late"]
+
+    async def test_what_on_late_raises_and_a_late_error_hurt_nobody(self) -> None:
+        def refuse(_result: Any) -> None:
+            raise ZeroDivisionError
+
+        async with connected({"echo": echo}) as other:
+            for answer in ({"result": 1}, {"error": {"code": 1, "message": "no"}}):
+                with pytest.raises(TimeoutError):
+                    await other.session.call("m", {}, timeout=0, on_late=refuse)
+                await other.say(id=(await other.hear())["id"], **answer)
+            await other.say(id="next", method="echo")
+            assert (await other.hear())["id"] == "next"
+
+    async def test_an_error_for_a_cancelled_call_hurts_nobody(self) -> None:
+        async with connected({"echo": echo}) as other:
+            call = asyncio.ensure_future(other.session.call("m", {}))
+            await other.say(id=(await other.hear())["id"], error={"code": 1, "message": "no"})
+            call.cancel()
+            await other.say(id="next", method="echo")
+            assert (await other.hear())["id"] == "next"
+
+    async def test_late_answers_are_remembered_within_a_bound(self) -> None:
+        late: list[Any] = []
+        async with connected({"echo": echo}, capacity=MAX_LATE + 8) as other:
+            for _ in range(MAX_LATE + 1):
+                with pytest.raises(TimeoutError):
+                    await other.session.call("m", {}, timeout=0, on_late=late.append)
+            asked = [(await other.hear())["id"] for _ in range(MAX_LATE + 1)]
+            for request_id in asked[:3]:
+                await other.say(id=request_id, result=request_id)
+            await other.say(id="next", method="echo")
+            assert (await other.hear())["id"] == "next"
+            assert late == asked[1:3]
+
+    async def test_post_asks_and_drops_the_answer(self, caplog: pytest.LogCaptureFixture) -> None:
+        with caplog.at_level(logging.INFO):
+            async with connected({"echo": echo}) as other:
+                other.session.post("m", {"n": 1})
+                question = await other.hear()
+                assert (question["method"], question["params"]) == ("m", {"n": 1})
+                await other.say(id=question["id"], result=1)
+                await other.say(id="next", method="echo")
+                assert (await other.hear())["id"] == "next"
+        assert not caplog.records
+
+
+class TestEnding:
+    async def test_every_waiter_fails_once_and_later_calls_at_once(self) -> None:
+        async with connected() as other:
+            calls = [asyncio.ensure_future(other.session.call("m", {})) for _ in range(3)]
+            await other.hear()
+            cancelled = calls.pop()
+            cancelled.cancel()
+            await other.stream.close(1001, "bye")
+            for call in calls:
+                with pytest.raises(SessionClosed, match="1001 bye"):
+                    await call
+            closed = await other.ended()
+            assert (closed.code, closed.reason) == (1001, "bye")
+            with pytest.raises(SessionClosed):
+                await other.session.call("m", {})
+            other.session.notify("told", {})
+            other.session.post("m", {})
+            assert len(other.session.outbox) == 0
+
+    async def test_a_call_and_its_connection_may_end_together(self) -> None:
+        async with connected() as other:
+            call = asyncio.ensure_future(other.session.call("m", {}))
+            await other.hear()
+            other.stream.abort()
+            call.cancel()
+            assert (await other.ended()).code == 1006
+            with pytest.raises((asyncio.CancelledError, SessionClosed)):
+                await call
+
+    async def test_handlers_that_run_are_cancelled_before_run_returns(self) -> None:
+        ended: list[str] = []
+
+        async def slow(_params: dict[str, Any]) -> None:
+            try:
+                await asyncio.Event().wait()
+            finally:
+                ended.append("slow")
+
+        async with connected({"slow": slow}) as other:
+            await other.say(id=1, method="slow")
+            await settle()
+            other.stream.abort()
+            assert (await other.ended()).code == 1006
+            assert ended == ["slow"]
+
+    async def test_close_sends_what_waits_first(self) -> None:
+        async with connected() as other:
+            for number in range(3):
+                other.session.notify("told", {"n": number})
+            await other.session.close(1008, "no")
+            assert [(await other.hear())["params"]["n"] for _ in range(3)] == [0, 1, 2]
+            closed = await other.ended()
+            assert (closed.code, closed.reason) == (1008, "no")
+
+    async def test_close_does_not_wait_for_ever_for_a_reader(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr("openrois.jsonrpc.session._FLUSH_TIMEOUT", 0.01)
+        async with connected(capacity=1) as other:
+            for _ in range(5):
+                other.session.notify("told", {})
+            async with asyncio.timeout(5):
+                await other.session.close()
+            assert (await other.ended()).code == 1000
+
+    async def test_an_answer_that_is_ready_after_the_close_goes_nowhere(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        async def linger(_code: int, _reason: str) -> None:
+            """Stand in for a closing handshake that takes a while."""
+
+        opened, slow = gate()
+        async with connected({"slow": slow}) as other:
+            await other.say(id=1, method="slow")
+            await settle()
+            monkeypatch.setattr(other.session.stream, "close", linger)
+            await other.session.close()
+            opened.set()
+            await settle()
+            assert len(other.session.outbox) == 0
+
+    async def test_run_that_is_cancelled_fails_the_waiters(self) -> None:
+        near, _far = memory_pair()
+        session = RpcSession(near)
+        running = asyncio.ensure_future(session.run())
+        call = asyncio.ensure_future(session.call("m", {}))
+        await settle()
+        running.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await running
+        with pytest.raises(SessionClosed):
+            await call
+
+
+class TestSlowReader:
+    async def test_loses_events_oldest_first_and_nothing_else(self) -> None:
+        async with connected({"echo": echo}, outbox=Outbox(control_limit=50, event_limit=2), capacity=1) as other:
+            await other.say(id=0, method="echo")
+            await settle()
+            # One message waits in the pipe and one in the hands of the writer; the outbox holds what follows.
+            other.session.notify("event", {"n": 0}, droppable=True)
+            await settle()
+            for number in range(1, 6):
+                other.session.notify("event", {"n": number}, droppable=True)
+                other.session.notify("control", {"n": number})
+            heard = [await other.hear() for _ in range(9)]
+            assert heard.pop(0)["id"] == 0
+            numbers = {name: [m["params"]["n"] for m in heard if m["method"] == name] for name in ("event", "control")}
+            assert numbers == {"event": [0, 4, 5], "control": [1, 2, 3, 4, 5]}
+
+    async def test_too_many_control_messages_abort_the_connection_once(self, caplog: pytest.LogCaptureFixture) -> None:
+        async with connected(outbox=Outbox(control_limit=3), capacity=1) as other:
+            waiting = asyncio.ensure_future(other.session.call("m", {}))
+            for number in range(20):
+                other.session.notify("control", {"n": number})
+            closed = await other.ended()
+            assert (closed.code, closed.reason) == (1006, "outbox overflow")
+            with pytest.raises(SessionClosed):
+                await waiting
+        assert [record.levelname for record in caplog.records] == ["WARNING"]
+
+
+async def test_invalid_params_say_what_is_wrong() -> None:
+    assert str(InvalidParams([{"path": "a.b", "message": "is missing"}])) == "a.b: is missing"
+
+
+def test_a_handler_is_what_method_returns() -> None:
+    async def taking(params: Params) -> int:
+        return params.number
+
+    handler: Callable[[dict[str, Any]], Any] = method(Params, taking)
+    assert asyncio.run(handler({"number": 4})) == 4
