@@ -19,6 +19,7 @@ class TaskScope:
 
     def __init__(self) -> None:
         self._tasks: set[asyncio.Task[None]] = set()
+        self._left = False
 
     async def __aenter__(self) -> Self:
         return self
@@ -26,17 +27,25 @@ class TaskScope:
     async def __aexit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        tasks = tuple(self._tasks)
-        for task in tasks:
-            task.cancel()
-        if tasks:
+        # A task may start another one while it ends.
+        while tasks := tuple(self._tasks):
+            for task in tasks:
+                task.cancel()
             await asyncio.wait(tasks)
+        self._left = True
 
     def __len__(self) -> int:
         return len(self._tasks)
 
     def start(self, work: Coroutine[Any, Any, None]) -> asyncio.Task[None]:
-        """Run `work` until it ends or the scope does."""
+        """Run `work` until it ends or the scope does.
+
+        Raises:
+            RuntimeError: the scope has ended.
+        """
+        if self._left:
+            work.close()
+            raise RuntimeError("nothing can be started in a scope that has ended")
         task = asyncio.ensure_future(work)
         self._tasks.add(task)
         task.add_done_callback(self._ended)

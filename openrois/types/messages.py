@@ -6,7 +6,7 @@ failure in RoIS terms is a result whose `return_code` is not OK and whose other 
 
 from typing import Annotated, Any
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import AfterValidator, BeforeValidator, Field
 
 from openrois.types.codes import CompletedStatus, ReturnCode
 from openrois.types.model import Model
@@ -77,16 +77,21 @@ class ConcurrentCommands(Model):
     delay_time: Annotated[int, Field(ge=0, le=86_400_000)] | None = None
 
 
-def _form(item: Any) -> str:
-    """Tell which model reads `item`, so that its errors name that model's fields only."""
-    if isinstance(item, ConcurrentCommands) or (isinstance(item, dict) and "command_list" in item):
-        return "concurrent"
-    return "unit"
+def _read_item(item: Any) -> CommandUnit | ConcurrentCommands:
+    """Read `item` with the one model it is meant for, so that a misfit is named by its path in the params alone."""
+    if isinstance(item, CommandUnit | ConcurrentCommands):
+        return item
+    concurrent = isinstance(item, dict) and "command_list" in item
+    return (ConcurrentCommands if concurrent else CommandUnit).model_validate(item)
 
 
-SequenceItem = Annotated[
-    Annotated[CommandUnit, Tag("unit")] | Annotated[ConcurrentCommands, Tag("concurrent")], Discriminator(_form)
-]
+def _not_empty(items: tuple[Any, ...]) -> tuple[Any, ...]:
+    if not items:
+        raise ValueError("there is no command in the sequence")
+    return items
+
+
+SequenceItem = Annotated[CommandUnit | ConcurrentCommands, BeforeValidator(_read_item)]
 
 
 class NoParams(Model):
@@ -115,7 +120,11 @@ class SetParameterParams(Model):
 class ExecuteParams(Model):
     """Params of execute: a command unit sequence of at least one item."""
 
-    command_unit_list: tuple[SequenceItem, ...] = Field(min_length=1, max_length=256, strict=False)
+    command_unit_list: Annotated[
+        tuple[SequenceItem, ...],
+        Field(max_length=256, strict=False, json_schema_extra={"minItems": 1}),
+        AfterValidator(_not_empty),
+    ]
 
 
 class CommandResultParams(Model):

@@ -1,6 +1,7 @@
 """Values: text in every Result, Parameter and Argument, read by the `data_type_ref` of the profile."""
 
 import json
+import math
 import re
 from datetime import UTC, datetime
 from typing import Any, Final
@@ -14,6 +15,7 @@ _NUMBER: Final = re.compile(r"-?[0-9]{1,40}(\.[0-9]{1,40})?([eE][+-]?[0-9]{1,4})
 _INTEGERS: Final = {"int", "integer", "long", "short"}
 _NUMBERS: Final = {"float", "double"}
 _TRUTHS: Final = {"bool", "boolean"}
+_INTEGER_LIMIT: Final = 10**20
 _MAX_DEPTH: Final = 8
 
 
@@ -39,7 +41,7 @@ def _fits_scalar(code: str, value: str) -> bool:
     if code in _INTEGERS:
         return _INTEGER.fullmatch(value) is not None
     if code in _NUMBERS:
-        return _NUMBER.fullmatch(value) is not None
+        return _NUMBER.fullmatch(value) is not None and math.isfinite(float(value))
     if code in _TRUTHS:
         return value in ("true", "false")
     if code == "component_status":
@@ -72,9 +74,9 @@ def _fits_item(code: str, item: Any) -> bool:
     if isinstance(item, bool):
         return False
     if code in _INTEGERS:
-        return isinstance(item, int)
+        return isinstance(item, int) and abs(item) < _INTEGER_LIMIT
     if code in _NUMBERS:
-        return isinstance(item, int | float)
+        return (isinstance(item, float) and math.isfinite(item)) or _fits_item("int", item)
     return isinstance(item, str) and _fits_scalar(code, item)
 
 

@@ -1,0 +1,147 @@
+"""Conditions: what can be read, what matches, and what does not cost time."""
+
+import pytest
+
+from openrois.condition import Comparison, Condition, parse_condition
+from openrois.errors import BadParameter
+
+PROPERTIES = frozenset({"component_ref", "component_type", "a:b.c_1"})
+LAMP = {"component_ref": "robot/lamp", "component_type": "urn:x-rois:def:component:Test::Lamp"}
+
+
+def matches(condition: str, value: str = "robot/lamp") -> bool:
+    return parse_condition(condition, PROPERTIES).matches({**LAMP, "component_ref": value})
+
+
+@pytest.mark.parametrize("text", ["", " ", "\t\n "])
+def test_nothing_matches_everything(text: str) -> None:
+    assert parse_condition(text, PROPERTIES) == Condition()
+    assert matches(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "component_ref = 'robot/lamp'",
+        "component_ref='robot/lamp'",
+        "  component_ref\n=\t'robot/lamp'  ",
+        "\"component_ref\" = 'robot/lamp'",
+        "component_ref LIKE 'robot/%'",
+        "component_ref like '%lamp'",
+        "component_ref LiKe'robot_lamp'",
+        "component_ref = 'robot/lamp' AND component_type LIKE '%::Lamp'",
+        "component_ref = 'robot/lamp'and component_ref LIKE '%'AND component_ref LIKE 'r%'",
+    ],
+)
+def test_what_matches(text: str) -> None:
+    assert matches(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "component_ref = 'Robot/lamp'",
+        "component_ref = 'robot/%'",
+        "component_ref = ''",
+        "component_ref LIKE 'ROBOT%'",
+        "component_ref = 'robot/lamp' AND component_type = 'urn'",
+        "\"a:b.c_1\" = 'absent'",
+        "a:b.c_1 LIKE '%'",
+    ],
+)
+def test_what_does_not_match(text: str) -> None:
+    assert not matches(text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "component_ref",
+        "component_ref =",
+        "= 'x'",
+        "component_ref = x",
+        'component_ref = "x"',
+        "component_ref = 5",
+        "component_ref == 'x'",
+        "component_ref <> 'x'",
+        "component_ref IS 'x'",
+        "component_ref LIKE",
+        "component_ref 'x'",
+        "component_ref = 'x",
+        "component_ref = 'it''s",
+        "component_ref = 'a''b'c'",
+        "component_ref = 'x' OR component_ref = 'y'",
+        "component_ref = 'x' AND",
+        "component_ref = 'x' component_ref = 'y'",
+        "AND component_ref = 'x'",
+        "NOT component_ref = 'x'",
+        "(component_ref = 'x')",
+        "nobody = 'x'",
+        "Component_Ref = 'x'",
+        "'component_ref' = 'x'",
+        '"component_ref = ' + "'x'",
+        "component_ref = 'x';",
+        "component_ref = 'x'\0",
+        "ｃomponent_ref = 'x'",
+        "component_ref" + " " * 5000 + "= 'x'",
+    ],
+)
+def test_what_cannot_be_read(text: str) -> None:
+    with pytest.raises(BadParameter):
+        parse_condition(text, PROPERTIES)
+
+
+def test_quotes_are_doubled() -> None:
+    condition = parse_condition("component_ref = 'it''s ''here'''", PROPERTIES)
+    assert condition.comparisons == (Comparison("component_ref", False, "it's 'here'"),)
+    assert matches("component_ref LIKE 'it''s%'", "it's")
+
+
+@pytest.mark.parametrize(
+    ("pattern", "value", "expected"),
+    [
+        ("", "", True),
+        ("", "a", False),
+        ("%", "", True),
+        ("%%", "abc", True),
+        ("_", "", False),
+        ("_", "a", True),
+        ("_", "ab", False),
+        ("a%b%c", "a--b--c", True),
+        ("a%b%c", "a--b--", False),
+        ("%ab", "aab", True),
+        ("%a_b", "xaxab_acb", True),
+        ("abc%", "ab", False),
+        ("abc", "abd", False),
+        (r"100\%", "100%", True),
+        (r"100\%", "1000", False),
+        (r"a\_b", "a_b", True),
+        (r"a\_b", "axb", False),
+        (r"a\\b", r"a\b", True),
+        (r"a\x", "ax", True),
+        ("a\\", "a\\", True),
+        ("%\\", "ab", False),
+        ("日%", "日本", True),
+    ],
+)
+def test_like(pattern: str, value: str, expected: bool) -> None:
+    assert Comparison("p", True, pattern).matches(value) is expected
+
+
+def test_a_pattern_that_would_backtrack_costs_little() -> None:
+    assert not Comparison("p", True, "%a" * 1000 + "b").matches("a" * 2000)
+
+
+def test_text_that_would_backtrack_costs_little() -> None:
+    with pytest.raises(BadParameter):
+        parse_condition("component_ref = '" + "''" * 2000, PROPERTIES)
+
+
+def test_what_a_property_must_equal() -> None:
+    condition = parse_condition(
+        "component_ref LIKE 'r%' AND component_ref = 'robot/lamp' AND component_type = 'urn'", PROPERTIES
+    )
+    assert condition.value_of("component_ref") == "robot/lamp"
+    assert condition.value_of("a:b.c_1") is None
+    rest = condition.without("component_ref", "a:b.c_1")
+    assert rest.comparisons == (Comparison("component_type", False, "urn"),)

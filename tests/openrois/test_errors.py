@@ -1,0 +1,30 @@
+"""Failures and their codes."""
+
+import pytest
+
+from openrois import errors
+from openrois.errors import RoISError, error_for
+from openrois.types.codes import CompletedStatus, ReturnCode
+
+
+@pytest.mark.parametrize("code", [code for code in ReturnCode if code is not ReturnCode.OK])
+def test_every_failure_has_an_error_that_carries_it(code: ReturnCode) -> None:
+    error = error_for(code, "why")
+    assert (error.return_code, str(error)) == (code, "why")
+
+
+@pytest.mark.parametrize(
+    ("name", "code", "status"),
+    [
+        ("BadParameter", "BAD_PARAMETER", "ERROR"),
+        ("Unsupported", "UNSUPPORTED", "ERROR"),
+        ("OutOfResources", "OUT_OF_RESOURCES", "OUT_OF_RESOURCES"),
+        ("TimedOut", "TIMEOUT", "TIMEOUT"),
+        ("ComponentFailed", "ERROR", "ERROR"),
+        ("EngineUnreachable", "ERROR", "ERROR"),
+        ("Aborted", "ERROR", "ABORT"),
+    ],
+)
+def test_codes_of_operations_and_commands(name: str, code: str, status: str) -> None:
+    error: type[RoISError] = getattr(errors, name)
+    assert (error.return_code, error.completed_status) == (ReturnCode(code), CompletedStatus(status))

@@ -1,0 +1,64 @@
+"""Who holds which component."""
+
+import pytest
+
+from openrois.errors import OutOfResources
+from openrois.reservations import Reservations
+
+LAMP, BELL = "r/lamp", "r/bell"
+
+
+class Holder:
+    """Two of them are equal and still two."""
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Holder)
+
+    __hash__ = object.__hash__
+
+
+@pytest.fixture
+def ann() -> Holder:
+    return Holder()
+
+
+@pytest.fixture
+def bob() -> Holder:
+    return Holder()
+
+
+def test_one_holder_at_a_time(ann: Holder, bob: Holder) -> None:
+    held = Reservations()
+    held.bind(LAMP, ann)
+    held.bind(LAMP, ann)
+    held.bind(BELL, bob)
+    with pytest.raises(OutOfResources):
+        held.bind(LAMP, bob)
+    assert (held.is_held(LAMP, ann), held.is_held(LAMP, bob), held.is_held("r/x", ann)) == (True, False, False)
+
+
+def test_only_the_holder_releases(ann: Holder, bob: Holder) -> None:
+    held = Reservations()
+    held.bind(LAMP, ann)
+    held.release(LAMP, bob)
+    assert held.is_held(LAMP, ann)
+    held.release(LAMP, ann)
+    held.release(LAMP, ann)
+    held.bind(LAMP, bob)
+    assert held.is_held(LAMP, bob)
+
+
+def test_everything_of_one_holder(ann: Holder, bob: Holder) -> None:
+    held = Reservations()
+    held.bind(LAMP, ann)
+    held.bind(BELL, bob)
+    held.release_all(ann)
+    assert (held.is_held(LAMP, ann), held.is_held(BELL, bob)) == (False, True)
+
+
+def test_components_that_are_gone(ann: Holder) -> None:
+    held = Reservations()
+    held.bind(LAMP, ann)
+    held.bind(BELL, ann)
+    held.keep_only({BELL, "r/new"})
+    assert (held.is_held(LAMP, ann), held.is_held(BELL, ann)) == (False, True)

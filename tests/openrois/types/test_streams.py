@@ -1,0 +1,48 @@
+"""Models of the extensions."""
+
+import pytest
+from pydantic import ValidationError
+
+from openrois.types.codes import StreamStatus
+from openrois.types.streams import (
+    EXTENSIONS,
+    STREAM_METHODS,
+    ConnectStreamParams,
+    HelloParams,
+    HelloResult,
+    StreamStatusNotification,
+    StreamStatusResult,
+)
+
+
+def test_hello() -> None:
+    assert HelloParams.model_validate({"version": "1"}).extensions == ()
+    assert HelloResult(client_id="c").model_dump(mode="json") == {
+        "return_code": "OK",
+        "version": "1",
+        "extensions": list(EXTENSIONS),
+        "client_id": "c",
+    }
+    with pytest.raises(ValidationError):
+        HelloParams.model_validate({"version": "1", "extensions": ["x"] * 65})
+
+
+def test_every_verb_has_its_method() -> None:
+    assert all(name == f"rois.stream.{verb}" for verb, name in STREAM_METHODS.items())
+
+
+def test_connect_stream_may_leave_its_parameters_out() -> None:
+    assert ConnectStreamParams.model_validate({"component_ref": "a/v"}).parameters == ()
+    with pytest.raises(ValidationError):
+        ConnectStreamParams.model_validate({"component_ref": "a/v", "client_id": "x"})
+
+
+def test_a_failed_status_query_says_not_connected() -> None:
+    assert StreamStatusResult().status is StreamStatus.STREAMING_NOT_CONNECTED
+
+
+def test_a_status_notification_survives_the_wire() -> None:
+    params = {"stream_id": "a/1", "component_ref": "a/v", "status": "STREAMING_RESUMED", "timestamp": "t"}
+    notice = StreamStatusNotification.model_validate(params)
+    assert notice.model_dump(mode="json") == params
+    assert StreamStatusNotification.method == "rois.stream.notify_stream_status"
