@@ -62,7 +62,8 @@ async def feed(find: Callable[[], SharedRendition], track: PacketTrack, counters
                     failing = False
         except Exception as error:
             if not failing:
-                _log.warning("a %s source stopped; it is tried again every %.0f s: %r", track.kind, RETRY, error)
+                cause = error.__cause__ or error
+                _log.warning("a %s source stopped; it is tried again every %.0f s: %r", track.kind, RETRY, cause)
             failing = True
         await clock.sleep_until(clock.now() + RETRY)
 

@@ -181,6 +181,11 @@ class Peer:
         if bye is not None:
             self._finish(bye)
 
+    @property
+    def is_closed(self) -> bool:
+        """Whether it has ended and aiortc has closed it."""
+        return self._closing is not None and self._closing.done()
+
     async def closed(self) -> None:
         """Wait until an ended peer connection is closed, which takes a bounded time."""
         if self._closing is not None:
@@ -194,8 +199,6 @@ class Peer:
         try:
             self._negotiation.describe()
             sdp, streams = await self._connection.describe(self._negotiation.generation + 1)
-            if self._ended:
-                return
             offer = self._negotiation.made(sdp, streams, self._clock.now())
         except Exception:
             _log.exception("no offer could be made")
@@ -211,14 +214,12 @@ class Peer:
             _log.info("an answer was refused: %s (%r)", refusal, type(refusal.__cause__))
             self.end(str(refusal))
             return refusal
-        if self._ended:
-            return UnknownPeer("the peer connection has ended")
         held = self._negotiation.applied(self._clock.now())
         if self._answered_at is None:
             self._answered_at = self._clock.now()
-        for attribute in (*candidates, *(each.candidate for each in held)):
+        for attribute in (*candidates, *(each.candidate for each in held if each.candidate)):
             try:
-                await self._connection.add_candidate(attribute or "")
+                await self._connection.add_candidate(attribute)
             except InvalidCandidate:
                 _log.debug("a candidate cannot be used")
         self.follow()
@@ -257,6 +258,8 @@ class Peer:
 
     def _finish(self, bye: Bye) -> None:
         self._ended = True
+        if self._work is not None and self._work is not asyncio.current_task():
+            self._work.cancel()
         self.follow()
         self._closing = self._tasks.start(self._close(), "close")
         self._owner.peer_says(bye)
@@ -264,6 +267,5 @@ class Peer:
 
     async def _close(self) -> None:
         if self._work is not None:
-            self._work.cancel()
             await asyncio.wait({self._work})
         await self._connection.close()

@@ -38,6 +38,7 @@ class Peers:
         self._on_change = on_change
         self._present: Peer | None = None
         self._replaced: Peer | None = None
+        self._closing: list[Peer] = []
 
     def all(self) -> tuple[Peer, ...]:
         """Those that have not ended, the present one first."""
@@ -107,12 +108,15 @@ class Peers:
         if plays or now - present.viewer.since >= REPLACE_TIMEOUT:
             replaced.end("it was replaced")
 
-    def end(self, reason: str) -> tuple[Peer, ...]:
-        """End them all; returns them, as they may still be closing."""
-        peers = self.all()
-        for peer in reversed(peers):  # the present one last: its streams must not fall back to the other
+    def end(self, reason: str) -> None:
+        """End them all."""
+        for peer in reversed(self.all()):  # the present one last: its streams must not fall back to the other
             peer.end(reason)
-        return peers
+
+    async def closed(self) -> None:
+        """Wait until all that have ended are closed, which takes a bounded time."""
+        for peer in self._closing:
+            await peer.closed()
 
     def peer_says(self, message: Offer | Bye) -> None:
         """`message` is for the application."""
@@ -124,6 +128,7 @@ class Peers:
 
     def peer_ended(self, peer: Peer) -> None:
         """`peer` has ended."""
+        self._closing = [each for each in self._closing if not each.is_closed] + [peer]
         if peer is self._replaced:
             self._replaced = None
         else:

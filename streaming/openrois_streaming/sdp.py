@@ -146,8 +146,7 @@ def _check_parsed(sdp: str, offered: Sequence[OfferedSection]) -> None:
     for section, media in zip(offered, parsed.media, strict=True):
         if media.rtp.muxId != section.mid:
             raise InvalidDescription(f"the answer has another section in the place of {section.mid}")
-        directions = ("recvonly", "inactive") if section.active else ("inactive",)
-        if media.direction not in directions:
+        if media.direction != ("recvonly" if section.active else "inactive"):
             raise InvalidDescription(f"section {section.mid} cannot be {media.direction}")
         if media.ice is None or not _are_credentials(media.ice.usernameFragment, media.ice.password):
             raise InvalidDescription(f"section {section.mid} has no valid ICE credentials")

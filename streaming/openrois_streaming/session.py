@@ -154,10 +154,9 @@ class StreamSession:
     async def close(self, reason: str) -> None:
         """End all streams and peer connections and wait until they are closed, for a few seconds at most."""
         self._closed = True
-        ending = self._peers.end(reason)
+        self._peers.end(reason)
         self._streams.tell()
-        for peer in ending:
-            await peer.closed()
+        await self._peers.closed()
         await self._tasks.aclose()
 
     def _make_peer(

@@ -78,13 +78,17 @@ class Stream:
 
 @dataclass(frozen=True, slots=True)
 class StreamChange:
-    """The status of a stream became another one at `at`, in seconds since the epoch."""
+    """The status of a stream at `at`, in seconds since the epoch, is told because it changed or because it ended.
+
+    The last change of each stream, and only that, has `ended`; its id is unknown from then on.
+    """
 
     stream_id: str
     component_ref: str
     previous: StreamStatus
     status: StreamStatus
     at: float
+    ended: bool = False
 
     @property
     def resumed(self) -> bool:
@@ -125,13 +129,15 @@ class StreamTable:
         del self._streams[stream.stream_id]
 
     def tell(self) -> None:
-        """Tell every status that is not the one that was told last."""
+        """Tell every status that is not the one that was told last, and every end."""
         for stream, told in tuple(self._told.items()):
-            if stream.stream_id not in self._streams:
+            ended = stream.stream_id not in self._streams
+            if ended:
                 del self._told[stream]
             else:
                 self._told[stream] = stream.status
-            if stream.status is not told:
+            if ended or stream.status is not told:
+                at = self._clock.wall()
                 self._on_change(
-                    StreamChange(stream.stream_id, stream.component_ref, told, stream.status, self._clock.wall())
+                    StreamChange(stream.stream_id, stream.component_ref, told, stream.status, at, ended=ended)
                 )

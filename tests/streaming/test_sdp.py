@@ -1,0 +1,190 @@
+import contextlib
+import time
+
+import pytest
+from aiortc.sdp import SessionDescription
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from openrois_streaming.errors import InvalidCandidate, InvalidDescription
+from openrois_streaming.sdp import CandidatePolicy, OfferedSection, clean_answer, read_candidate
+
+from tests.support.answers import CANDIDATES, answer, section, video_and_audio
+
+VIDEO, AUDIO = OfferedSection("0", "video", True), OfferedSection("1", "audio", True)
+POLICY = CandidatePolicy()
+
+
+def test_a_browsers_answer_passes_without_its_candidates() -> None:
+    clean = clean_answer(video_and_audio(), [VIDEO, AUDIO])
+    assert clean.candidates == CANDIDATES
+    assert "candidate" not in clean.sdp
+    assert "rtcp-rsize" not in clean.sdp
+    parsed = SessionDescription.parse(clean.sdp)
+    assert [(media.kind, media.rtp.muxId, media.direction) for media in parsed.media] == [
+        ("video", "0", "recvonly"),
+        ("audio", "1", "recvonly"),
+    ]
+    assert [codec.mimeType for codec in parsed.media[0].rtp.codecs] == ["video/VP8", "video/rtx"]
+    assert [str(group) for group in parsed.group] == ["BUNDLE 0 1"]
+
+
+def test_the_bundle_is_put_in_the_order_of_the_offer() -> None:
+    clean = clean_answer(video_and_audio().replace("BUNDLE 0 1", "BUNDLE 1 0"), [VIDEO, AUDIO])
+    assert "a=group:BUNDLE 0 1\r\n" in clean.sdp
+
+
+def test_an_idle_section_is_answered_inactive() -> None:
+    idle = OfferedSection("0", "video", False)
+    clean = clean_answer(answer(section("0", "video", "inactive"), bundle="0"), [idle])
+    assert "a=inactive\r\n" in clean.sdp
+
+
+def test_a_rejected_section_is_named() -> None:
+    text = answer(section("0", "video", port=0), section("1", "audio"), bundle="0 1")
+    with pytest.raises(InvalidDescription, match="the video section 0 was rejected"):
+        clean_answer(text, [VIDEO, AUDIO])
+
+
+LONG = [f"a=rtpmap:{number} x/90000" for number in range(200)]
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("", "not SDP"),
+        ("\x00", "not SDP"),
+        ("v=0\r\nnonsense\r\n", "not SDP"),
+        (video_and_audio().replace("a=mid:0", "a=mid:0\x1b[2J"), "not SDP"),
+        (video_and_audio().replace("a=mid:0", "a=mid:é"), "not SDP"),
+        (answer(section("0", "video"), bundle="0"), "1 sections where 2"),
+        (answer(*[section(str(number), "video") for number in range(3)], bundle="0 1 2"), "3 sections where 2"),
+        (video_and_audio().replace("a=group:BUNDLE 0 1\r\n", ""), "does not bundle"),
+        (video_and_audio().replace("BUNDLE 0 1", "BUNDLE 0"), "does not bundle"),
+        (answer(section("1", "audio"), section("0", "video"), bundle="0 1"), "not the video section"),
+        (answer(section("1", "video"), section("0", "audio"), bundle="0 1"), "another section in the place of 0"),
+        (video_and_audio().replace("m=audio 9 ", "m=audio 9/2 "), "not the audio section"),
+        (video_and_audio().replace("a=recvonly", "a=sendrecv"), "cannot be sendrecv"),
+        (video_and_audio().replace("a=recvonly", "a=inactive"), "cannot be inactive"),
+        (video_and_audio().replace("a=recvonly\r\n", ""), "cannot be None"),
+        (video_and_audio().replace("a=ice-ufrag:aBcD\r\n", ""), "ICE credentials"),
+        (video_and_audio().replace("a=ice-ufrag:aBcD\r\n", "a=ice-ufrag:" + "a" * 300 + "\r\n"), "ICE credentials"),
+        (video_and_audio().replace("a=ice-pwd:0123456789", "a=ice-pwd:short"), "ICE credentials"),
+        (video_and_audio().replace("a=setup:active\r\n", ""), "DTLS fingerprint or role"),
+        (video_and_audio().replace("a=setup:active", "a=setup:actpass"), "DTLS fingerprint or role"),
+        (video_and_audio().replace("a=fingerprint:", "a=finger:"), "DTLS fingerprint or role"),
+        (video_and_audio().replace("a=setup:active", "a=setup:nonsense"), "cannot be parsed"),
+        (video_and_audio().replace("a=fmtp:98 apt=97", "a=fmtp:99 apt=97"), "cannot be parsed"),
+        (video_and_audio().replace("a=rtpmap:97 VP8/90000", "a=rtpmap:97 VP8"), "cannot be parsed"),
+        (video_and_audio().replace("m=video 9 UDP/TLS/RTP/SAVPF 97", "m=video 9 UDP/TLS/RTP/SAVPF 999"), "parsed"),
+        (video_and_audio().replace("a=extmap:1 ", "a=extmap:15 "), "header extension"),
+        (answer(section("0", "video", extra=LONG), section("1", "audio"), bundle="0 1"), "section 0 is too long"),
+    ],
+)
+def test_what_cannot_be_used_is_refused_with_a_reason(text: str, reason: str) -> None:
+    with pytest.raises(InvalidDescription, match=reason):
+        clean_answer(text, [VIDEO, AUDIO])
+
+
+def test_a_section_needs_a_codec() -> None:
+    lines = [line for line in section("1", "audio") if not line.startswith(("a=rtpmap", "a=fmtp"))]
+    with pytest.raises(InvalidDescription, match="no codec"):
+        clean_answer(answer(lines, bundle="1"), [AUDIO])
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.data())
+def test_hostile_answers_raise_nothing_else(data: st.DataObject) -> None:
+    text = video_and_audio()
+    for _ in range(data.draw(st.integers(1, 4))):
+        start = data.draw(st.integers(0, len(text)))
+        end = data.draw(st.integers(start, min(len(text), start + 30)))
+        junk = data.draw(st.text(max_size=4) | st.sampled_from(["a=", "m=video 9 UDP 0", "\r\n", ":", " ", "0", "-1"]))
+        text = text[:start] + junk + text[end:]
+    try:
+        clean = clean_answer(text, [VIDEO, AUDIO])
+    except InvalidDescription:
+        return
+    assert len(SessionDescription.parse(clean.sdp).media) == 2
+
+
+def test_the_largest_answer_takes_little_time() -> None:
+    filler = ["a=rtcp-fb:* nack pli", "a=rtpmap:99 VP8/90000"] * 50 + ["a=ssrc:7 msid:x"] * 50
+    sections = [section(str(mid), "video", extra=filler) for mid in range(16)]
+    offered = [OfferedSection(str(mid), "video", True) for mid in range(16)]
+    text = answer(*sections, bundle=" ".join(map(str, range(16))))
+    assert len(text) > 48 * 1024
+    begin = time.process_time()
+    clean_answer(text, offered)
+    assert time.process_time() - begin < 0.5
+
+
+def test_a_candidate_is_read_with_and_without_its_prefixes() -> None:
+    bare = CANDIDATES[0].removeprefix("candidate:")
+    for text in (bare, CANDIDATES[0], f"a={CANDIDATES[0]}"):
+        candidate = read_candidate(text, "0", POLICY)
+        assert candidate is not None
+        assert (candidate.ip, candidate.port, candidate.type, candidate.sdpMid) == ("192.0.2.17", 50000, "host", "0")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        CANDIDATES[1],
+        "candidate:1 1 tcp 1518280447 192.0.2.17 9 typ host tcptype active",
+        "candidate:1 2 udp 1 192.0.2.17 50000 typ host",
+        "candidate:1 1 udp 1 192.0.2.17 0 typ host",
+        "candidate:1 1 udp 1 example.org 50000 typ host",
+        "candidate:1 1 udp 1 2130706433 50000 typ host",
+        "candidate:1 1 udp 1 0177.0.0.1 50000 typ host",
+    ],
+)
+def test_useless_candidates_are_ignored_and_no_name_is_resolved(text: str) -> None:
+    assert read_candidate(text, "0", POLICY) is None
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "candidate:",
+        "candidate:1 1 udp 1 192.0.2.17 50000 typ",
+        "candidate:1 one udp 1 192.0.2.17 50000 typ host",
+        "candidate:1 1 udp 1 192.0.2.17 70000 typ host",
+        "candidate:1 1 udp 1 192.0.2.17 -5 typ host",
+        "candidate:1 1 udp 99999999999 192.0.2.17 50000 typ host",
+        "candidate:1 1 udp 1 192.0.2.17 50000 typ guess",
+        "candidate:1 1 udp 1 192.0.2.17 50000 typ host rport none",
+    ],
+)
+def test_a_candidate_that_cannot_be_read_is_refused(text: str) -> None:
+    with pytest.raises(InvalidCandidate):
+        read_candidate(text, "0", POLICY)
+
+
+@settings(max_examples=100)
+@given(st.lists(st.text(max_size=8) | st.sampled_from(CANDIDATES[0].split()), max_size=14))
+def test_hostile_candidates_raise_nothing_else(words: list[str]) -> None:
+    with contextlib.suppress(InvalidCandidate):
+        read_candidate(" ".join(words), "0", POLICY)
+
+
+LOOPBACK = ["127.0.0.1", "127.8.8.8", "::1", "::ffff:127.0.0.1"]
+PRIVATE = ["10.0.0.1", "192.168.1.2", "172.16.0.9", "100.64.0.1", "fd00::2", "::ffff:10.0.0.1"]
+LINK_LOCAL = ["169.254.169.254", "fe80::1", "::ffff:169.254.169.254"]
+NEVER = ["0.0.0.0", "::", "224.0.0.1", "ff02::1", "::ffff:0.0.0.0", "example.org", "", "x.local", "1", "127.1"]
+PUBLIC = ["203.0.114.7", "2606:4700::1111"]
+
+
+@pytest.mark.parametrize(
+    ("policy", "permitted"),
+    [
+        (CandidatePolicy(), {*PUBLIC, *LOOPBACK, *PRIVATE}),
+        (CandidatePolicy(allow_loopback=False), {*PUBLIC, *PRIVATE}),
+        (CandidatePolicy(allow_private=False), {*PUBLIC, *LOOPBACK}),
+        (CandidatePolicy(allow_loopback=False, allow_private=False), {*PUBLIC}),
+        (CandidatePolicy(allow_link_local=True), {*PUBLIC, *LOOPBACK, *PRIVATE, *LINK_LOCAL}),
+    ],
+)
+def test_a_deployment_says_which_addresses_may_be_used(policy: CandidatePolicy, permitted: set[str]) -> None:
+    every = [*LOOPBACK, *PRIVATE, *LINK_LOCAL, *NEVER, *PUBLIC]
+    assert {host for host in every if policy.permits(host)} == permitted

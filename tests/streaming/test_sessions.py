@@ -1,0 +1,92 @@
+import logging
+from collections.abc import AsyncIterator
+
+import pytest
+from openrois_streaming import peer as peer_module
+from openrois_streaming import sessions as sessions_module
+from openrois_streaming.aiortc_seams import UnsupportedLibrary
+from openrois_streaming.errors import TooManySessions, UnknownPeer, UnknownStream
+from openrois_streaming.session import StreamSession
+from openrois_streaming.sessions import StreamSessions
+
+from tests.support.streaming import settle
+from tests.support.viewing import Application, FedPublisher, WirelessConnection
+
+
+@pytest.fixture
+async def sessions(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[StreamSessions]:
+    monkeypatch.setattr(peer_module, "BundledConnection", WirelessConnection)
+    WirelessConnection.made = []
+    async with StreamSessions(lambda client_id: Application().session, limit=2) as sessions:
+        yield sessions
+    assert len(sessions) == 0
+    assert all(connection.closed for connection in WirelessConnection.made)
+
+
+def connect(session: StreamSession, stream_id: str) -> None:
+    session.connect(stream_id, "engine/Video", FedPublisher(), "video")
+
+
+async def test_a_client_has_one_session_and_reaches_no_other(sessions: StreamSessions) -> None:
+    alice, bob = sessions.open("alice"), sessions.open("bob")
+    assert sessions.open("alice") is alice is not bob
+    connect(alice, "a")
+    connect(bob, "b")
+    peer = alice.peer_ids[0]
+    assert sessions.with_stream("alice", "a") is alice
+    assert sessions.with_peer("alice", peer) is alice
+    refusals = set()
+    for client_id, stream_id in (("alice", "b"), ("alice", "z"), ("mallory", "a")):
+        with pytest.raises(UnknownStream) as refusal:
+            sessions.with_stream(client_id, stream_id)
+        refusals.add(str(refusal.value))
+    for client_id, peer_id in (("alice", "engine/p9"), ("mallory", peer)):
+        with pytest.raises(UnknownPeer):
+            sessions.with_peer(client_id, peer_id)
+    assert len(refusals) == 1
+
+
+async def test_the_number_of_clients_is_bounded(sessions: StreamSessions) -> None:
+    sessions.open("alice")
+    sessions.open("bob")
+    with pytest.raises(TooManySessions):
+        sessions.open("carol")
+    await sessions.close("bob", "gone")
+    await sessions.close("bob", "gone")
+    assert sessions.open("carol")
+
+
+async def test_a_client_that_goes_takes_its_streams_along(sessions: StreamSessions) -> None:
+    alice = sessions.open("alice")
+    connect(alice, "a")
+    await sessions.close("alice", "gone")
+    assert alice.stream_ids == ()
+    with pytest.raises(UnknownStream):
+        sessions.with_stream("alice", "a")
+
+
+async def test_a_session_that_fails_to_end_does_not_keep_the_others(
+    sessions: StreamSessions, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    alice, bob = sessions.open("alice"), sessions.open("bob")
+    connect(bob, "b")
+    await settle()
+
+    async def fail(reason: str) -> None:
+        raise RuntimeError(reason)
+
+    monkeypatch.setattr(alice, "close", fail)
+    with caplog.at_level(logging.ERROR):
+        await sessions.aclose("the engine stops")
+    assert bob.stream_ids == ()
+    assert "a session did not end cleanly" in caplog.text
+
+
+async def test_an_unknown_aiortc_is_refused_before_anybody_is_served(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def fail() -> None:
+        raise UnsupportedLibrary("aiortc 9")
+
+    monkeypatch.setattr(sessions_module, "self_test", fail)
+    with pytest.raises(UnsupportedLibrary):
+        async with StreamSessions(lambda client_id: Application().session):
+            pytest.fail("served")
