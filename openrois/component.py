@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Awaitable, Callable
 from typing import Any, ClassVar, Final, TypeVar
 
-from openrois.errors import Aborted, BadParameter, ComponentFailed, RoISError, Unsupported
+from openrois.errors import Aborted, BadParameter, ComponentFailed, RoISError, TimedOut, Unsupported
 from openrois.types.codes import ComponentStatus
 from openrois.types.messages import Argument, Parameter, Result
 from openrois.types.profiles import (
@@ -31,6 +31,7 @@ QueryFunction = Callable[[Any], Awaitable[tuple[Result, ...]]]
 Emit = Callable[[str, tuple[Result, ...]], None]
 """Announces an event of the component: its type and its results."""
 
+_MILLISECOND: Final = 0.001
 _Function = TypeVar("_Function", bound=Callable[..., Awaitable[tuple[Result, ...]]])
 
 
@@ -134,6 +135,7 @@ class Component:
             BadParameter: an argument is unknown, repeated, or not of its type.
             ComponentFailed: the component is not READY or BUSY.
             Aborted: `stop` or another `start` ended it.
+            TimedOut: it took longer than its profile allows.
             RoISError: whatever the command raises.
         """
         if command_type == "set_parameter":
@@ -145,13 +147,20 @@ class Component:
         self._require_usable()
         self._running += 1
         try:
-            if command_type == "start":
-                return await self._run_start(values)
-            if command_type == "stop":
-                return await self._run_stop(values)
-            return await self._call(command_type, values)
+            async with asyncio.timeout(None if profile.timeout is None else profile.timeout * _MILLISECOND):
+                return await self._run_checked(command_type, values)
+        except TimeoutError:
+            raise TimedOut(f"{self.profile.name}: {command_type} took longer than {profile.timeout} ms") from None
         finally:
             self._running -= 1
+
+    async def _run_checked(self, command_type: str, values: Arguments) -> tuple[Result, ...]:
+        if command_type == "start":
+            return await self._run_start(values)
+        results = await self._call(command_type, values)
+        if command_type == "stop":
+            await self._abort_start()
+        return results
 
     async def _run_start(self, values: Arguments) -> tuple[Result, ...]:
         await self._abort_start()
@@ -161,7 +170,7 @@ class Component:
             await asyncio.wait({task})
         except asyncio.CancelledError:
             task.cancel()
-            await asyncio.wait({task})
+            await asyncio.gather(task, return_exceptions=True)
             raise
         finally:
             if self._start is task:
@@ -170,15 +179,13 @@ class Component:
             raise Aborted(f"{self.profile.name} was stopped")
         return task.result()
 
-    async def _run_stop(self, values: Arguments) -> tuple[Result, ...]:
-        results = await self._call("stop", values)
-        await self._abort_start()
-        return results
-
     async def _abort_start(self) -> None:
-        if self._start is not None:
-            self._start.cancel()
-            await asyncio.wait({self._start})
+        # While this waits for one to end, another may have begun.
+        while (task := self._start) is not None:
+            task.cancel()
+            await asyncio.wait({task})
+            if self._start is task:
+                self._start = None
 
     async def _call(self, command_type: str, values: Arguments) -> tuple[Result, ...]:
         name = self._commands.get(command_type)

@@ -82,7 +82,7 @@ def test_what_does_not_match(text: str) -> None:
         '"component_ref = ' + "'x'",
         "component_ref = 'x';",
         "component_ref = 'x'\0",
-        "ｃomponent_ref = 'x'",
+        "\uff43omponent_ref = 'x'",
         "component_ref" + " " * 5000 + "= 'x'",
     ],
 )

@@ -76,8 +76,13 @@ async def test_nothing_starts_without_a_parent() -> None:
 
 
 async def test_an_error_in_the_block_passes_through() -> None:
-    with pytest.raises(ZeroDivisionError):
-        async with TaskScope() as tasks:
+    tasks = TaskScope()
+
+    async def fail() -> None:
+        async with tasks:
             tasks.start(asyncio.sleep(60))
             raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        await fail()
     assert len(tasks) == 0
