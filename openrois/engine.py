@@ -28,6 +28,7 @@ MAX_DEPTH: Final = 8
 class _Child:
     bus: ComponentBus
     directory: Directory
+    own: bool
 
 
 class Engine:
@@ -43,20 +44,26 @@ class Engine:
         self._children: list[_Child] = []
         self._routes: dict[str, ComponentBus] = {}
         self._subscriptions: dict[str, ComponentBus] = {}
-        self._listeners: list[Callable[[], None]] = []
+        self._listeners: dict[object, Callable[[], None]] = {}
         self._directory = self._merge()
 
-    async def attach(self, bus: ComponentBus) -> None:
+    async def attach(self, bus: ComponentBus, *, own: bool = True) -> None:
         """Add a bus and tell the listeners.
+
+        Args:
+            bus: what to add.
+            own: whether it may bring the engine's own components; not what somebody else says over a connection.
 
         Raises:
             BadParameter: its profile is broken, names an id that the tree has already (a cycle is that too), or
                 stands too deep. Nothing was added.
             RoISError: it could not be asked.
         """
-        directory = await bus.discover()
-        self._check(directory, other_than=None)
-        self._children.append(_Child(bus, directory))
+        if bus is self:
+            raise BadParameter("an engine cannot stand below itself")
+        child = _Child(bus, await bus.discover(), own)
+        self._check(child.directory, child)
+        self._children.append(child)
         self._changed()
 
     async def refresh(self, bus: ComponentBus) -> None:
@@ -69,7 +76,7 @@ class Engine:
         directory = await bus.discover()
         child = next((child for child in self._children if child.bus is bus), None)
         if child is not None:
-            self._check(directory, other_than=child)
+            self._check(directory, child)
             child.directory = directory
             self._changed()
 
@@ -83,16 +90,21 @@ class Engine:
 
     def on_change(self, listener: Callable[[], None]) -> Callable[[], None]:
         """Call `listener`, which must not block, whenever the tree changes; return what ends that."""
-        self._listeners.append(listener)
-        return lambda: self._listeners.remove(listener)
+        key = object()
+        self._listeners[key] = listener
 
-    def _check(self, directory: Directory, other_than: _Child | None) -> None:
+        def leave() -> None:
+            self._listeners.pop(key, None)
+
+        return leave
+
+    def _check(self, directory: Directory, child: _Child) -> None:
         ids = directory.profile.engine_ids()
-        own = ids[0] == self.engine_id and len(ids) == 1
-        taken = {self.engine_id} if not own else set()
-        for child in self._children:
-            if child is not other_than:
-                taken.update(child.directory.profile.engine_ids())
+        own = child.own and ids == (self.engine_id,)
+        taken = set() if own else {self.engine_id}
+        for other in self._children:
+            if other is not child:
+                taken.update(other.directory.profile.engine_ids())
         for engine_id in ids:
             if not is_engine_id(engine_id):
                 raise BadParameter(f"{engine_id!r} is no engine id: it is empty, too long, or has a slash")
@@ -112,7 +124,7 @@ class Engine:
         self._routes = {
             engine_id: child.bus for child in self._children for engine_id in child.directory.profile.engine_ids()
         }
-        for listener in tuple(self._listeners):
+        for listener in tuple(self._listeners.values()):
             listener()
 
     def _merge(self) -> Directory:
@@ -123,7 +135,12 @@ class Engine:
             sub_profiles=tuple(directory.profile for directory in below),
             component_ids=tuple(ref for directory in own for ref in directory.profile.component_ids),
         )
-        components = {ref: p for directory in (*own, *below) for ref, p in directory.component_profiles.items()}
+        # A bus speaks for the components it lists; a profile that it gives beside them could be of somebody else's.
+        components = {
+            ref: directory.component_profiles[ref]
+            for directory in (*own, *below)
+            for ref in directory.profile.component_refs()
+        }
         return Directory(profile, components)
 
     @property

@@ -39,7 +39,7 @@ async def serve_adapter(host: EngineHost, stream: MessageStream) -> StreamClosed
 
 async def _keep_attached(host: EngineHost, session: RpcSession, proxy: RemoteProxy, changed: asyncio.Event) -> None:
     try:
-        await host.engine.attach(proxy)
+        await host.engine.attach(proxy, own=False)
         _log.info("attached %s", ", ".join(host.engine.directory.profile.engine_ids()[1:]))
         while True:
             await changed.wait()

@@ -1,0 +1,68 @@
+"""Components under one engine id. What every bus does is in `tests/contract`."""
+
+import pytest
+
+from openrois.contract import Event, Sink, SubscriptionLost
+from openrois.errors import BadParameter, Unsupported
+from openrois.registry import LocalRegistry
+from tests.support.components import Bell, Lamp
+
+
+@pytest.mark.parametrize("engine_id", ["", "a/b", "x" * 129])
+def test_an_engine_id_that_cannot_lead_a_reference(engine_id: str) -> None:
+    with pytest.raises(BadParameter):
+        LocalRegistry(engine_id, [])
+
+
+@pytest.mark.parametrize("names", [[""], ["a/b"], ["lamp", "lamp"]])
+async def test_a_name_that_cannot_end_one(names: list[str]) -> None:
+    with pytest.raises(BadParameter):
+        LocalRegistry("robot", [Lamp(name) for name in names])
+
+
+async def test_the_profile_lists_components_in_the_order_they_were_given() -> None:
+    directory = await LocalRegistry("robot", [Bell("b"), Lamp("a")]).discover()
+    assert directory.profile.engine_ids() == ("robot",)
+    assert directory.profile.component_ids == ("robot/b", "robot/a")
+    assert list(directory.component_profiles) == ["robot/b", "robot/a"]
+
+
+async def test_one_emission_is_one_event_for_all_who_listen_to_it() -> None:
+    near, far = Bell("near"), Bell("far")
+    registry = LocalRegistry("robot", [near, far], wall_clock=lambda: 0.0)
+    heard: list[tuple[str, Event | SubscriptionLost]] = []
+
+    def ear(name: str) -> Sink:
+        return lambda item: heard.append((name, item))
+
+    for name, ref in (("a", "robot/near"), ("b", "robot/near"), ("c", "robot/far")):
+        await registry.subscribe(ref, "rang", ear(name))
+    near.ring("ding")
+    assert [name for name, _ in heard] == ["a", "b"]
+    (event, again) = (item for _, item in heard)
+    assert isinstance(event, Event)
+    assert event is again
+    assert event.event_id.startswith("robot/")
+    assert (event.component_ref, event.event_type) == ("robot/near", "rang")
+    assert event.expire == "1970-01-01T00:01:00.000000+00:00"
+    near.ring("dong")
+    assert len({item.event_id for _, item in heard if isinstance(item, Event)}) == 2
+
+
+async def test_the_end_is_told_once() -> None:
+    bell = Bell()
+    registry = LocalRegistry("robot", [bell])
+    heard: list[Event | SubscriptionLost] = []
+    subscribe_id = await registry.subscribe("robot/bell", "rang", heard.append)
+    await registry.subscribe("robot/bell", "rang", heard.append)
+    await registry.unsubscribe(subscribe_id)
+    registry.close("the end")
+    registry.close("again")
+    bell.ring("ding")
+    assert heard == [SubscriptionLost("the end")]
+
+
+async def test_only_declared_events_can_be_listened_to() -> None:
+    registry = LocalRegistry("robot", [Lamp()])
+    with pytest.raises(Unsupported):
+        await registry.subscribe("robot/lamp", "rang", lambda _item: None)
