@@ -1,0 +1,219 @@
+"""Speech synthesis: asks the speech process, and starts it again when it dies or hangs."""
+
+from __future__ import annotations
+
+import asyncio
+import importlib.util
+import logging
+from asyncio.subprocess import Process
+from collections.abc import Iterator
+from contextlib import AsyncExitStack
+from dataclasses import dataclass
+from types import TracebackType
+from typing import Any, Final, NamedTuple, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from openrois_streaming.clock import MediaClock, SystemClock
+from openrois_streaming.source import SAMPLE_RATE
+
+from openrois_avatar.child import Output, child_process
+from openrois_avatar.link.messages import MAX_VISEMES, Speak, Viseme
+from openrois_avatar.speech.framing import HEADER, FramingError, decode_body, decode_header, encode
+from openrois_avatar.speech.visemes import Phoneme, visemes
+
+ANSWER_TIMEOUT: Final = 10.0
+"""Seconds for an answer, and for the start of the process if need be; ten minutes of speech take about two."""
+DEFAULT_RATE: Final = 175
+"""Words a minute."""
+_CHILD: Final = "openrois_avatar.speech.espeak_child"
+_LIBRARY: Final = "espeakng_loader"
+_MISSING: Final = "speech synthesis is not installed: run `pip install 'openrois[speech]'`"
+
+_log = logging.getLogger(__name__)
+
+
+class SpeechUnavailable(Exception):
+    """Nothing can be spoken now; the text says why, and what to install if something is missing."""
+
+
+class SpeechRefused(ValueError):
+    """This cannot be spoken: an unknown language or voice, malformed SSML, too long; the text says which."""
+
+
+class Word(NamedTuple):
+    """A word and when it begins."""
+
+    offset_ms: float
+    text: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Speech:
+    """A text as sound and movement.
+
+    `samples` is mono at 48 kHz, `visemes` are in order of time and end with the mouth closed.
+    """
+
+    samples: NDArray[np.int16]
+    words: tuple[Word, ...]
+    visemes: tuple[Viseme, ...]
+
+    @property
+    def duration(self) -> float:
+        """Seconds."""
+        return len(self.samples) / SAMPLE_RATE
+
+    def mouth(self, speech_id: str, start_ns: int) -> Iterator[Speak]:
+        """The commands that move an engine's mouth to this speech when it starts at `start_ns` of CLOCK_MONOTONIC.
+
+        One, or for a very long speech several, each for the part of it that begins at its `start_ns`.
+        """
+        end = self.duration * 1000
+        for first in range(0, len(self.visemes), MAX_VISEMES):
+            part = self.visemes[first : first + MAX_VISEMES]
+            after = self.visemes[first + MAX_VISEMES :]
+            begin = part[0].offset_ms if first else 0.0
+            until = after[0].offset_ms if after else end
+            moved = tuple(Viseme(viseme.offset_ms - begin, viseme.shape, viseme.weight) for viseme in part)
+            yield Speak(speech_id, start_ns + round(begin * 1e6), moved, round(until - begin))
+
+
+class Synthesizer:
+    """Speaks any number of texts, one at a time; others wait their turn. Leaving the context ends the process.
+
+    The process starts with the first request. One that died in the meantime is replaced without further notice, one
+    that dies or hangs over a text fails that request; the next one gets a new process.
+    """
+
+    def __init__(self, clock: MediaClock | None = None) -> None:
+        self._clock = clock or SystemClock()
+        self._turn = asyncio.Lock()
+        self._running = AsyncExitStack()
+        self._output = Output("speech", self._clock)
+        self._process: Process | None = None
+        self._known: dict[str, Any] | None = None
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        await self._end()
+
+    def available(self) -> tuple[bool, str]:
+        """Whether speech synthesis is installed; if not, the sentence that says what to do."""
+        found = importlib.util.find_spec(_LIBRARY) is not None
+        return found, "" if found else _MISSING
+
+    async def languages(self) -> tuple[str, ...]:
+        """The languages it speaks, as BCP 47 tags in lower case.
+
+        Raises:
+            SpeechUnavailable: the speech process cannot be asked.
+        """
+        return tuple((await self._voices())["languages"])
+
+    async def voices(self) -> tuple[str, ...]:
+        """The voices it has; each speaks every language.
+
+        Raises:
+            SpeechUnavailable: the speech process cannot be asked.
+        """
+        return tuple((await self._voices())["voices"])
+
+    async def synthesize(
+        self,
+        text: str,
+        *,
+        language: str = "en",
+        voice: str | None = None,
+        volume: int = 50,
+        rate: int = DEFAULT_RATE,
+        ssml: bool = False,
+    ) -> Speech:
+        """Make speech of a text.
+
+        Args:
+            text: at most 4,000 characters; an SSML document or a fragment of one if `ssml`. Elements other than speak,
+                p, s, voice, prosody, emphasis, break, say-as and sub count as their content.
+            language: a BCP 47 tag; of `de-AT` as much as is spoken, here `de`.
+            voice: one of `voices()`; None for the language's own.
+            volume: 0 (silent) to 100 (as loud as it goes without distortion).
+            rate: words a minute, 80 to 450.
+            ssml: whether `text` is SSML.
+
+        Raises:
+            SpeechRefused: this cannot be spoken.
+            SpeechUnavailable: the speech process is not installed, has died over this text, or does not answer.
+        """
+        request = {"do": "speak", "text": text, "ssml": ssml, "language": language, "voice": voice}
+        answer, sound = await self._ask({**request, "volume": volume, "rate": rate})
+        if "refused" in answer:
+            raise SpeechRefused(answer["refused"])
+        return _speech(answer, sound)
+
+    async def _voices(self) -> dict[str, Any]:
+        if self._known is None:
+            self._known, _ = await self._ask({"do": "voices"})
+        return self._known
+
+    async def _ask(self, request: dict[str, Any]) -> tuple[dict[str, Any], bytes]:
+        found, missing = self.available()
+        if not found:
+            raise SpeechUnavailable(missing)
+        async with self._turn:
+            for _ in range(2):
+                try:
+                    return await self._exchange(request)
+                except EOFError:
+                    _log.info("the speech process is gone: %s", self._output.last_words)
+        raise SpeechUnavailable(f"the speech process died over this text: {self._output.last_words}")
+
+    async def _exchange(self, request: dict[str, Any]) -> tuple[dict[str, Any], bytes]:
+        """One request and its answer; a process that fails at it is ended, as the conversation is out of step."""
+        try:
+            async with asyncio.timeout(ANSWER_TIMEOUT):
+                return await _converse(await self._start(), request)
+        except TimeoutError as error:
+            await self._end()
+            raise SpeechUnavailable(f"the speech process did not answer within {ANSWER_TIMEOUT:g} seconds") from error
+        except (OSError, FramingError) as error:
+            await self._end()
+            raise EOFError from error
+        except BaseException:
+            await self._end()
+            raise
+
+    async def _start(self) -> Process:
+        if self._process is None:
+            self._output = Output("speech", self._clock)
+            # The one product of matrices there is not worth threads that wait for each other.
+            environment = {"OPENBLAS_NUM_THREADS": "1"}
+            running = child_process(_CHILD, output=self._output, environment=environment, conversation=True)
+            self._process = await self._running.enter_async_context(running)
+        return self._process
+
+    async def _end(self) -> None:
+        running, self._running, self._process = self._running, AsyncExitStack(), None
+        await running.aclose()
+
+
+async def _converse(process: Process, request: dict[str, Any]) -> tuple[dict[str, Any], bytes]:
+    assert process.stdin is not None
+    assert process.stdout is not None
+    process.stdin.write(encode(request))
+    await process.stdin.drain()
+    lengths = decode_header(await process.stdout.readexactly(HEADER.size))
+    body = await process.stdout.readexactly(lengths.body)
+    return decode_body(body), await process.stdout.readexactly(lengths.sound)
+
+
+def _speech(answer: dict[str, Any], sound: bytes) -> Speech:
+    samples = np.frombuffer(sound, dtype="<i2")
+    text = answer["text"]
+    named = (Word(offset, text[start : start + length]) for offset, start, length in answer["words"])
+    words = tuple(word for word in named if any(letter.isalnum() for letter in word.text))  # SSML counts its signs
+    phonemes = (Phoneme(offset, ipa) for offset, ipa in answer["phonemes"])
+    return Speech(samples, words, visemes(phonemes, len(samples) * 1000 / SAMPLE_RATE))
