@@ -8,7 +8,9 @@ import sys
 from collections.abc import Sequence
 from typing import Final
 
+from openrois.jsonrpc.session import RpcSession
 from openrois.logs import set_up_logging
+from openrois.transport.websocket import dial
 from openrois_avatar.process import Program
 from openrois_avatar.settings import ENGINES
 
@@ -67,4 +69,18 @@ async def _keep_running(gateway: Program, avatar: Program, url: str) -> None:
             tasks.create_task(program.keep_running())
             async with asyncio.timeout(_START_TIMEOUT):
                 await program.ready.wait()
+        async with asyncio.timeout(_START_TIMEOUT):
+            await _until_attached(url)
         print(f"ready {url}", flush=True)
+
+
+async def _until_attached(url: str) -> None:
+    """Wait until the gateway at `url` has an engine behind it: before that there is nothing to see on its page."""
+    changed = asyncio.Event()
+    async with dial(url.replace("http", "ws", 1)) as stream, asyncio.TaskGroup() as tasks:
+        session = RpcSession(stream, notifications={"rois.system.profile_changed": lambda _params: changed.set()})
+        tasks.create_task(session.run())
+        while not (await session.call("rois.system.get_profile", {}))["profile"]["sub_profiles"]:
+            await changed.wait()
+            changed.clear()
+        await session.close()

@@ -1,0 +1,184 @@
+"""`openrois demo` as a person runs it: a process of its own, on a free port, with the synthetic engine."""
+
+import itertools
+import os
+import select
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO, Final
+
+import psutil  # type: ignore[import-untyped]
+
+_ROOT: Final = Path(__file__).parents[2]
+_START: Final = 30.0
+_END: Final = 10.0
+
+
+def free_port() -> int:
+    """A TCP port of the loopback interface that nobody uses now."""
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port: int = probe.getsockname()[1]
+        return port
+
+
+def start(*arguments: str, log: IO[str] | int = subprocess.PIPE) -> subprocess.Popen[str]:
+    """Start `openrois` with `arguments` in a process group of its own, as a terminal does."""
+    return subprocess.Popen(
+        [sys.executable, "-m", "openrois.cli", *arguments],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=log,
+        text=True,
+        start_new_session=True,
+        cwd=_ROOT,
+    )
+
+
+class Demo:
+    """A demo that has printed its `ready` line.
+
+    Attributes:
+        process: it.
+        port: where its gateway listens.
+        ready: the line that said so.
+    """
+
+    def __init__(self, process: subprocess.Popen[str], port: int, ready: str, log: Path) -> None:
+        self.process = process
+        self.port = port
+        self.ready = ready
+        self._log = log
+
+    @property
+    def url(self) -> str:
+        """Where applications connect."""
+        return f"ws://127.0.0.1:{self.port}/"
+
+    def program(self, name: str) -> psutil.Process:
+        """The process that runs the sub-command `name` now."""
+        return next(child for child in self.tree() if name in child.cmdline())
+
+    def tree(self) -> list[psutil.Process]:
+        """All processes that it started and that run now."""
+        found: list[psutil.Process] = psutil.Process(self.process.pid).children(recursive=True)
+        return found
+
+    def log(self) -> str:
+        """What it and its programs wrote to standard error so far."""
+        return self._log.read_text()
+
+    def interrupt(self) -> int:
+        """Press Ctrl-C; returns the exit status."""
+        os.killpg(self.process.pid, signal.SIGINT)
+        return self.process.wait(_END)
+
+
+@contextmanager
+def running_demo(folder: Path) -> Iterator[Demo]:
+    """Run a demo for as long as the block does; its log goes into `folder`.
+
+    Raises:
+        AssertionError: it did not start, or left a process behind.
+    """
+    path, port = folder / "demo.log", free_port()
+    with path.open("w") as log:
+        process = start("demo", "--engine", "synthetic", "--port", str(port), log=log)
+    try:
+        demo = Demo(process, port, first_line(process), path)
+        assert demo.ready, path.read_text()
+        tree = demo.tree()
+        yield demo
+        tree += demo.tree() if process.poll() is None else []
+    finally:
+        end(process)
+    assert not psutil.wait_procs(tree, timeout=2)[1]
+
+
+def first_line(process: subprocess.Popen[str]) -> str:
+    """The first line on its standard output, without its end; empty if it ends without one."""
+    assert process.stdout is not None
+    readable, _, _ = select.select([process.stdout], [], [], _START)
+    return process.stdout.readline().rstrip("\n") if readable else ""
+
+
+def end(process: subprocess.Popen[str]) -> None:
+    """End a process politely or else by force."""
+    if process.poll() is None:
+        process.terminate()
+        try:
+            process.wait(_END)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+    for stream in (process.stdout, process.stderr):
+        if stream is not None:
+            stream.close()
+
+
+class Watcher:
+    """A viewer in a process of its own, and the pictures that it shows.
+
+    Attributes:
+        process: it.
+        arrivals: when each picture came, in seconds of the monotonic clock that all processes share.
+    """
+
+    def __init__(self, url: str, codec: str) -> None:
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "tests.support.black_box", url, codec],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            text=True,
+            cwd=_ROOT,
+        )
+        self.arrivals: list[float] = []
+        self._changed = threading.Condition()
+        self._reader = threading.Thread(target=self._read)
+        self._reader.start()
+
+    def _read(self) -> None:
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            with self._changed:
+                self.arrivals.append(float(line.split()[1]))
+                self._changed.notify_all()
+
+    def wait(self, count: int, within: float = 15.0) -> None:
+        """Wait until `count` more pictures have come.
+
+        Raises:
+            AssertionError: they did not.
+        """
+        with self._changed:
+            wanted = len(self.arrivals) + count
+            assert self._changed.wait_for(lambda: len(self.arrivals) >= wanted, within), "the viewer sees nothing"
+
+    def longest_gap(self) -> float:
+        """The longest time between two pictures so far, until now, in seconds."""
+        moments = [*self.arrivals, time.monotonic()]
+        return max(later - earlier for earlier, later in itertools.pairwise(moments))
+
+    def close(self) -> None:
+        """End it."""
+        self.process.kill()
+        self._reader.join()
+        end(self.process)
+
+
+@contextmanager
+def watching(url: str, codec: str = "video/H264") -> Iterator[Watcher]:
+    """Watch the avatar of the gateway at `url`; the block begins when pictures come."""
+    watcher = Watcher(url, codec)
+    try:
+        watcher.wait(1)
+        yield watcher
+    finally:
+        watcher.close()
