@@ -1,4 +1,4 @@
-"""`openrois demo` as a person runs it: a process of its own, on a free port, with the synthetic engine."""
+"""`openrois demo` as a person runs it: a process of its own, on a free port."""
 
 import itertools
 import os
@@ -62,6 +62,11 @@ class Demo:
         """Where applications connect."""
         return f"ws://127.0.0.1:{self.port}/"
 
+    @property
+    def page(self) -> str:
+        """Where a browser finds the page."""
+        return f"http://127.0.0.1:{self.port}/"
+
     def program(self, name: str) -> psutil.Process:
         """The process that runs the sub-command `name` now."""
         return next(child for child in self.tree() if name in child.cmdline())
@@ -82,7 +87,7 @@ class Demo:
 
 
 @contextmanager
-def running_demo(folder: Path) -> Iterator[Demo]:
+def running_demo(folder: Path, engine: str = "synthetic") -> Iterator[Demo]:
     """Run a demo for as long as the block does; its log goes into `folder`.
 
     Raises:
@@ -90,7 +95,7 @@ def running_demo(folder: Path) -> Iterator[Demo]:
     """
     path, port = folder / "demo.log", free_port()
     with path.open("w") as log:
-        process = start("demo", "--engine", "synthetic", "--port", str(port), log=log)
+        process = start("demo", "--engine", engine, "--port", str(port), log=log)
     try:
         demo = Demo(process, port, first_line(process), path)
         assert demo.ready, path.read_text()
