@@ -1,0 +1,45 @@
+"""What some tests need and not every machine has.
+
+A test that lacks it is skipped, and pytest's summary says so in one line; where OPENROIS_REQUIRE_ALL is 1 it fails.
+"""
+
+import importlib
+import os
+import shutil
+from pathlib import Path
+from typing import NoReturn
+
+import pytest
+
+
+@pytest.fixture(scope="session")
+def chromium() -> Path:
+    """The program of a Chromium browser."""
+    found = shutil.which("chromium") or shutil.which("google-chrome")
+    if found is None:
+        _lack("no chromium is found; install it to run the tests in a browser (Debian: apt install chromium)")
+    return Path(found)
+
+
+@pytest.fixture(scope="session")
+def panda3d() -> None:
+    """Panda3D renders here."""
+    _require_engine("panda3d")
+
+
+@pytest.fixture(scope="session")
+def puppet() -> None:
+    """The two-dimensional puppet renders here."""
+    _require_engine("puppet")
+
+
+def _require_engine(name: str) -> None:
+    runs, reason = importlib.import_module(f"openrois_avatar.engines.{name}").available()
+    if not runs:
+        _lack(reason)
+
+
+def _lack(reason: str) -> NoReturn:
+    if os.environ.get("OPENROIS_REQUIRE_ALL") == "1":
+        pytest.fail(reason, pytrace=False)
+    pytest.skip(reason)
