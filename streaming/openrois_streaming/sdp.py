@@ -94,6 +94,8 @@ def clean_answer(text: str, offered: Sequence[OfferedSection]) -> CleanAnswer:
     session, media = _blocks(text)
     if len(media) != len(offered):
         raise InvalidDescription(f"the answer has {len(media)} sections where {len(offered)} were offered")
+    for section, lines in zip(offered, media, strict=True):
+        _check_media_line(lines[0], section)
     kept = [line for line in session if line[0] in "vost" or _attribute(line) in _SESSION_ATTRIBUTES]
     kept.append("a=group:BUNDLE " + " ".join(section.mid for section in offered))
     bundled = {mid for line in session if line.startswith("a=group:BUNDLE ") for mid in line.split()[1:]}
@@ -105,7 +107,6 @@ def clean_answer(text: str, offered: Sequence[OfferedSection]) -> CleanAnswer:
         passing = [line for line in lines if line[0] in "mc" or _attribute(line) in _MEDIA_ATTRIBUTES]
         if len(passing) > LINES_LIMIT:
             raise InvalidDescription(f"section {section.mid} is too long")
-        _check_media_line(lines[0], section)
         kept += passing
     sdp = "\r\n".join(kept) + "\r\n"
     _check_parsed(sdp, offered)

@@ -173,4 +173,4 @@ def test_time_in_which_nobody_listened_is_not_silence() -> None:
     viewer = Viewer(0.0)
     viewer.excuse(30.0)
     assert not viewer.gone(31.0)
-    assert viewer.gone(30.0 + SILENCE)
+    assert viewer.gone(30.1 + SILENCE)
