@@ -16,12 +16,14 @@ from openrois.command_log import CommandLog
 from openrois.contract import Client
 from openrois.engine import Engine
 from openrois.event_log import EventLog
+from openrois.lost_streams import lost_streams
+from openrois.ordering import ReplyFirst
 from openrois.reservations import Reservations
 from openrois.tasks import TaskScope
 from openrois.types.codes import CompletedStatus, StreamStatus
 from openrois.types.messages import Completed
-from openrois.types.streams import StreamStatusNotification
-from openrois.types.values import date_time
+from openrois.types.references import engine_of
+from openrois.types.streams import StreamStatusNotification, subject_of
 
 __all__ = ["ApplicationSession", "EngineHost"]
 
@@ -59,6 +61,7 @@ class ApplicationSession:
         notify: sends a notification to the application: method, params, and `droppable=True` for events.
         trusted: the other side is the parent engine; it needs no reservations.
         passes: sees every extension notification on its way to the application, and says whether it goes on.
+        left: called when the application has left and its streams and peer connections are over.
     """
 
     def __init__(
@@ -68,6 +71,7 @@ class ApplicationSession:
         *,
         trusted: bool = False,
         passes: Callable[[str, Mapping[str, Any]], bool] = lambda _method, _params: True,
+        left: Callable[[], None] = lambda: None,
     ) -> None:
         self.host = host
         self.engine = host.engine
@@ -76,9 +80,14 @@ class ApplicationSession:
         self.events = EventLog(self.engine, notify)
         self.client = Client(secrets.token_hex(16), self._take_extension_notification)
         self.streams: dict[str, str] = {}
+        self.connecting = 0
+        self.order = ReplyFirst()
         self.extended = False
+        self.closed = False
+        self.departures = 0
         self._notify = notify
         self._passes = passes
+        self._left = left
         self._stop_listening = self.engine.on_change(self._tree_changed)
 
     def may_operate(self, component_ref: str) -> bool:
@@ -90,22 +99,15 @@ class ApplicationSession:
         self._notify("rois.command.completed", Completed(command_id=command_id, status=status).model_dump(mode="json"))
 
     def _tree_changed(self) -> None:
-        self._end_lost_streams()
+        for notice in lost_streams(self.streams, self.engine.directory, self.host.wall_clock()):
+            self._deliver(notice.method, notice.model_dump(mode="json"))
+        self.events.keep_only(self.engine.directory.component_profiles.keys())
         self._notify("rois.system.profile_changed", {})
 
-    def _end_lost_streams(self) -> None:
-        """Announce the end of streams whose engine is no longer there to announce it."""
-        for stream_id, component_ref in tuple(self.streams.items()):
-            if component_ref not in self.engine.directory.component_profiles:
-                notice = StreamStatusNotification(
-                    stream_id=stream_id,
-                    component_ref=component_ref,
-                    status=StreamStatus.STREAMING_NOT_CONNECTED,
-                    timestamp=date_time(self.host.wall_clock()),
-                )
-                self._take_extension_notification(notice.method, notice.model_dump(mode="json"))
-
     def _take_extension_notification(self, method: str, params: Mapping[str, Any]) -> None:
+        self.order.tell(engine_of(subject_of(params)), lambda: self._deliver(method, params))
+
+    def _deliver(self, method: str, params: Mapping[str, Any]) -> None:
         if not self._passes(method, params):
             return
         if method == StreamStatusNotification.method:
@@ -118,12 +120,15 @@ class ApplicationSession:
 
     async def leave(self) -> None:
         """Give back reservations, subscriptions and streams. What runs goes on."""
+        self.departures += 1
         self.host.reservations.release_all(self)
         self.streams.clear()
-        await self.events.clear()
-        await self.engine.extension.forget(self.client.client_id)
+        self.order.clear()
+        self._left()
+        await asyncio.gather(self.events.clear(), self.engine.extension.forget(self.client.client_id))
 
     async def close(self) -> None:
         """Leave for good."""
+        self.closed = True
         self._stop_listening()
         await self.leave()

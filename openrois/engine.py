@@ -15,6 +15,7 @@ from openrois.errors import BadParameter, Unsupported
 from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIEngineProfile, RoISIdentifier
 from openrois.types.references import engine_of, is_engine_id
+from openrois.types.streams import subject_of
 
 __all__ = ["Engine"]
 
@@ -163,6 +164,11 @@ class Engine:
             raise Unsupported(f"there is no engine for {ref_or_id[:200]!r}")
         return bus
 
+    def leads_alike(self, one: str, other: str) -> bool:
+        """Tell whether two references or ids lead to the same bus."""
+        buses = self._routes.get(engine_of(one)), self._routes.get(engine_of(other))
+        return buses[0] is not None and buses[0] is buses[1]
+
     async def query(self, component_ref: str, query_type: str) -> tuple[Result, ...]:
         """Ask a component of the tree."""
         return await self.route(component_ref).query(component_ref, query_type)
@@ -215,10 +221,10 @@ class _TreeExtension:
 
     async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
         """Pass a call to the engine named by its component_ref, stream_id or peer_id."""
-        key = next((params[name] for name in ("component_ref", "stream_id", "peer_id") if name in params), "")
-        extension = extension_of(self.engine.route(str(key)))
+        subject = subject_of(params)
+        extension = extension_of(self.engine.route(subject))
         if extension is None:
-            raise Unsupported(f"the engine of {str(key)[:200]!r} has no streams")
+            raise Unsupported(f"the engine of {subject[:200]!r} has no streams")
         return await extension.call(method, params, client)
 
     async def forget(self, client_id: str) -> None:

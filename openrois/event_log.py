@@ -1,20 +1,24 @@
 """The subscriptions of one application and the details of the events it was told."""
 
+import asyncio
+import logging
 import time
 from collections import OrderedDict, deque
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from typing import Final
 
 from openrois.contract import Event, SubscriptionLost
 from openrois.engine import Engine
-from openrois.errors import BadParameter, OutOfResources
+from openrois.errors import BadParameter, EngineUnreachable, OutOfResources
 from openrois.jsonrpc.session import Reply
 from openrois.types.messages import EventNotification, Result, SubscribeResult
 from openrois.types.references import new_id
 from openrois.types.streams import StreamStatusNotification
 
 __all__ = ["EventLog"]
+
+_log = logging.getLogger(__name__)
 
 MAX_SUBSCRIPTIONS: Final = 1024
 MAX_DETAILS: Final = 1024
@@ -66,14 +70,21 @@ class EventLog:
         subscription = _Subscription(new_id(self._engine.engine_id), component_ref, event_type)
         self._subscriptions[subscription.subscribe_id] = subscription
         if not (of_streams and event_type == _STATUS_EVENT):
-            try:
-                subscription.bus_id = await self._engine.subscribe(
-                    component_ref, event_type, lambda item: self._take(subscription, item)
-                )
-            except BaseException:
-                del self._subscriptions[subscription.subscribe_id]
-                raise
+            await self._listen(subscription)
         return Reply(SubscribeResult(subscribe_id=subscription.subscribe_id), lambda: self._open(subscription))
+
+    async def _listen(self, subscription: _Subscription) -> None:
+        try:
+            subscription.bus_id = await self._engine.subscribe(
+                subscription.component_ref, subscription.event_type, lambda item: self._take(subscription, item)
+            )
+        except BaseException:
+            self._subscriptions.pop(subscription.subscribe_id, None)
+            raise
+        if subscription.subscribe_id not in self._subscriptions:
+            # The engine was lost, or the application left, while the component took the subscription.
+            await self._engine.unsubscribe(subscription.bus_id)
+            raise EngineUnreachable("the subscription ended before it began")
 
     async def unsubscribe(self, subscribe_id: str) -> None:
         """End a subscription; an unknown id is ignored."""
@@ -82,9 +93,17 @@ class EventLog:
             await self._engine.unsubscribe(subscription.bus_id)
 
     async def clear(self) -> None:
-        """End every subscription."""
-        for subscribe_id in tuple(self._subscriptions):
-            await self.unsubscribe(subscribe_id)
+        """End every subscription; one that cannot be ended properly does not keep the others."""
+        ending = (self.unsubscribe(subscribe_id) for subscribe_id in tuple(self._subscriptions))
+        for outcome in await asyncio.gather(*ending, return_exceptions=True):
+            if isinstance(outcome, Exception):
+                _log.info("a subscription could not be ended: %s", outcome)
+
+    def keep_only(self, component_refs: Collection[str]) -> None:
+        """Forget subscriptions to own streams of components that are no longer there; of others their bus tells."""
+        for subscription in tuple(self._subscriptions.values()):
+            if not subscription.bus_id and subscription.component_ref not in component_refs:
+                del self._subscriptions[subscription.subscribe_id]
 
     def details(self, event_id: str) -> tuple[Result, ...]:
         """Return the results of an event that this application was told.

@@ -5,7 +5,7 @@ import logging
 
 from openrois.application import EngineHost
 from openrois.errors import BadParameter, RoISError
-from openrois.jsonrpc.session import RpcSession
+from openrois.jsonrpc.session import CALL_TIMEOUT, RpcSession
 from openrois.remote.proxy import RemoteProxy
 from openrois.transport.stream import MessageStream, StreamClosed
 
@@ -16,13 +16,18 @@ _log = logging.getLogger(__name__)
 POLICY_VIOLATION = 1008
 
 
-async def serve_adapter(host: EngineHost, stream: MessageStream) -> StreamClosed:
+async def serve_adapter(host: EngineHost, stream: MessageStream, answer_timeout: float = CALL_TIMEOUT) -> StreamClosed:
     """Attach the engine at the other end for as long as the connection lasts; return why it ended.
 
     A profile that cannot be had or is not acceptable closes the connection with 1008 and the reason. The same holds for
     a later one, after the adapter said `rois.system.profile_changed`.
+
+    Args:
+        host: the gateway's engine.
+        stream: the connection.
+        answer_timeout: seconds that the adapter has for each answer.
     """
-    session = RpcSession(stream)
+    session = RpcSession(stream, call_timeout=answer_timeout)
     changed = asyncio.Event()
     proxy = RemoteProxy(session, changed.set)
     session.notifications = proxy.notifications()
@@ -45,6 +50,7 @@ async def _keep_attached(host: EngineHost, session: RpcSession, proxy: RemotePro
             await changed.wait()
             changed.clear()
             await host.engine.refresh(proxy)
+            host.reservations.keep_only(set(host.engine.directory.component_profiles))
     except BadParameter as error:
         await _refuse(session, str(error))
     except RoISError as error:
@@ -53,4 +59,4 @@ async def _keep_attached(host: EngineHost, session: RpcSession, proxy: RemotePro
 
 async def _refuse(session: RpcSession, reason: str) -> None:
     _log.warning("an adapter was refused: %s", reason)
-    await session.close(POLICY_VIOLATION, reason[:100])
+    await session.close(POLICY_VIOLATION, reason)

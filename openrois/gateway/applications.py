@@ -12,6 +12,7 @@ from openrois_signaling.relay import Relay, Upward
 from openrois.application import ApplicationSession, EngineHost
 from openrois.errors import RoISError
 from openrois.interfaces import base_methods, stream_methods
+from openrois.interfaces.operation import reply_first
 from openrois.jsonrpc.session import Handler, InvalidParams, RpcSession
 from openrois.transport.stream import MessageStream, StreamClosed
 from openrois.types.references import engine_of
@@ -26,12 +27,14 @@ async def serve_application(host: EngineHost, stream: MessageStream) -> StreamCl
     """Serve one application until its connection ends; return why it did."""
     session = RpcSession(stream)
     signaling = _Signaling(host)
-    app = ApplicationSession(host, session.notify, passes=signaling.passes)
+    app = ApplicationSession(host, session.notify, passes=signaling.passes, left=signaling.forget_peers)
     signaling.app = app
     session.methods = {**base_methods(app), **stream_methods(app), **signaling.methods()}
+    stop_listening = host.engine.on_change(signaling.tree_changed)
     try:
         return await session.run()
     finally:
+        stop_listening()
         await app.close()
 
 
@@ -43,15 +46,33 @@ class _Signaling:
     def __init__(self, host: EngineHost) -> None:
         self._host = host
         self._relay: Relay[str, str] = Relay(self._forward, time.monotonic)
+        self._peers: set[str] = set()
 
     def passes(self, method: str, params: Mapping[str, Any]) -> bool:
         """Note which peers an engine opens and ends; an offer for a peer that the application can't have is dropped."""
         peer_id = str(params.get("peer_id", ""))
         if method == Offer.method:
+            self._peers.add(peer_id)
             return self._relay.register(peer_id, self.app.client.client_id, engine_of(peer_id))
         if method == Bye.method:
-            self._relay.forget(peer_id, engine_of(peer_id))
+            self._forget(peer_id)
         return True
+
+    def _forget(self, peer_id: str) -> None:
+        self._peers.discard(peer_id)
+        self._relay.forget(peer_id, engine_of(peer_id))
+
+    def forget_peers(self) -> None:
+        """Forget every peer: the application has left."""
+        for peer_id in tuple(self._peers):
+            self._forget(peer_id)
+
+    def tree_changed(self) -> None:
+        """Forget the peers of engines that are gone: they can't end them any more."""
+        present = self._host.engine.directory.profile.engine_ids()
+        for peer_id in tuple(self._peers):
+            if engine_of(peer_id) not in present:
+                self._forget(peer_id)
 
     def methods(self) -> dict[str, Handler]:
         """Return the `signaling.*` methods; whoever calls one gets the extensions' notifications."""
@@ -69,7 +90,7 @@ class _Signaling:
 
             return answer
 
-        return {name: answering(name) for name in table}
+        return {name: reply_first(self.app, answering(name)) for name in table}
 
     async def _forward(self, _engine_id: str, message: Upward) -> str:
         try:

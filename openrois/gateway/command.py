@@ -10,6 +10,7 @@ import uvloop
 
 from openrois.gateway.server import run_gateway
 from openrois.gateway.settings import GatewaySettings
+from openrois.jsonrpc.session import CALL_TIMEOUT
 from openrois.logs import set_up_logging
 
 __all__ = ["main"]
@@ -24,11 +25,24 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument(
         "--ice-server", action="append", default=[], metavar="URL", help="a STUN server for streams (repeatable)"
     )
+    parser.add_argument(
+        "--adapter-timeout",
+        type=float,
+        default=CALL_TIMEOUT,
+        metavar="SECONDS",
+        help="how long an adapter has for each answer (%(default)s)",
+    )
     parser.add_argument("--verbose", action="store_true", help="log more")
     chosen = parser.parse_args(arguments)
     set_up_logging(verbose=chosen.verbose)
     try:
-        settings = GatewaySettings(chosen.host, chosen.port, chosen.engine_id, tuple(chosen.ice_server))
+        settings = GatewaySettings(
+            host=chosen.host,
+            port=chosen.port,
+            engine_id=chosen.engine_id,
+            ice_servers=tuple(chosen.ice_server),
+            adapter_timeout=chosen.adapter_timeout,
+        )
     except ValueError as error:
         parser.error(str(error))
     try:

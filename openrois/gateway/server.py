@@ -14,6 +14,7 @@ from openrois.application import EngineHost
 from openrois.engine import Engine
 from openrois.gateway.adapters import serve_adapter
 from openrois.gateway.applications import serve_application
+from openrois.gateway.loopback import is_loopback
 from openrois.gateway.page import page_response
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import ADAPTER, APPLICATION, ServerSocket, SocketProfile
@@ -28,7 +29,6 @@ MAX_CONNECTIONS: Final = 1024
 """Applications and adapters at a time; one more is answered 503."""
 
 _SHUTDOWN_TIMEOUT: Final = 1.0
-_LOOPBACK_NAMES: Final = {"localhost", "127.0.0.1", "::1"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,8 +45,15 @@ class Gateway:
 
 
 @asynccontextmanager
-async def run_gateway(settings: GatewaySettings) -> AsyncIterator[Gateway]:
+async def run_gateway(
+    settings: GatewaySettings, *, application: SocketProfile = APPLICATION, adapter: SocketProfile = ADAPTER
+) -> AsyncIterator[Gateway]:
     """Run a gateway for as long as the block does.
+
+    Args:
+        settings: what its owner sets.
+        application: the bounds of connections of applications.
+        adapter: the bounds of connections of adapters.
 
     Raises:
         OSError: the port is taken, or the address is not this machine's.
@@ -54,7 +61,7 @@ async def run_gateway(settings: GatewaySettings) -> AsyncIterator[Gateway]:
     async with TaskScope() as tasks, AsyncExitStack() as stack:
         ice_servers = tuple({"urls": [url]} for url in settings.ice_servers)
         host = EngineHost(Engine(settings.engine_id), tasks, ice_servers=ice_servers)
-        server = _Server(host)
+        server = _Server(host, settings.adapter_timeout, application, adapter)
         runner = web.AppRunner(server.app, access_log=None, shutdown_timeout=_SHUTDOWN_TIMEOUT)
         await runner.setup()
         stack.push_async_callback(runner.cleanup)
@@ -68,8 +75,13 @@ async def run_gateway(settings: GatewaySettings) -> AsyncIterator[Gateway]:
 class _Server:
     """The HTTP side: which path is what, who is let in, and the sockets that are open."""
 
-    def __init__(self, host: EngineHost) -> None:
+    def __init__(
+        self, host: EngineHost, adapter_timeout: float, application: SocketProfile, adapter: SocketProfile
+    ) -> None:
         self._host = host
+        self._adapter_timeout = adapter_timeout
+        self._application_profile = application
+        self._adapter_profile = adapter
         self._sockets: set[ServerSocket] = set()
         self.app = web.Application(middlewares=[_guard])
         self.app.router.add_get("/healthz", self._healthz)
@@ -82,13 +94,19 @@ class _Server:
 
     async def _page_or_application(self, request: web.Request) -> web.StreamResponse:
         if _wants_websocket(request):
-            return await self._serve(request, APPLICATION, lambda stream: serve_application(self._host, stream))
+            return await self._serve(
+                request, self._application_profile, lambda stream: serve_application(self._host, stream)
+            )
         return page_response(request.match_info["path"])
 
     async def _adapter(self, request: web.Request) -> web.StreamResponse:
         if not _wants_websocket(request):
             raise web.HTTPUpgradeRequired(text="adapters connect here by WebSocket\n")
-        return await self._serve(request, ADAPTER, lambda stream: serve_adapter(self._host, stream))
+        return await self._serve(
+            request,
+            self._adapter_profile,
+            lambda stream: serve_adapter(self._host, stream, self._adapter_timeout),
+        )
 
     async def _serve(
         self, request: web.Request, profile: SocketProfile, serve: Callable[[MessageStream], Awaitable[object]]
@@ -126,9 +144,16 @@ async def _guard(
 
     A page of another site is told by its `Origin`; a site whose name was rebound to a loopback address by its `Host`.
     """
-    if (urlsplit(f"//{request.host}").hostname or "") not in _LOOPBACK_NAMES:
+    if not _names_loopback(f"//{request.host}"):
         raise web.HTTPForbidden(text="this gateway answers to localhost only\n")
     origin = request.headers.get("Origin")
-    if origin is not None and (urlsplit(origin).hostname or "") not in _LOOPBACK_NAMES:
+    if origin is not None and not _names_loopback(origin):
         raise web.HTTPForbidden(text="this gateway answers pages of this machine only\n")
     return await handler(request)
+
+
+def _names_loopback(url: str) -> bool:
+    try:
+        return is_loopback(urlsplit(url).hostname or "")
+    except ValueError:
+        return False

@@ -1,15 +1,14 @@
 """The server's side of a WebSocket as a message stream, on aiohttp."""
 
 import asyncio
+from dataclasses import dataclass
 from typing import Final
 
 from aiohttp import WSCloseCode, WSMsgType, web
 
-from openrois.transport.stream import StreamClosed
+from openrois.transport.stream import StreamClosed, close_reason
 
 __all__ = ["ADAPTER", "APPLICATION", "ServerSocket", "SocketProfile"]
-
-from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +43,7 @@ class ServerSocket:
         self._request = request
         self._profile = profile
         self._heard = asyncio.Event()
+        self._reading = False
 
     async def prepare(self) -> None:
         """Answer the upgrade."""
@@ -59,13 +59,17 @@ class ServerSocket:
                     await self.response.ping()
                     await self._heard.wait()
             except (TimeoutError, ConnectionError):
-                self.abort()
-                return
+                if self._reading:
+                    self.abort()
+                    return
+                # Its answer may wait here unread, behind requests that take their time: that is not its fault.
 
     async def receive(self) -> str:
         """Return the next text message; a binary one ends the connection with 1003."""
         while True:
+            self._reading = True
             message = await self.response.receive()
+            self._reading = False
             self._heard.set()
             if message.type is WSMsgType.TEXT:
                 text: str = message.data
@@ -86,8 +90,13 @@ class ServerSocket:
             raise StreamClosed(self.response.close_code or 1006) from error
 
     async def close(self, code: int = 1000, reason: str = "") -> None:
-        """Close with the closing handshake, for at most a second, then cut."""
-        await self.response.close(code=code, message=reason.encode()[:123])
+        """Close with the closing handshake, for at most a second for each half of it, then cut."""
+        try:
+            # The close frame itself waits for a side that does not read.
+            async with asyncio.timeout(2 * _CLOSE_TIMEOUT):
+                await self.response.close(code=code, message=close_reason(reason).encode())
+        except TimeoutError:
+            self.abort()
 
     def abort(self) -> None:
         """Cut the connection."""

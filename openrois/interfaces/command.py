@@ -120,11 +120,11 @@ class _Commands:
         units = commands_of(params.command_unit_list)
         if not units:
             raise BadParameter("there is no command in the sequence")
+        seen: set[str] = set()
         for unit in units:
             self._check_operable(unit)
-        for unit in units:
             self._check_arguments(unit)
-        self._check_ids(units)
+            self._check_id(unit.command_id, seen)
         self._app.commands.accept([unit.command_id for unit in units])
         return Reply(ReturnResult(), lambda: self._start(params))
 
@@ -144,21 +144,27 @@ class _Commands:
         command = profile.command(unit.command_type)
         check_arguments(profile.parameter_profiles if command is None else command.arguments, unit.arguments)
 
-    def _check_ids(self, units: list[CommandUnit]) -> None:
-        engine_ids = self._app.engine.directory.profile.engine_ids()
-        seen: set[str] = set()
-        for unit in units:
-            command_id = unit.command_id
-            if not command_id or command_id in seen or command_id in self._app.commands:
-                raise BadParameter(f"the command_id {command_id[:200]!r} is empty or taken")
-            if engine_of(command_id) in engine_ids and not self._app.trusted:
-                raise BadParameter("a command_id cannot begin with the id of an engine and a slash")
-            seen.add(command_id)
+    def _check_id(self, command_id: str, seen: set[str]) -> None:
+        if not command_id or command_id in seen or command_id in self._app.commands:
+            raise BadParameter(f"the command_id {command_id[:200]!r} is empty or taken")
+        if engine_of(command_id) in self._app.engine.directory.profile.engine_ids() and not self._app.trusted:
+            raise BadParameter("a command_id cannot begin with the id of an engine and a slash")
+        seen.add(command_id)
 
     def _start(self, params: ExecuteParams) -> None:
         self._app.host.tasks.start(run_sequence(params.command_unit_list, self._run, self._skip, self._app.host.sleep))
 
     async def _run(self, unit: CommandUnit) -> CompletedStatus:
+        if unit.command_type not in STREAM_METHODS:
+            return await self._run_to_completed(unit)
+        # Of a streaming verb `completed` is the reply: what the stream's engine says comes after it.
+        replied = self._app.order.asked(engine_of(unit.component_ref))
+        try:
+            return await self._run_to_completed(unit)
+        finally:
+            replied()
+
+    async def _run_to_completed(self, unit: CommandUnit) -> CompletedStatus:
         status = CompletedStatus.OK
         results: tuple[Result, ...] = ()
         try:

@@ -6,11 +6,14 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel
 
+from openrois.application import ApplicationSession
 from openrois.errors import RoISError
 from openrois.jsonrpc.session import Handler, Reply, method
 from openrois.types.messages import ReturnResult
+from openrois.types.references import engine_of
+from openrois.types.streams import subject_of
 
-__all__ = ["operation"]
+__all__ = ["operation", "reply_first"]
 
 _log = logging.getLogger(__name__)
 
@@ -38,3 +41,18 @@ def operation(
             return result(return_code=error.return_code)
 
     return method(params, answer)
+
+
+def reply_first(app: ApplicationSession, handler: Handler) -> Handler:
+    """Return a handler of an extension's method whose reply leaves before the notifications that the call causes."""
+
+    async def answer(params: dict[str, Any]) -> Reply:
+        replied = app.order.asked(engine_of(subject_of(params)))
+        try:
+            result = await handler(params)
+        except BaseException:
+            replied()
+            raise
+        return Reply(result, replied)
+
+    return answer

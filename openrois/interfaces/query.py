@@ -24,8 +24,10 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
         properties = COMPONENT_PROPERTIES | {"stream_id"} if name == _STREAM_STATUS else COMPONENT_PROPERTIES
         condition = parse_condition(params.condition, properties)
         component_ref = the_one(app.engine, condition.without("stream_id"), lambda profile: profile.has_query(name))
-        if name == _STREAM_STATUS:
+        if name == _STREAM_STATUS and stream.has_streams(app, component_ref):
             return ResultsResult(results=await _stream_status(app, component_ref, condition))
+        if condition.value_of("stream_id") is not None:
+            raise BadParameter("the component's engine cannot tell one stream from another")
         return ResultsResult(results=await app.engine.query(component_ref, name))
 
     return {"rois.query.query": operation(QueryParams, ResultsResult, query)}

@@ -11,8 +11,8 @@ from pydantic import ValidationError
 
 from openrois.application import ApplicationSession
 from openrois.engine import extension_of
-from openrois.errors import BadParameter, ComponentFailed, OutOfResources, Unsupported, error_for
-from openrois.interfaces.operation import operation
+from openrois.errors import Aborted, BadParameter, ComponentFailed, OutOfResources, Unsupported, error_for
+from openrois.interfaces.operation import operation, reply_first
 from openrois.jsonrpc.session import Handler
 from openrois.types.codes import ReturnCode, StreamStatus
 from openrois.types.messages import CommandUnit, Parameter, Result, ReturnResult
@@ -61,14 +61,17 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
         app.extended = True
         return StreamStatusResult(status=await query_status(app, params.stream_id))
 
-    return {
-        "openrois.hello": operation(HelloParams, HelloResult, hello),
-        "rois.stream.connect_stream": operation(ConnectStreamParams, ConnectStreamResult, connect),
+    verbs = {
+        STREAM_METHODS["connect_stream"]: operation(ConnectStreamParams, ConnectStreamResult, connect),
         **{
             STREAM_METHODS[verb]: operation(StreamParams, ReturnResult, acting(verb))
             for verb in ("disconnect_stream", "suspend_stream", "resume_stream")
         },
         "rois.stream.query_stream_status": operation(StreamParams, StreamStatusResult, status),
+    }
+    return {
+        "openrois.hello": operation(HelloParams, HelloResult, hello),
+        **{name: reply_first(app, handler) for name, handler in verbs.items()},
     }
 
 
@@ -78,11 +81,14 @@ async def connect_stream(app: ApplicationSession, component_ref: str, parameters
     Raises:
         Unsupported: there is no such component, or it has no streams.
         OutOfResources: this application has too many.
+        Aborted: the application has left.
         RoISError: the engine refused.
     """
     if component_ref not in app.engine.directory.component_profiles:
         raise Unsupported(f"there is no component {component_ref[:200]!r}")
-    if len(app.streams) >= MAX_STREAMS:
+    if app.closed:
+        raise Aborted("the application is gone")
+    if len(app.streams) + app.connecting >= MAX_STREAMS:
         raise OutOfResources(f"one application has at most {MAX_STREAMS} streams")
     params: dict[str, Any] = {
         "component_ref": component_ref,
@@ -91,7 +97,18 @@ async def connect_stream(app: ApplicationSession, component_ref: str, parameters
     if app.host.ice_servers:
         # The other end of the stream needs them as much as the application does.
         params["ice_servers"] = list(app.host.ice_servers)
-    result = await _call(app, "rois.stream.connect_stream", params, ConnectStreamResult)
+    departures = app.departures
+    app.connecting += 1
+    try:
+        result = await _call(app, STREAM_METHODS["connect_stream"], params, ConnectStreamResult)
+    finally:
+        app.connecting -= 1
+    if app.departures != departures:
+        # It left while the stream was made, and has been forgotten already: that has to be said again.
+        await app.engine.extension.forget(app.client.client_id)
+        raise Aborted("the application has left")
+    if not app.engine.leads_alike(result.stream_id, component_ref):
+        raise ComponentFailed(f"the engine minted the stream_id {result.stream_id[:200]!r}, which is not its own")
     app.streams[result.stream_id] = component_ref
     return result.stream_id
 

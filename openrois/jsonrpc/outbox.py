@@ -5,6 +5,8 @@ import logging
 from collections import deque
 from typing import Final
 
+from openrois.logs import Tally
+
 __all__ = ["Outbox", "OutboxOverflow"]
 
 _log = logging.getLogger(__name__)
@@ -31,7 +33,12 @@ class Outbox:
         self._ready = asyncio.Event()
         self._empty = asyncio.Event()
         self._empty.set()
-        self.dropped = 0
+        self._dropped = Tally(_log, "events dropped because a reader is too slow", logging.WARNING)
+
+    @property
+    def dropped(self) -> int:
+        """How many events were dropped."""
+        return self._dropped.count
 
     def __len__(self) -> int:
         return len(self._entries)
@@ -60,10 +67,7 @@ class Outbox:
         oldest = next(index for index, (_, droppable) in enumerate(self._entries) if droppable)
         del self._entries[oldest]
         self._events -= 1
-        self.dropped += 1
-        if self.dropped.bit_count() == 1:
-            # Powers of two: a slow reader is reported at once, and seldom after that.
-            _log.warning("a reader is too slow: %d events dropped so far", self.dropped)
+        self._dropped.note()
 
     async def get(self) -> str:
         """Wait for the next message to send and take it."""

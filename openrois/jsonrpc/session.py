@@ -18,6 +18,7 @@ from openrois.jsonrpc import protocol
 from openrois.jsonrpc.calls import Calls, RpcError, SessionClosed
 from openrois.jsonrpc.outbox import Outbox, OutboxOverflow
 from openrois.jsonrpc.protocol import Peer
+from openrois.logs import Tally
 from openrois.transport.stream import MessageStream, StreamClosed
 
 __all__ = [
@@ -48,7 +49,7 @@ _FLUSH_TIMEOUT: Final = 1.0
 
 @dataclass(frozen=True, slots=True)
 class Reply:
-    """A result, and what to do once it stands in the outbox: notifications put there come after it."""
+    """A result, and what to do once its reply stands in the outbox: notifications put there come after it."""
 
     result: Any
     then: Callable[[], None]
@@ -123,7 +124,7 @@ class RpcSession:
     def __post_init__(self) -> None:
         self._peer = Peer()
         self._calls = Calls(self._peer)
-        self._violations = 0
+        self._violations = Tally(_log, "protocol violations")
         self._slots = asyncio.Semaphore(MAX_RUNNING_REQUESTS)
         self._closed: StreamClosed | None = None
 
@@ -169,15 +170,9 @@ class RpcSession:
                 case protocol.ErrorResponse() as refusal:
                     self._calls.refuse(refusal)
                 case protocol.Violation(reason, answer):
-                    self._note_violation(reason)
+                    self._violations.note(reason)
                     if answer is not None:
                         self._put(answer)
-
-    def _note_violation(self, reason: str) -> None:
-        self._violations += 1
-        if self._violations.bit_count() == 1:
-            # Powers of two: the first is reported at once, a flood seldom.
-            _log.info("protocol violation, %d so far: %s", self._violations, reason)
 
     async def _write(self) -> None:
         while True:
@@ -202,7 +197,6 @@ class RpcSession:
             answer = Peer.error(request.id, protocol.METHOD_NOT_FOUND, "Method not found")
         except Exception:
             _log.exception("%s failed", request.method)
-            then = None
             answer = Peer.error(request.id, protocol.INTERNAL_ERROR, "Internal error")
         finally:
             self._slots.release()
@@ -232,7 +226,7 @@ class RpcSession:
         try:
             handler(params)
         except ValidationError:
-            self._note_violation(f"the params of the notification {name} do not fit")
+            self._violations.note(f"the params of the notification {name} do not fit")
         except Exception:
             _log.exception("the notification %s could not be taken", name)
 

@@ -1,13 +1,17 @@
 """The extension calls of many applications over one connection: each carries the `client_id` of its application."""
 
+import logging
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any, Final
 
 from openrois.contract import Client
 from openrois.errors import ComponentFailed
 from openrois.jsonrpc.session import NotificationHandler
+from openrois.logs import Tally
 
 __all__ = ["CLIENT_GONE", "EXTENSION_METHODS", "EXTENSION_NOTIFICATIONS", "RemoteExtension"]
+
+_log = logging.getLogger(__name__)
 
 EXTENSION_METHODS: Final = (
     "rois.stream.connect_stream",
@@ -37,26 +41,43 @@ class RemoteExtension:
     """The extension of a remote engine; an `Extension`.
 
     Args:
-        ask: asks the other side and returns the result as it came.
+        ask: asks the other side and returns the result as it came; one that comes after the asking was given up goes to
+            its third argument.
+        post: asks the other side and drops the answer.
         notify: tells the other side.
+        is_theirs: tells whether a reference or id belongs to an engine of the other side.
     """
 
     def __init__(
         self,
-        ask: Callable[[str, Mapping[str, Any]], Awaitable[Any]],
+        ask: Callable[[str, Mapping[str, Any], Callable[[Any], None]], Awaitable[Any]],
+        post: Callable[[str, Mapping[str, Any]], None],
         notify: Callable[[str, Mapping[str, Any]], None],
+        is_theirs: Callable[[str], bool],
     ) -> None:
         self._ask = ask
+        self._post = post
         self._notify = notify
+        self._is_theirs = is_theirs
         self._clients: dict[str, Client] = {}
+        self._foreign = Tally(_log, "notifications that name a reference or id of another engine")
 
     async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
         """Ask for an application; from the first call on it is told what the other side says to it."""
         self._clients[client.client_id] = client
-        result = await self._ask(method, {**params, "client_id": client.client_id})
+        result = await self._ask(
+            method,
+            {**params, "client_id": client.client_id},
+            lambda late: self._end_late_stream(late, client.client_id),
+        )
         if not isinstance(result, dict):
             raise ComponentFailed(f"the engine's answer to {method} is not an object")
         return result
+
+    def _end_late_stream(self, result: Any, client_id: str) -> None:
+        """End a stream that was connected after nobody waited for it any more: its id is known to nobody else."""
+        if isinstance(result, dict) and isinstance(stream_id := result.get("stream_id"), str) and stream_id:
+            self._post("rois.stream.disconnect_stream", {"stream_id": stream_id, "client_id": client_id})
 
     async def forget(self, client_id: str) -> None:
         """Tell the other side that an application is gone, if it was ever heard of there."""
@@ -70,8 +91,13 @@ class RemoteExtension:
     def _passing(self, name: str) -> NotificationHandler:
         def take(params: dict[str, Any]) -> None:
             client = self._clients.get(str(params.pop("client_id", "")))
-            if client is not None:
+            if client is None:
+                return
+            named = (params[key] for key in ("component_ref", "stream_id", "peer_id") if key in params)
+            if all(isinstance(reference, str) and self._is_theirs(reference) for reference in named):
                 client.notify(name, params)
+            else:
+                self._foreign.note(name)
 
         return take
 

@@ -12,6 +12,7 @@ from openrois.contract import Directory, Event, Extension, Sink, SubscriptionLos
 from openrois.errors import Aborted, ComponentFailed, EngineUnreachable, OutOfResources, RoISError, TimedOut, error_for
 from openrois.jsonrpc import protocol
 from openrois.jsonrpc.session import NotificationHandler, RpcError, RpcSession, SessionClosed
+from openrois.logs import Tally
 from openrois.remote.extension import RemoteExtension
 from openrois.remote.subscriptions import SharedSubscriptions
 from openrois.types.codes import CompletedStatus, ReturnCode
@@ -38,6 +39,9 @@ _log = logging.getLogger(__name__)
 
 Outcome = TypeVar("Outcome", bound=ReturnResult)
 
+_Ended = asyncio.Future[CompletedStatus | None]
+"""How a command ended; None where the engine went away first."""
+
 _FAILED: Final[dict[CompletedStatus, type[RoISError]]] = {
     CompletedStatus.ABORT: Aborted,
     CompletedStatus.OUT_OF_RESOURCES: OutOfResources,
@@ -57,10 +61,11 @@ class RemoteProxy:
         self.extension: Extension | None = None
         self._session = session
         self._profile_changed = profile_changed
-        self._remote_extension = RemoteExtension(self._ask_raw, session.notify)
+        self._remote_extension = RemoteExtension(self._ask_for, session.post, session.notify, self._is_theirs)
         self._directory: Directory | None = None
-        self._commands: dict[str, asyncio.Future[CompletedStatus]] = {}
-        self._subscriptions = SharedSubscriptions(self._subscribe, self._unsubscribe)
+        self._commands: dict[str, _Ended] = {}
+        self._subscriptions = SharedSubscriptions(self._subscribe, self._unsubscribe, self._drop_subscription)
+        self._misfits = Tally(_log, "events that do not fit their subscription")
         self._lost = False
 
     def notifications(self) -> dict[str, NotificationHandler]:
@@ -68,7 +73,7 @@ class RemoteProxy:
         return {
             "rois.command.completed": self._take_completed,
             "rois.event.notify_event": self._take_event,
-            "rois.system.profile_changed": lambda _params: self._profile_changed(),
+            "rois.system.profile_changed": self._take_profile_changed,
             **self._remote_extension.notifications(),
         }
 
@@ -80,6 +85,7 @@ class RemoteProxy:
         if self._directory is None:
             await self._hello()
         self._directory = Directory(result.profile, result.component_profiles)
+        self._subscriptions.keep_only(result.component_profiles, SubscriptionLost("the component is gone"))
         return self._directory
 
     async def _hello(self) -> None:
@@ -105,7 +111,7 @@ class RemoteProxy:
         self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = ()
     ) -> tuple[Result, ...]:
         """Run a command and wait until the other side says that it has ended."""
-        ended: asyncio.Future[CompletedStatus] = asyncio.get_running_loop().create_future()
+        ended: _Ended = asyncio.get_running_loop().create_future()
         command_id = secrets.token_hex(16)
         try:
             if command_type == "set_parameter":
@@ -126,16 +132,18 @@ class RemoteProxy:
             status = await ended
         finally:
             self._commands.pop(command_id, None)
+        if status is None:
+            raise EngineUnreachable(f"the engine went away during {command_type} of {component_ref}")
         if status is not CompletedStatus.OK:
             raise _failure(status, f"{command_type} of {component_ref} ended {status}")
         return await self._command_results(component_ref, command_type, command_id)
 
-    async def _set_parameter(
-        self, component_ref: str, arguments: tuple[Argument, ...], ended: asyncio.Future[CompletedStatus]
-    ) -> str:
+    async def _set_parameter(self, component_ref: str, arguments: tuple[Argument, ...], ended: _Ended) -> str:
         def accepted(result: SetParameterResult) -> None:
             # The id is the other side's: it is known from here on, before its `completed` can be looked at.
             self._check_id(result.command_id)
+            if result.command_id in self._commands:
+                raise ComponentFailed(f"the engine minted the id {result.command_id[:200]!r} twice")
             self._commands[result.command_id] = ended
 
         params = {
@@ -170,12 +178,19 @@ class RemoteProxy:
             self._check_id(result.subscribe_id)
             register(result.subscribe_id)
 
+        def too_late(result: Any) -> None:
+            self._drop_subscription(_read("rois.event.subscribe", result, SubscribeResult).subscribe_id)
+
         params = {"event_type": event_type, "condition": _only(component_ref)}
-        await self._ask("rois.event.subscribe", params, SubscribeResult, accepted)
+        await self._ask("rois.event.subscribe", params, SubscribeResult, accepted, too_late)
 
     async def _unsubscribe(self, remote_id: str) -> None:
         if not self._lost:
             await self._ask("rois.event.unsubscribe", {"subscribe_id": remote_id}, ReturnResult)
+
+    def _drop_subscription(self, remote_id: str) -> None:
+        if remote_id:
+            self._session.post("rois.event.unsubscribe", {"subscribe_id": remote_id})
 
     def lost(self, reason: str) -> None:
         """Say that the connection has ended: whatever waits fails, and every subscriber is told, once."""
@@ -183,7 +198,7 @@ class RemoteProxy:
         self.extension = None
         for ended in self._commands.values():
             if not ended.done():
-                ended.set_exception(EngineUnreachable(reason))
+                ended.set_result(None)
         self._subscriptions.lost(SubscriptionLost(reason))
         self._remote_extension.lost()
 
@@ -192,9 +207,16 @@ class RemoteProxy:
             raise EngineUnreachable("the connection to the engine has ended")
 
     def _check_id(self, minted: str) -> None:
-        known = self._directory.profile.engine_ids() if self._directory is not None else ()
-        if engine_of(minted) not in known:
+        if not self._is_theirs(minted):
             raise ComponentFailed(f"the engine minted the id {minted[:200]!r}, which does not begin with its own")
+
+    def _is_theirs(self, reference: str) -> bool:
+        known = self._directory.profile.engine_ids() if self._directory is not None else ()
+        return engine_of(reference) in known
+
+    def _take_profile_changed(self, _params: dict[str, Any]) -> None:
+        self._subscriptions.tree_changed()
+        self._profile_changed()
 
     def _take_completed(self, params: dict[str, Any]) -> None:
         completed = Completed.model_validate(params)
@@ -204,13 +226,12 @@ class RemoteProxy:
 
     def _take_event(self, params: dict[str, Any]) -> None:
         told = EventNotification.model_validate(params)
-        self._check_id(told.event_id)
         key = self._subscriptions.key_of(told.subscribe_id)
         if key is None:
             return
         component_ref, event_type = key
-        if told.event_type != event_type:
-            _log.info("an event of type %r came for a subscription to %r", told.event_type, event_type)
+        if told.event_type != event_type or not self._is_theirs(told.event_id):
+            self._misfits.note(f"one of type {told.event_type[:80]!r} for a subscription to {event_type!r}")
             return
         event = Event(told.event_id, event_type, component_ref, told.expire, told.results)
         self._subscriptions.emit(key, event)
@@ -221,6 +242,7 @@ class RemoteProxy:
         params: Mapping[str, Any],
         model: type[Outcome],
         accepted: Callable[[Outcome], None] | None = None,
+        too_late: Callable[[Any], None] | None = None,
     ) -> Outcome:
         """Ask, check the answer, and raise what its return code stands for."""
 
@@ -229,17 +251,24 @@ class RemoteProxy:
             if accepted is not None and checked.return_code is ReturnCode.OK:
                 accepted(checked)
 
-        checked = _read(name, await self._ask_raw(name, params, on_result), model)
+        checked = _read(name, await self._ask_raw(name, params, on_result, too_late), model)
         if checked.return_code is not ReturnCode.OK:
             raise error_for(checked.return_code, f"the engine answered {name} with {checked.return_code}")
         return checked
 
+    async def _ask_for(self, name: str, params: Mapping[str, Any], too_late: Callable[[Any], None]) -> Any:
+        return await self._ask_raw(name, params, None, too_late)
+
     async def _ask_raw(
-        self, name: str, params: Mapping[str, Any], on_result: Callable[[Any], None] | None = None
+        self,
+        name: str,
+        params: Mapping[str, Any],
+        on_result: Callable[[Any], None] | None,
+        too_late: Callable[[Any], None] | None,
     ) -> Any:
         self._require_connected()
         try:
-            return await self._session.call(name, params, on_result=on_result)
+            return await self._session.call(name, params, on_result=on_result, on_late=too_late)
         except TimeoutError:
             raise TimedOut(f"the engine did not answer {name} in time") from None
         except SessionClosed as closed:

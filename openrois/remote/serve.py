@@ -5,16 +5,25 @@ from typing import Any, Final
 
 from openrois.application import ApplicationSession, EngineHost
 from openrois.contract import Client
-from openrois.errors import RoISError
+from openrois.errors import Aborted, RoISError
 from openrois.interfaces import base_methods
-from openrois.jsonrpc.session import Handler, InvalidParams, NotificationHandler, RpcSession, method
+from openrois.jsonrpc.session import Handler, InvalidParams, NotificationHandler, Reply, RpcSession, method
+from openrois.lost_streams import lost_streams
+from openrois.ordering import ReplyFirst
 from openrois.remote.extension import CLIENT_GONE, EXTENSION_METHODS
 from openrois.transport.stream import MessageStream, StreamClosed
-from openrois.types.streams import HelloParams, HelloResult
+from openrois.types.codes import StreamStatus
+from openrois.types.references import engine_of
+from openrois.types.streams import STREAM_METHODS, HelloParams, HelloResult, StreamStatusNotification, subject_of
 
 __all__ = ["serve_engine"]
 
 STREAM_GRACE: Final = 10.0
+"""Seconds for which streams go on when the connection to the parent has ended."""
+
+_CONNECT: Final = STREAM_METHODS["connect_stream"]
+_DISCONNECT: Final = STREAM_METHODS["disconnect_stream"]
+_ENDED: Final = StreamStatus.STREAMING_NOT_CONNECTED.value
 
 
 async def serve_engine(host: EngineHost, stream: MessageStream) -> StreamClosed:
@@ -42,7 +51,10 @@ class _ServedExtension:
     def __init__(self, host: EngineHost, notify: Callable[[str, Mapping[str, Any]], None]) -> None:
         self._host = host
         self._notify = notify
+        self._order = ReplyFirst()
         self._clients: dict[str, Client] = {}
+        self._streams: dict[str, tuple[str, str]] = {}
+        self._stop_listening = host.engine.on_change(self._tree_changed)
 
     def methods(self) -> dict[str, Handler]:
         """Return `openrois.hello` and the extension methods."""
@@ -57,33 +69,73 @@ class _ServedExtension:
 
         def client_gone(params: dict[str, Any]) -> None:
             client_id = str(params.get("client_id"))
-            if self._clients.pop(client_id, None) is not None:
+            if self._forget(client_id):
                 self._host.tasks.start(self._host.engine.extension.forget(client_id))
 
         return {CLIENT_GONE: client_gone}
 
     def _calling(self, name: str) -> Handler:
-        async def call(params: dict[str, Any]) -> dict[str, Any]:
+        async def call(params: dict[str, Any]) -> Reply:
             client_id = params.pop("client_id", None)
             if not isinstance(client_id, str) or not client_id:
                 raise InvalidParams([{"path": "client_id", "message": "the application's client_id is missing"}])
-            client = self._clients.setdefault(client_id, Client(client_id, self._notifying(client_id)))
+            replied = self._order.asked((client_id, engine_of(subject_of(params))))
             try:
-                return await self._host.engine.extension.call(name, params, client)
-            except RoISError as error:
-                return {"return_code": error.return_code.value}
+                return Reply(await self._call(name, params, client_id), replied)
+            except BaseException:
+                replied()
+                raise
 
         return call
 
+    async def _call(self, name: str, params: dict[str, Any], client_id: str) -> dict[str, Any]:
+        client = self._clients.get(client_id)
+        if client is None:
+            client = Client(client_id, self._notifying(client_id))
+            if name == _CONNECT:
+                self._clients[client_id] = client
+        extension = self._host.engine.extension
+        try:
+            result = await extension.call(name, params, client)
+        except RoISError as error:
+            return {"return_code": error.return_code.value}
+        if name == _CONNECT and self._clients.get(client_id) is not client:
+            # The application went while its stream was made: the engine has to be told again.
+            await extension.forget(client_id)
+            return {"return_code": Aborted.return_code.value}
+        self._note_stream(name, params, result, client_id)
+        return result
+
+    def _note_stream(self, name: str, params: Mapping[str, Any], result: Mapping[str, Any], client_id: str) -> None:
+        if name == _CONNECT and result.get("stream_id"):
+            self._streams[str(result["stream_id"])] = (client_id, subject_of(params))
+        elif name == _DISCONNECT:
+            self._streams.pop(subject_of(params), None)
+
     def _notifying(self, client_id: str) -> Callable[[str, Mapping[str, Any]], None]:
         def notify(name: str, params: Mapping[str, Any]) -> None:
-            self._notify(name, {**params, "client_id": client_id})
+            told = {**params, "client_id": client_id}
+            if name == StreamStatusNotification.method and params.get("status") == _ENDED:
+                self._streams.pop(str(params.get("stream_id")), None)
+            self._order.tell((client_id, engine_of(subject_of(params))), lambda: self._notify(name, told))
 
         return notify
 
+    def _tree_changed(self) -> None:
+        components = {stream_id: component_ref for stream_id, (_, component_ref) in self._streams.items()}
+        for notice in lost_streams(components, self._host.engine.directory, self._host.wall_clock()):
+            client_id, _ = self._streams.pop(notice.stream_id)
+            self._notify(notice.method, {**notice.model_dump(mode="json"), "client_id": client_id})
+
+    def _forget(self, client_id: str) -> bool:
+        """Drop what is noted of an application and tell whether it was known."""
+        self._streams = {key: owned for key, owned in self._streams.items() if owned[0] != client_id}
+        return self._clients.pop(client_id, None) is not None
+
     async def close(self) -> None:
         """End the streams of every application of the parent, after the grace."""
+        self._stop_listening()
         await self._host.sleep(STREAM_GRACE)
-        clients, self._clients = self._clients, {}
-        for client_id in clients:
+        for client_id in tuple(self._clients):
+            self._forget(client_id)
             await self._host.engine.extension.forget(client_id)

@@ -2,10 +2,11 @@
 
 import asyncio
 import secrets
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Collection
 from dataclasses import dataclass, field
 
 from openrois.contract import Event, Sink, SubscriptionLost
+from openrois.errors import ComponentFailed
 
 __all__ = ["SharedSubscriptions"]
 
@@ -15,11 +16,15 @@ Key = tuple[str, str]
 
 @dataclass(slots=True)
 class _Shared:
-    """One subscription on the other side; `remote_id` is empty until the other side has answered."""
+    """One subscription on the other side; `remote_id` is empty until the other side has answered.
+
+    A `stale` one may have been dropped there, when the engine behind the other side went away and came back.
+    """
 
     key: Key
     sinks: dict[str, Sink] = field(default_factory=dict)
     remote_id: str = ""
+    stale: bool = False
     lock: asyncio.Lock = field(default_factory=asyncio.Lock)
 
 
@@ -30,15 +35,18 @@ class SharedSubscriptions:
         subscribe: subscribes on the other side; calls its second argument with the other side's id as soon as that is
             known, before any event can be looked at.
         unsubscribe: ends the subscription with the given id on the other side.
+        drop: does the same without waiting.
     """
 
     def __init__(
         self,
         subscribe: Callable[[Key, Callable[[str], None]], Awaitable[None]],
         unsubscribe: Callable[[str], Awaitable[None]],
+        drop: Callable[[str], None],
     ) -> None:
         self._subscribe = subscribe
         self._unsubscribe = unsubscribe
+        self._drop = drop
         self._by_key: dict[Key, _Shared] = {}
         self._by_remote_id: dict[str, _Shared] = {}
         self._by_id: dict[str, _Shared] = {}
@@ -51,16 +59,29 @@ class SharedSubscriptions:
         self._by_id[subscribe_id] = shared
         try:
             async with shared.lock:
-                if not shared.remote_id:
+                if not shared.remote_id or shared.stale:
                     await self._subscribe(key, lambda remote_id: self._register(shared, remote_id))
         except BaseException:
             self._drop_sink(shared, subscribe_id)
+            self._drop_unheard(shared)
             raise
         return subscribe_id
 
     def _register(self, shared: _Shared, remote_id: str) -> None:
-        shared.remote_id = remote_id
+        if remote_id in self._by_remote_id:
+            raise ComponentFailed(f"the engine minted the id {remote_id[:200]!r} twice")
+        former, shared.remote_id, shared.stale = shared.remote_id, remote_id, False
         self._by_remote_id[remote_id] = shared
+        if former:
+            del self._by_remote_id[former]
+            self._drop(former)
+
+    def _drop_unheard(self, shared: _Shared) -> None:
+        """End the subscription of somebody who was cancelled just when the other side had answered."""
+        if shared.remote_id and not shared.sinks and not shared.lock.locked():
+            del self._by_remote_id[shared.remote_id]
+            self._drop(shared.remote_id)
+            shared.remote_id = ""
 
     async def remove(self, subscribe_id: str) -> None:
         """Take a sink away, unsubscribing on the other side if it was the last; an unknown id is ignored."""
@@ -91,6 +112,24 @@ class SharedSubscriptions:
         if shared is not None:
             for sink in tuple(shared.sinks.values()):
                 sink(event)
+
+    def tree_changed(self) -> None:
+        """Say that any subscription may have been dropped on the other side: the next to come subscribes anew."""
+        for shared in self._by_key.values():
+            shared.stale = True
+
+    def keep_only(self, component_refs: Collection[str], notice: SubscriptionLost) -> None:
+        """Tell the sinks of components that are no longer there that nothing more will come, and forget them."""
+        gone = [shared for shared in self._by_key.values() if shared.key[0] not in component_refs]
+        for shared in gone:
+            del self._by_key[shared.key]
+            if self._by_remote_id.pop(shared.remote_id, None) is not None:
+                self._drop(shared.remote_id)
+                shared.remote_id = ""
+            sinks, shared.sinks = shared.sinks, {}
+            for subscribe_id, sink in sinks.items():
+                self._by_id.pop(subscribe_id, None)
+                sink(notice)
 
     def lost(self, notice: SubscriptionLost) -> None:
         """Tell every sink that nothing more will come, and forget them."""

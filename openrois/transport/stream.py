@@ -2,7 +2,9 @@
 
 from typing import Protocol
 
-__all__ = ["MessageStream", "StreamClosed"]
+__all__ = ["MessageStream", "StreamClosed", "close_reason"]
+
+_MAX_REASON = 123
 
 
 class StreamClosed(Exception):
@@ -48,3 +50,8 @@ class MessageStream(Protocol):
     def abort(self) -> None:
         """End the stream at once, without a word: the other side may not be reading. Idempotent."""
         ...
+
+
+def close_reason(text: str) -> str:
+    """Return `text` cut to what fits into a close frame: 123 bytes of UTF-8 (RFC 6455, 5.5), whole characters."""
+    return text.encode(errors="replace")[:_MAX_REASON].decode(errors="ignore")

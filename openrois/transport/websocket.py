@@ -7,7 +7,7 @@ from typing import Final
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed
 
-from openrois.transport.stream import StreamClosed
+from openrois.transport.stream import StreamClosed, close_reason
 
 __all__ = ["WebSocketStream", "dial"]
 
@@ -46,7 +46,7 @@ class WebSocketStream:
 
     async def close(self, code: int = 1000, reason: str = "") -> None:
         """Close with the closing handshake, for at most a second."""
-        await self._connection.close(code, reason)
+        await self._connection.close(code, close_reason(reason))
 
     def abort(self) -> None:
         """Cut the connection."""

@@ -4,7 +4,8 @@ The streaming verbs are the Streaming Interface (clause 8.2.2.5, table 8.6) as m
 and its sub-engine they carry `client_id` as well, because there one connection speaks for many applications.
 """
 
-from typing import Annotated, ClassVar
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar
 
 from pydantic import Field
 
@@ -23,6 +24,7 @@ __all__ = [
     "StreamParams",
     "StreamStatusNotification",
     "StreamStatusResult",
+    "subject_of",
 ]
 
 EXTENSION_VERSION = "1"
@@ -86,3 +88,9 @@ class StreamStatusNotification(Model):
     component_ref: str
     status: Annotated[StreamStatus, Field(strict=False)]
     timestamp: str
+
+
+def subject_of(params: Mapping[str, Any]) -> str:
+    """Return the reference or id that says which engine a message of an extension is about; empty where none does."""
+    subject = next((params[name] for name in ("component_ref", "stream_id", "peer_id") if name in params), "")
+    return subject if isinstance(subject, str) else ""
