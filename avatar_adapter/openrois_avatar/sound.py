@@ -1,0 +1,187 @@
+"""What the avatar is heard to say and do: the engine's own sound and the speech, mixed on the media clock."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from collections import deque
+from collections.abc import AsyncGenerator, AsyncIterator
+from contextlib import aclosing, asynccontextmanager
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from openrois_streaming.clock import MediaClock
+from openrois_streaming.source import SAMPLE_RATE, RawAudio
+
+from openrois_avatar.jitter import BLOCK, SEAM, JitterBuffer
+
+BLOCKS_PER_SECOND: Final = SAMPLE_RATE // BLOCK
+LEAD_BLOCKS: Final = 2
+"""Blocks between now and the earliest start of speech: 40 to 60 ms in which the engine learns how to move the mouth."""
+KEPT_BLOCKS: Final = 10
+"""Blocks that a late reader still gets; they are 0.2 s."""
+MAX_QUEUED: Final = 32
+"""Speeches that may wait for their turn."""
+
+_FALL: Final = 1 - (np.arange(SEAM, dtype=np.float32) + 0.5) / SEAM
+
+
+class SoundBusy(Exception):
+    """More speech waits than is sensible."""
+
+
+class Playback:
+    """A speech with its place in time. Times are seconds of the media clock and do not change, but for `stop`.
+
+    It advances by the clock, whether or not anybody listens.
+    """
+
+    def __init__(self, sound: AvatarSound, samples: NDArray[np.int16], first: int) -> None:
+        """`first` is the number of the first sample since the clock's zero. Use `AvatarSound.play`."""
+        self._sound = sound
+        self._samples = samples
+        self._first = first
+        self._cut: int | None = None
+        self._stopped = asyncio.Event()
+
+    @property
+    def start(self) -> float:
+        """When the first sample is due."""
+        return self._first / SAMPLE_RATE
+
+    @property
+    def start_ns(self) -> int:
+        """`start` in nanoseconds of CLOCK_MONOTONIC, as the engine link wants it."""
+        return round(self._first * 1_000_000_000 / SAMPLE_RATE)
+
+    @property
+    def end(self) -> float:
+        """When the last sample has been due."""
+        return self.last / SAMPLE_RATE
+
+    @property
+    def last(self) -> int:
+        """The number of the sample after its last one."""
+        end = self._first + len(self._samples)
+        if self._cut is None:
+            return end
+        return min(end, self._cut + SEAM) if self._cut > self._first else self._first
+
+    async def ended(self) -> bool:
+        """Wait until the last sample has been due, or it is stopped; any number of tasks may wait.
+
+        Returns:
+            True if it was played to its end, False if it was stopped.
+        """
+        clock = self._sound.clock
+        waiting = asyncio.create_task(clock.sleep_until(self.end)), asyncio.create_task(self._stopped.wait())
+        try:
+            await asyncio.wait(waiting, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            for task in waiting:
+                task.cancel()
+        return not self._stopped.is_set()
+
+    def stop(self) -> None:
+        """Fade it out within the next 5 ms that are not handed out yet; what is over stays as it is."""
+        cut = self._sound.next_sample()
+        if cut < self.last and self._cut is None:
+            self._cut = cut
+            self._stopped.set()
+
+    def mix_into(self, mixed: NDArray[np.int32], begin: int) -> None:
+        """Add what sounds from sample `begin` on to `mixed`, shape (n, channels)."""
+        first, last = max(begin, self._first), min(begin + len(mixed), self.last)
+        if first >= last:
+            return
+        part = self._samples[first - self._first : last - self._first].astype(np.int32)
+        if self._cut is not None and last > self._cut:
+            fading = part[max(0, self._cut - first) :]
+            reached = max(first, self._cut) - self._cut
+            fading[:] = fading * _FALL[reached : reached + len(fading)]
+        mixed[first - begin : last - begin] += part[:, np.newaxis]
+
+
+class AvatarSound:
+    """The avatar's sound as one `MediaSource`: blocks of 20 ms at 48 kHz, each when its first sample is due.
+
+    The blocks lie on a grid that the media clock alone gives (multiples of 20 ms), so opening, closing and late readers
+    do not move anything: speech is consumed by time, not by readers. A reader that is late by up to 0.2 s loses
+    nothing, one that is later misses blocks. Without an engine, and without speech, there is silence at the same pace.
+
+    Args:
+        clock: the media clock, also the engine's.
+        channels: 1 or 2.
+    """
+
+    def __init__(self, clock: MediaClock, channels: int = 1) -> None:
+        self.clock = clock
+        self._channels = channels
+        self._engine = JitterBuffer(channels)
+        self._playbacks: deque[Playback] = deque()
+        self._next_block: int | None = None
+
+    @asynccontextmanager
+    async def open(self) -> AsyncIterator[AsyncIterator[RawAudio]]:
+        """Yield the blocks from now on; they do not end."""
+        self._engine.clear()
+        self._next_block = self._now() + 1
+        try:
+            async with aclosing(self._blocks(self._next_block)) as blocks:
+                yield blocks
+        finally:
+            self._next_block = None
+
+    def feed(self, sound: RawAudio) -> None:
+        """Take the engine's own sound, as much as comes; it is heard about 60 ms later, and lost if nobody listens."""
+        if self._next_block is not None:
+            self._engine.put(sound.samples)
+
+    def play(self, samples: NDArray[np.int16]) -> Playback:
+        """Say `samples` (mono, 48 kHz) as soon as everything before them is said, 40 to 60 ms from now at the earliest.
+
+        Raises:
+            SoundBusy: `MAX_QUEUED` speeches wait already.
+        """
+        self._forget_before(self.next_sample())
+        if len(self._playbacks) >= MAX_QUEUED:
+            raise SoundBusy(f"{MAX_QUEUED} speeches wait already")
+        earliest = (self._now() + 1 + LEAD_BLOCKS) * BLOCK
+        playback = Playback(self, samples, max([earliest, *(before.last for before in self._playbacks)]))
+        self._playbacks.append(playback)
+        return playback
+
+    def stop(self) -> None:
+        """Stop every speech: what sounds fades out within 5 ms, what waits is not said."""
+        for playback in self._playbacks:
+            playback.stop()
+
+    def next_sample(self) -> int:
+        """The number, since the clock's zero, of the first sample that is not handed out yet."""
+        following = self._now() + 1 if self._next_block is None else self._next_block
+        return following * BLOCK
+
+    def _now(self) -> int:
+        """The number of the block that is due now."""
+        return math.floor(self.clock.now() * BLOCKS_PER_SECOND)
+
+    async def _blocks(self, number: int) -> AsyncGenerator[RawAudio, None]:
+        while True:
+            await self.clock.sleep_until(number / BLOCKS_PER_SECOND)
+            number = max(number, self._now() - KEPT_BLOCKS)
+            self._next_block = number + 1
+            yield RawAudio(self._mix(number * BLOCK), number / BLOCKS_PER_SECOND)
+            number += 1
+
+    def _mix(self, begin: int) -> NDArray[np.int16]:
+        self._forget_before(begin)
+        mixed = self._engine.take().astype(np.int32)
+        for playback in self._playbacks:
+            playback.mix_into(mixed, begin)
+        return np.clip(mixed, -32_768, 32_767).astype(np.int16)
+
+    def _forget_before(self, begin: int) -> None:
+        """Drop the speeches of which nothing is left to hand out."""
+        while self._playbacks and self._playbacks[0].last <= begin:
+            self._playbacks.popleft()

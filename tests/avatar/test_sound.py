@@ -1,0 +1,234 @@
+import asyncio
+from collections.abc import AsyncIterator
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from openrois_avatar.jitter import BLOCK, SEAM
+from openrois_avatar.sound import KEPT_BLOCKS, MAX_QUEUED, AvatarSound, SoundBusy
+from openrois_streaming.source import RawAudio
+
+from tests.support.streaming import VirtualClock, settle
+
+START = 1000.005
+"""Within block 50,000, so that 50,001 is the next."""
+
+
+@pytest.fixture
+def clock() -> VirtualClock:
+    return VirtualClock(now=START)
+
+
+def constant(value: int, samples: int) -> NDArray[np.int16]:
+    return np.full(samples, value, np.int16)
+
+
+class Listener:
+    """Reads an open source and keeps everything."""
+
+    def __init__(self, blocks: AsyncIterator[RawAudio]) -> None:
+        self.blocks: list[RawAudio] = []
+        self._task = asyncio.create_task(self._read(blocks))
+
+    async def _read(self, blocks: AsyncIterator[RawAudio]) -> None:
+        async for block in blocks:
+            self.blocks.append(block)
+
+    @property
+    def sound(self) -> NDArray[np.int16]:
+        return np.concatenate([block.samples for block in self.blocks])[:, 0]
+
+    def value_at(self, moment: float) -> int:
+        """The sample that is due at `moment`."""
+        index = round((moment - self.blocks[0].captured_at) * 48_000)
+        return int(self.sound[index])
+
+    async def stop(self) -> None:
+        self._task.cancel()
+        await asyncio.wait({self._task})
+
+
+async def test_without_anything_there_is_silence_at_a_steady_pace(clock: VirtualClock) -> None:
+    sound = AvatarSound(clock)
+    async with sound.open() as blocks:
+        listener = Listener(blocks)
+        await settle()
+        assert listener.blocks == []
+        await clock.advance(0.016)
+        assert [block.captured_at for block in listener.blocks] == [1000.02]
+        await clock.advance(1.0)
+        moments = [block.captured_at for block in listener.blocks]
+        assert moments == pytest.approx([1000.02 + 0.02 * number for number in range(51)])
+        assert not listener.sound.any()
+        assert all(block.samples.shape == (BLOCK, 1) for block in listener.blocks)
+        await listener.stop()
+
+
+async def test_speech_starts_when_it_said_and_ends_with_its_last_sample(clock: VirtualClock) -> None:
+    sound = AvatarSound(clock, channels=2)
+    async with sound.open() as blocks:
+        listener = Listener(blocks)
+        playback = sound.play(constant(5000, 4810))
+        assert playback.start == pytest.approx(1000.06)
+        assert playback.start_ns == 1_000_060_000_000
+        assert playback.end == pytest.approx(1000.06 + 4810 / 48_000)
+        ended = asyncio.create_task(playback.ended())
+        await clock.advance(playback.end - START - 0.0001)
+        assert not ended.done()
+        await clock.advance(0.0001)
+        assert await ended
+        await clock.advance(0.04)
+        first = round((playback.start - listener.blocks[0].captured_at) * 48_000)
+        assert listener.blocks[0].samples.shape == (BLOCK, 2)
+        expected = np.zeros(len(listener.sound), np.int16)
+        expected[first : first + 4810] = 5000
+        np.testing.assert_array_equal(listener.sound, expected)
+        await listener.stop()
+
+
+async def test_speeches_follow_each_other_without_a_gap(clock: VirtualClock) -> None:
+    sound = AvatarSound(clock)
+    async with sound.open() as blocks:
+        listener = Listener(blocks)
+        first, second = sound.play(constant(100, 1000)), sound.play(constant(200, 500))
+        assert second.start == first.end
+        await clock.advance(0.5)
+        third = sound.play(constant(300, 100))
+        assert third.start == pytest.approx(1000.56)
+        await clock.advance(0.2)
+        heard = listener.sound[listener.sound > 0]
+        np.testing.assert_array_equal(heard, [100] * 1000 + [200] * 500 + [300] * 100)
+        await listener.stop()
+
+
+async def test_speech_passes_by_the_clock_when_nobody_listens(clock: VirtualClock) -> None:
+    sound = AvatarSound(clock)
+    playback = sound.play(constant(100, 48_000))
+    ended = asyncio.create_task(playback.ended())
+    await clock.advance(0.5)
+    async with sound.open() as blocks:
+        listener = Listener(blocks)
+        await clock.advance(0.7)
+        assert (listener.sound == 100).sum() == pytest.approx((playback.end - 1000.52) * 48_000)
+        await listener.stop()
+    assert await ended
+    assert await playback.ended()
+
+
+async def test_stopping_fades_within_five_milliseconds(clock: VirtualClock) -> None:
+    sound = AvatarSound(clock)
+    async with sound.open() as blocks:
+        listener = Listener(blocks)
+        playback, queued = sound.play(constant(10_000, 48_000)), sound.play(constant(7, 48_000))
+        endings = asyncio.gather(playback.ended(), queued.ended())
+        await clock.advance(0.2)
+        sound.stop()
+        assert list(await endings) == [False, False]
+        cut = 1000.22
+        assert playback.end == pytest.approx(cut + 0.005)
+        sound.stop()
+        await clock.advance(1.0)
+        assert listener.value_at(cut - 1 / 48_000) == 10_000
+        assert 4_500 < listener.value_at(cut + 0.0025) < 5_500
+        assert listener.value_at(cut + 0.005) == 0
+        steps = np.abs(np.diff(listener.sound[BLOCK * 4 :].astype(int)))
+        assert steps.max() <= 10_000 / SEAM + 1
+        assert 7 not in listener.sound[-BLOCK:]
+        await listener.stop()
+
+
+async def test_what_is_over_cannot_be_stopped(clock: VirtualClock) -> None:
+    sound = AvatarSound(clock)
+    playback = sound.play(constant(1, 480))
+    await clock.advance(1)
+    playback.stop()
+    assert await playback.ended()
+
+
+async def test_what_has_not_begun_is_never_heard(clock: VirtualClock) -> None:
+    sound = AvatarSound(clock)
+    async with sound.open() as blocks:
+        listener = Listener(blocks)
+        short, following = sound.play(constant(100, 2 * BLOCK + 100)), sound.play(constant(7, 1000))
+        await clock.advance(short.start - START + 0.021)
+        following.stop()
+        assert not await following.ended()
+        await clock.advance(1)
+        assert set(listener.sound) == {0, 100}
+        assert await short.ended()
+        await listener.stop()
+
+
+async def test_an_empty_speech_ends_at_once(clock: VirtualClock) -> None:
+    sound = AvatarSound(clock)
+    playback = sound.play(constant(0, 0))
+    await clock.advance(0.06)
+    assert await playback.ended()
+    assert sound.play(constant(0, 10)).start > playback.end
+
+
+async def test_the_queue_is_bounded_and_forgets_what_is_over(clock: VirtualClock) -> None:
+    sound = AvatarSound(clock)
+    for _ in range(MAX_QUEUED):
+        sound.play(constant(1, 480))
+    with pytest.raises(SoundBusy, match="32 speeches wait already"):
+        sound.play(constant(1, 480))
+    await clock.advance(0.5)
+    assert sound.play(constant(1, 480)).start == pytest.approx(1000.56)
+
+
+async def test_speech_and_engine_are_mixed_without_wrapping(clock: VirtualClock) -> None:
+    sound = AvatarSound(clock)
+    sound.feed(RawAudio(np.full((9 * BLOCK, 1), 99, np.int16), 0))
+    async with sound.open() as blocks:
+        listener = Listener(blocks)
+        sound.feed(RawAudio(np.full((11 * BLOCK, 1), 20_000, np.int16), 0))
+        sound.play(constant(20_000, 2 * BLOCK))
+        await clock.advance(0.14)
+        assert [int(block.samples[-1, 0]) for block in listener.blocks] == [20_000] * 2 + [32_767] * 2 + [20_000] * 3
+        assert 99 not in listener.sound
+        await listener.stop()
+
+
+async def test_a_reader_that_is_a_little_late_loses_nothing(clock: VirtualClock) -> None:
+    sound = AvatarSound(clock)
+    playback = sound.play(constant(100, 9600))
+    async with sound.open() as blocks:
+        listener = Listener(blocks)
+        await settle()
+        clock.jump(0.2)
+        await clock.advance(0.2)
+        assert (listener.sound == 100).sum() == 9600
+        assert np.diff([block.captured_at for block in listener.blocks]) == pytest.approx(0.02)
+        assert playback.end < clock.now()
+        await listener.stop()
+
+
+async def test_a_reader_that_is_very_late_misses_blocks_and_is_on_time_again(clock: VirtualClock) -> None:
+    sound = AvatarSound(clock)
+    async with sound.open() as blocks:
+        listener = Listener(blocks)
+        await settle()
+        clock.jump(3)
+        await settle()
+        moments = [block.captured_at for block in listener.blocks]
+        assert moments == pytest.approx([1003 - 0.02 * number for number in range(KEPT_BLOCKS, -1, -1)])
+        await listener.stop()
+
+
+async def test_stopping_cuts_where_a_late_reader_is(clock: VirtualClock) -> None:
+    sound = AvatarSound(clock)
+    playback = sound.play(constant(100, 48_000))
+    async with sound.open() as blocks:
+        for _ in range(5):
+            taking = asyncio.ensure_future(anext(blocks))
+            await clock.advance(0.02)
+            got = await taking
+        clock.jump(0.1)
+        sound.stop()
+        assert got.samples[-1, 0] == 100
+        assert playback.end == pytest.approx(got.captured_at + 0.02 + 0.005)
+        following = await anext(blocks)
+        assert following.captured_at == pytest.approx(got.captured_at + 0.02)
+        assert following.samples[0, 0] > 90
+        assert not following.samples[SEAM:].any()
