@@ -1,5 +1,6 @@
 /** The OpenRoIS SDK for the browser: RoIS over JSON-RPC, and the streams that RoIS controls over WebRTC. */
 
+export { Actuator } from "./rois/actuator.ts";
 export { RoISClient } from "./rois/client.ts";
 export type { ClientEvents, ClientOptions } from "./rois/client.ts";
 export { gatewayUrl } from "./rois/connection.ts";

@@ -49,14 +49,19 @@ export class FrameWatch {
 export class LastingPicture {
   readonly #video: HTMLVideoElement;
   readonly #canvas: HTMLCanvasElement;
+  /** What the video presents is the track that was shown last, no longer the one before. */
+  #current = false;
 
   /** The canvas must cover the video; it is hidden while frames flow. */
   constructor(video: HTMLVideoElement, canvas: HTMLCanvasElement, frames: FrameWatch) {
     this.#video = video;
     this.#canvas = canvas;
     canvas.hidden = true;
+    video.addEventListener("loadeddata", () => {
+      this.#current = true;
+    });
     frames.onFrame(() => {
-      canvas.hidden = true;
+      if (this.#current) canvas.hidden = true;
     });
   }
 
@@ -65,8 +70,11 @@ export class LastingPicture {
     return !this.#canvas.hidden || this.#video.readyState >= HTMLMediaElement.HAVE_CURRENT_DATA;
   }
 
-  /** Keeps what the video shows now. Does nothing when it shows nothing. */
+  /** Keeps what the video shows now, until a track that is shown later brings a frame. */
   freeze(): void {
+    // A track that ends presents one more frame, a black one: it must neither be shown nor be painted.
+    this.#current = false;
+    if (!this.#canvas.hidden) return;
     const { videoWidth, videoHeight, readyState } = this.#video;
     if (videoWidth === 0 || readyState < HTMLMediaElement.HAVE_CURRENT_DATA) return;
     this.#canvas.width = videoWidth;

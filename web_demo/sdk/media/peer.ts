@@ -11,6 +11,12 @@ interface DelayTargets {
   playoutDelayHint?: number;
 }
 
+/**
+ * Milliseconds between the decision to close a connection and its end. A video whose track ends turns black at once,
+ * past the page's own drawing: whoever keeps the last picture needs a few frames to put it on the screen before.
+ */
+const LINGER = 150;
+
 export interface MediaPeerEvents {
   onCandidate(candidate: Candidate): void;
   onStateChange(): void;
@@ -81,10 +87,11 @@ export class MediaPeer {
     }
   }
 
+  /** Nothing is heard from this peer any more; its tracks end a moment later. */
   close(): void {
     if (this.#closed) return;
     this.#closed = true;
-    this.connection.close();
+    setTimeout(() => this.connection.close(), LINGER);
   }
 }
 

@@ -214,9 +214,9 @@ export class StreamArrival {
     return this.#next ?? this.#current;
   }
 
-  /** Something has arrived at the current place. */
+  /** Something has arrived at the newest place. */
   get flowed(): boolean {
-    return this.#sample !== null && this.#sample.units > 0;
+    return this.#next === null && this.#sample !== null && this.#sample.units > 0;
   }
 
   /** The stream arrives here too. It is shown from here at once if it was shown nowhere. */

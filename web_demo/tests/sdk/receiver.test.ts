@@ -316,6 +316,7 @@ describe("recovery", () => {
     expect(old?.connectionState).toBe("connected");
     await flow(500);
     expect(tracks).toEqual([peer().receivers.get("0")?.track]);
+    await pass(150);
     expect(old?.connectionState).toBe("closed");
   });
 
@@ -329,6 +330,7 @@ describe("recovery", () => {
     expect(old.connectionState).toBe("connected");
     await flow(500);
     expect(video.track).toBe(peer().receivers.get("0")?.track);
+    await pass(150);
     expect(old.connectionState).toBe("closed");
     expect(video.streamId).toBe("avatar/s1");
     gateway.notify("signaling.bye", { peer_id: "p1", reason: "replaced" });
@@ -365,8 +367,8 @@ describe("recovery", () => {
     await running();
     gateway.notify("signaling.bye", { peer_id: "p1", reason: "no answer" });
     expect(video).toMatchObject({ streamId: null, status: "STREAMING_NOT_CONNECTED", track: null });
-    expect(peer().connectionState).toBe("closed");
     await pass(500);
+    expect(peer().connectionState).toBe("closed");
     expect(video.streamId).toBe("avatar/s2");
   });
 
@@ -375,7 +377,7 @@ describe("recovery", () => {
     FakePeerConnection.refuse = true;
     await video.connect();
     offer("p1", 1, [["0", video]]);
-    await pass(1);
+    await pass(150);
     expect(peer().connectionState).toBe("closed");
     expect(gateway.called("signaling.answer")).toEqual([]);
     expect(silent).toHaveBeenCalledOnce();
@@ -385,6 +387,7 @@ describe("recovery", () => {
   it("closes everything", async () => {
     await running();
     await receiver.close();
+    await pass(150);
     expect(peer().connectionState).toBe("closed");
     expect(video.streamId).toBeNull();
     offer("p9", 1, [["0", video]]);

@@ -1,0 +1,90 @@
+/** Which avatars there are, and which one the page shows. */
+
+import { componentsByEngine } from "../sdk/index.ts";
+import type { Profile, RoISClient } from "../sdk/index.ts";
+
+/** An engine that can be seen. References stay valid while it is away: they do not change when it returns. */
+export interface Avatar {
+  readonly engineId: string;
+  readonly video: string;
+  readonly audio: string | null;
+  readonly speech: string | null;
+  readonly reaction: string | null;
+  readonly system: string | null;
+  readonly gaze: string | null;
+}
+
+export function findAvatars(profile: Profile): Avatar[] {
+  const avatars: Avatar[] = [];
+  for (const [engineId, components] of componentsByEngine(profile)) {
+    const of = (type: string): string | null => components.get(type) ?? null;
+    const video = of("VideoStreaming");
+    if (video === null) continue;
+    avatars.push({
+      engineId,
+      video,
+      audio: of("AudioStreaming"),
+      speech: of("SpeechSynthesis"),
+      reaction: of("Reaction"),
+      system: of("SystemInformation"),
+      gaze: of("Gaze"),
+    });
+  }
+  return avatars;
+}
+
+/** Reads the profile whenever it may have changed. */
+export class AvatarDirectory {
+  readonly #client: RoISClient;
+  readonly #onChange: () => void;
+  #avatars: Avatar[] | null = null;
+  #chosen: Avatar | null = null;
+  #reading = false;
+  #again = false;
+
+  constructor(client: RoISClient, onChange: () => void) {
+    this.#client = client;
+    this.#onChange = onChange;
+    client.on("profile_changed", () => void this.#read());
+    client.on("state", ({ name }) => {
+      if (name === "connected") void this.#read();
+    });
+  }
+
+  /** Null until the profile was read for the first time. */
+  get avatars(): readonly Avatar[] | null {
+    return this.#avatars;
+  }
+
+  /** The avatar that is shown, also while it is away. */
+  get chosen(): Avatar | null {
+    return this.#chosen;
+  }
+
+  /** The chosen avatar is connected to the gateway. */
+  get present(): boolean {
+    return this.#avatars?.some(({ engineId }) => engineId === this.#chosen?.engineId) ?? false;
+  }
+
+  choose(engineId: string): void {
+    this.#chosen = this.#avatars?.find((avatar) => avatar.engineId === engineId) ?? this.#chosen;
+    this.#onChange();
+  }
+
+  async #read(): Promise<void> {
+    this.#again = true;
+    if (this.#reading) return;
+    this.#reading = true;
+    try {
+      while (this.#again) {
+        this.#again = false;
+        this.#avatars = findAvatars(await this.#client.getProfile());
+        this.choose(this.#chosen?.engineId ?? this.#avatars[0]?.engineId ?? "");
+      }
+    } catch {
+      // The connection ended, and the next one reads again.
+    } finally {
+      this.#reading = false;
+    }
+  }
+}

@@ -1,0 +1,55 @@
+/** Whether a component can be used, asked again until it can. */
+
+import { onlyComponent, resultValue } from "../sdk/index.ts";
+import type { ComponentStatus, RoISClient } from "../sdk/index.ts";
+
+/** Milliseconds between two questions while the component cannot be used. */
+const ASK_AGAIN = 5000;
+
+/** Null: there is no such component, or nobody can be asked. */
+export type Availability = ComponentStatus | null;
+
+export class ComponentWatch {
+  readonly #client: RoISClient;
+  readonly #onChange: (status: Availability) => void;
+  #componentRef: string | null = null;
+  #timer: ReturnType<typeof setTimeout> | undefined;
+  #round = 0;
+
+  constructor(client: RoISClient, onChange: (status: Availability) => void) {
+    this.#client = client;
+    this.#onChange = onChange;
+  }
+
+  /** Looks at another component, or at the same one anew; null at none. */
+  watch(componentRef: string | null): void {
+    this.#componentRef = componentRef;
+    this.#round += 1;
+    clearTimeout(this.#timer);
+    if (componentRef === null) this.#onChange(null);
+    else void this.#ask(this.#round);
+  }
+
+  async #ask(round: number): Promise<void> {
+    const status = await this.#status();
+    if (round !== this.#round) return;
+    this.#onChange(status);
+    if (isUsable(status)) return;
+    this.#timer = setTimeout(() => void this.#ask(round), ASK_AGAIN);
+  }
+
+  async #status(): Promise<Availability> {
+    if (this.#componentRef === null || this.#client.state.name !== "connected") return null;
+    try {
+      const results = await this.#client.query("component_status", onlyComponent(this.#componentRef));
+      return (resultValue(results, "status") ?? null) as Availability;
+    } catch {
+      return null;
+    }
+  }
+}
+
+/** BUSY means that it works for somebody; whether for us, bind will tell. */
+export function isUsable(status: Availability): boolean {
+  return status === "READY" || status === "BUSY" || status === "WARNING";
+}

@@ -1,0 +1,100 @@
+/** The list of every RoIS message that was sent or received. */
+
+import type { RoISClient, Traffic } from "../sdk/index.ts";
+import { byRole, byTestId, make, setText } from "./dom.ts";
+import { formatTime } from "./format.ts";
+import { LogModel, MAX_ENTRIES, matches, pretty } from "./log_model.ts";
+import type { LogEntry } from "./log_model.ts";
+
+/** The list follows its end while it is scrolled this close to it, in pixels. */
+const NEAR_END = 40;
+
+export class MessageLog {
+  readonly #model = new LogModel();
+  readonly #list = byTestId("log", HTMLOListElement);
+  readonly #filter = byTestId("log-filter", HTMLInputElement);
+  readonly #pause = byTestId("log-pause", HTMLButtonElement);
+  readonly #count = byRole("log-count", HTMLElement);
+  #paused = false;
+  #missed = 0;
+  #waiting: LogEntry[] = [];
+  #frame = 0;
+
+  constructor(client: RoISClient) {
+    client.on("traffic", (traffic) => this.#add(traffic));
+    this.#filter.addEventListener("input", () => this.#rebuild());
+    this.#pause.addEventListener("click", () => this.#setPaused(!this.#paused));
+    byTestId("log-clear", HTMLButtonElement).addEventListener("click", () => {
+      this.#model.clear();
+      this.#rebuild();
+    });
+  }
+
+  #add(traffic: Traffic): void {
+    const entry = this.#model.add(traffic);
+    if (this.#paused) {
+      this.#missed += 1;
+      return this.#renderCount();
+    }
+    this.#waiting.push(entry);
+    // A burst of messages is one change of the page. A hidden page paints nothing, so the rows wait in a bounded list.
+    if (this.#waiting.length > MAX_ENTRIES) this.#waiting.shift();
+    this.#frame ||= requestAnimationFrame(() => this.#flush());
+  }
+
+  #flush(): void {
+    this.#frame = 0;
+    const { scrollHeight, scrollTop, clientHeight } = this.#list;
+    const following = scrollHeight - scrollTop - clientHeight < NEAR_END;
+    const rows = this.#waiting.filter((entry) => matches(entry, this.#filter.value)).map(row);
+    this.#waiting = [];
+    this.#list.append(...rows);
+    while (this.#list.childElementCount > MAX_ENTRIES) this.#list.firstElementChild?.remove();
+    if (following) this.#list.scrollTop = this.#list.scrollHeight;
+    this.#renderCount();
+  }
+
+  #rebuild(): void {
+    this.#waiting = [...this.#model.entries];
+    this.#missed = 0;
+    this.#list.replaceChildren();
+    this.#flush();
+  }
+
+  #setPaused(paused: boolean): void {
+    this.#paused = paused;
+    this.#pause.setAttribute("aria-pressed", String(paused));
+    setText(this.#pause, paused ? "Continue" : "Pause");
+    if (paused) this.#renderCount();
+    else this.#rebuild();
+  }
+
+  #renderCount(): void {
+    const shown = this.#list.childElementCount;
+    const all = this.#model.entries.length - this.#missed;
+    const filtered = this.#filter.value === "" ? `${shown}` : `${shown} of ${all}`;
+    setText(this.#count, this.#paused ? `paused, ${this.#missed} more` : filtered);
+  }
+}
+
+function row(entry: LogEntry): HTMLLIElement {
+  const { direction, at, kind, method, elapsed, message } = entry.traffic;
+  const name = kind === "violation" ? "not understood" : method;
+  const took = elapsed === undefined ? "" : `${elapsed < 10 ? elapsed.toFixed(1) : elapsed.toFixed(0)} ms`;
+  const summary = make(
+    "summary",
+    {},
+    make("span", { class: "direction", title: direction }, direction === "sent" ? "↑" : "↓"),
+    make("time", {}, formatTime(at)),
+    make("span", { class: "method" }, name),
+    make("span", { class: "gist" }, entry.summary),
+    make("span", { class: "took" }, took),
+  );
+  const details = make("details", {}, summary);
+  // Most messages are never opened: their JSON is written when they are.
+  details.addEventListener("toggle", () => {
+    if (details.open && details.childElementCount === 1) details.append(make("pre", {}, pretty(message)));
+  });
+  const attributes = { "data-direction": direction, "data-kind": kind, "data-method": method };
+  return make("li", entry.failed ? { ...attributes, "data-failed": "" } : attributes, details);
+}

@@ -1,0 +1,111 @@
+/** The messages that the page remembers, and how one is put into a line. Pure. */
+
+import type { Json, Traffic } from "../sdk/index.ts";
+
+export const MAX_ENTRIES = 500;
+/** Characters of SDP that are shown; the message itself stays whole. */
+const SDP_SHOWN = 120;
+/** Ids are 96 or 128 random bits; their first digits tell them apart. */
+const LONG_ID = /[0-9a-f]{24,32}/g;
+const ID_SHOWN = 6;
+
+export interface LogEntry {
+  readonly number: number;
+  readonly traffic: Traffic;
+  /** One line: what matters about the message. */
+  readonly summary: string;
+  /** In small letters, for the filter. */
+  readonly text: string;
+  readonly failed: boolean;
+}
+
+/** Remembers the newest messages. While it is paused, what is shown does not change. */
+export class LogModel {
+  readonly #entries: LogEntry[] = [];
+  #number = 0;
+
+  get entries(): readonly LogEntry[] {
+    return this.#entries;
+  }
+
+  add(traffic: Traffic): LogEntry {
+    const summary = summarize(traffic);
+    const entry = {
+      number: this.#number++,
+      traffic,
+      summary,
+      text: `${traffic.direction} ${traffic.kind} ${traffic.method} ${JSON.stringify(traffic.message)}`.toLowerCase(),
+      failed: isFailure(traffic),
+    };
+    this.#entries.push(entry);
+    if (this.#entries.length > MAX_ENTRIES) this.#entries.shift();
+    return entry;
+  }
+
+  clear(): void {
+    this.#entries.length = 0;
+  }
+}
+
+/** Every word of the filter has to be somewhere in the message. */
+export function matches(entry: LogEntry, filter: string): boolean {
+  const words = filter.toLowerCase().split(/\s+/);
+  return words.every((word) => entry.text.includes(word));
+}
+
+/** Returns the message as indented JSON in which SDP is shortened. */
+export function pretty(message: Json): string {
+  return JSON.stringify(
+    message,
+    (name, value: unknown) => (name === "sdp" && typeof value === "string" ? shortened(value) : value),
+    2,
+  );
+}
+
+function shortened(sdp: string): string {
+  if (sdp.length <= SDP_SHOWN) return sdp;
+  const sections = sdp.match(/^m=\w+/gm)?.map((section) => section.slice(2)) ?? [];
+  return `${sdp.slice(0, SDP_SHOWN)} … (${sdp.length} characters; ${sections.join(", ")})`;
+}
+
+function isFailure({ kind, message }: Traffic): boolean {
+  if (kind === "error" || kind === "violation") return true;
+  const code = field(field(message, "result"), "return_code");
+  return typeof code === "string" && code !== "OK";
+}
+
+function summarize({ kind, message }: Traffic): string {
+  if (kind === "violation") return String(message);
+  if (kind === "error") {
+    const error = field(message, "error");
+    return `${String(field(error, "code"))} ${String(field(error, "message"))}`;
+  }
+  const body = field(message, kind === "response" ? "result" : "params");
+  if (typeof body !== "object" || body === null || Array.isArray(body)) return "";
+  return Object.entries(body)
+    .map(([name, value]) => summarizeField(name, value))
+    .filter((part) => part !== "")
+    .join("  ");
+}
+
+function summarizeField(name: string, value: Json): string {
+  if (name === "return_code") return String(value);
+  if (name === "sdp") return `sdp ${String(value).length} characters`;
+  if (value === "" || value === null) return "";
+  if (name === "command_unit_list" && Array.isArray(value)) return value.map(commandType).join(" → ");
+  if (Array.isArray(value)) return `${name}[${value.length}]`;
+  if (typeof value === "object") return `${name}{${Object.keys(value).length}}`;
+  if (name === "timestamp") return "";
+  const text = String(value).replaceAll(LONG_ID, (id) => `${id.slice(0, ID_SHOWN)}…`);
+  return text.length > 48 ? `${text.slice(0, 47)}…` : text;
+}
+
+function commandType(item: Json): string {
+  const concurrent = field(item, "command_list");
+  if (Array.isArray(concurrent)) return `(${concurrent.map(commandType).join(" ∥ ")})`;
+  return String(field(item, "command_type"));
+}
+
+function field(value: Json | undefined, name: string): Json | undefined {
+  return typeof value === "object" && value !== null && !Array.isArray(value) ? value[name] : undefined;
+}

@@ -1,0 +1,149 @@
+/** The page: wires the SDK to what a person sees. */
+
+import {
+  MediaReceiver,
+  RoISClient,
+  SAME_CLOCK,
+  StampReader,
+  decodableCodecs,
+  isLoopback,
+  measureOffset,
+} from "../sdk/index.ts";
+import type { RemoteStream } from "../sdk/index.ts";
+import { AvatarDirectory } from "./avatars.ts";
+import type { Avatar } from "./avatars.ts";
+import { Banner } from "./banner.ts";
+import { FiguresPanel } from "./figures.ts";
+import { Gaze } from "./gaze.ts";
+import { Header } from "./header.ts";
+import { MessageLog } from "./log.ts";
+import { Reactions } from "./reactions.ts";
+import { SayLine } from "./say.ts";
+import { installShortcuts } from "./shortcuts.ts";
+import { Sound } from "./sound.ts";
+import { Stage } from "./stage.ts";
+import { StreamCard } from "./stream_card.ts";
+import { findTrouble } from "./trouble.ts";
+
+declare global {
+  interface Window {
+    /** For the browser's console and for tests: the client and the two streams of the page. */
+    openrois: { client: RoISClient; video: RemoteStream | null; audio: RemoteStream | null };
+  }
+}
+
+const canStream = "RTCPeerConnection" in globalThis;
+const codecs = canStream ? decodableCodecs("video") : [];
+
+const client = new RoISClient();
+const receiver = new MediaReceiver(client);
+const directory = new AvatarDirectory(client, avatarChanged);
+const header = new Header(directory);
+const banner = new Banner(() => client.retryNow());
+const stage = new Stage();
+const sound = new Sound();
+const videoCard = new StreamCard("video");
+const audioCard = new StreamCard("audio");
+const figures = new FiguresPanel();
+const say = new SayLine(client);
+const reactions = new Reactions(client);
+const gaze = new Gaze(client, stage.element);
+new MessageLog(client);
+new StampReader(stage.video, stage.frames, (reading) => figures.stampRead(reading));
+
+let shown: Avatar | null = null;
+window.openrois = { client, video: null, audio: null };
+
+/** The profile was read, another avatar was chosen, or the gateway came or went. */
+function avatarChanged(): void {
+  const avatar = directory.chosen;
+  if (avatar && avatar.engineId !== shown?.engineId) show(avatar);
+  const present = directory.present && client.state.name === "connected" ? avatar : null;
+  say.setComponent(present?.speech ?? null);
+  reactions.setComponent(present?.reaction ?? null);
+  gaze.setComponent(present?.gaze ?? null);
+  if (present) void readClock(present);
+  render();
+}
+
+function show(avatar: Avatar): void {
+  shown = avatar;
+  const { video: oldVideo, audio: oldAudio } = window.openrois;
+  void oldVideo?.disconnect();
+  void oldAudio?.disconnect();
+  const video = receiver.stream(avatar.video, "video");
+  const audio = avatar.audio === null ? null : receiver.stream(avatar.audio, "audio");
+  window.openrois = { client, video, audio };
+  stage.watch(video);
+  sound.listen(audio);
+  videoCard.watch(video);
+  audioCard.watch(audio);
+  figures.watch(video);
+  video.on("change", render);
+  void video.connect();
+  void audio?.connect();
+}
+
+async function readClock({ engineId, system }: Avatar): Promise<void> {
+  if (isLoopback(location.hostname)) return figures.setClock(SAME_CLOCK);
+  const clock = system === null ? null : await measureOffset(client, system).catch(() => null);
+  if (shown?.engineId === engineId) figures.setClock(clock);
+}
+
+function render(): void {
+  const { video } = window.openrois;
+  const avatar = directory.chosen;
+  header.render(client.state);
+  stage.render(directory.present, figures.latency);
+  banner.render(
+    findTrouble({
+      canStream,
+      connection: client.state,
+      streaming: client.extensions !== null,
+      avatar:
+        directory.avatars === null
+          ? null
+          : avatar === null
+            ? "none"
+            : { name: avatar.engineId, present: directory.present },
+      codecs,
+      video: {
+        wanted: video?.desire === "running",
+        problem: video?.problem ?? null,
+        status: video?.status ?? null,
+        frameAge: document.visibilityState === "visible" ? stage.frameAge : null,
+      },
+    }),
+  );
+}
+
+installShortcuts([
+  { keys: ["/"], label: "Say something", run: () => say.focus() },
+  { keys: ["Escape"], label: "Stop speaking, and leave the text field", run: () => say.stop() },
+  {
+    keys: ["1", "2", "3", "4", "5", "6", "7", "8", "9", "0"],
+    label: "Reactions",
+    run: (key) => reactions.press((Number(key) + 9) % 10),
+  },
+  { keys: ["s"], label: "Suspend or resume the video", run: toggleVideo },
+  { keys: ["m"], label: "Sound on or off", run: () => sound.toggle() },
+  { keys: ["f"], label: "Full screen", run: () => stage.toggleFullscreen() },
+]);
+
+function toggleVideo(): void {
+  const { video } = window.openrois;
+  if (!video || video.desire === "disconnected") return;
+  void (video.desire === "suspended" ? video.resume() : video.suspend());
+}
+
+stage.frames.onFrame(() => figures.frameShown());
+client.on("state", avatarChanged);
+globalThis.addEventListener("online", () => client.retryNow());
+document.addEventListener("visibilitychange", () => {
+  if (document.visibilityState === "visible") client.retryNow();
+  render();
+});
+// The countdowns, and the age of the picture.
+setInterval(render, 500);
+render();
+void client.connect();

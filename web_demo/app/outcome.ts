@@ -1,0 +1,33 @@
+/** What became of a command, in words. Pure. */
+
+import { ConnectionLost, RoISError } from "../sdk/index.ts";
+import type { CompletedStatus } from "../sdk/index.ts";
+
+export interface Outcome {
+  readonly state: "done" | "stopped" | "failed" | "refused";
+  readonly text: string;
+}
+
+/** @param elapsed milliseconds from the start to the end */
+export function describeCompleted(status: CompletedStatus, elapsed: number): Outcome {
+  switch (status) {
+    case "OK":
+      return { state: "done", text: `completed OK after ${(elapsed / 1000).toFixed(1)} s` };
+    case "ABORT":
+      return { state: "stopped", text: `stopped after ${(elapsed / 1000).toFixed(1)} s (completed ABORT)` };
+    default:
+      return { state: "failed", text: `the avatar could not finish it (completed ${status})` };
+  }
+}
+
+/** @param busy the sentence for a component that another session holds */
+export function describeFailure(error: unknown, busy: string): Outcome {
+  if (error instanceof RoISError) {
+    if (error.returnCode === "OUT_OF_RESOURCES") return { state: "refused", text: busy };
+    return { state: "failed", text: `the avatar refused it: ${error.returnCode}` };
+  }
+  if (error instanceof ConnectionLost) {
+    return { state: "failed", text: "the connection ended before the avatar had finished" };
+  }
+  return { state: "failed", text: error instanceof Error ? error.message : String(error) };
+}

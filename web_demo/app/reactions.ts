@@ -1,0 +1,101 @@
+/** The buttons for the avatar's reactions. */
+
+import { Actuator, listValue, onlyComponent, resultValue } from "../sdk/index.ts";
+import type { RoISClient } from "../sdk/index.ts";
+import { ComponentWatch, isUsable } from "./component_status.ts";
+import { byRole, byTestId, icon, make, setText } from "./dom.ts";
+import { describeCompleted, describeFailure } from "./outcome.ts";
+import { reactionLook } from "./reaction_names.ts";
+
+const BUSY = "somebody else is moving this avatar; try again in a moment";
+
+export class Reactions {
+  readonly #client: RoISClient;
+  readonly #section = byRole("reactions-section", HTMLElement);
+  readonly #grid = byRole("reactions", HTMLElement);
+  readonly #state = byTestId("reaction-state", HTMLElement);
+  readonly #watch: ComponentWatch;
+  #actuator: Actuator | null = null;
+  #shown = "";
+  #performance = 0;
+
+  constructor(client: RoISClient) {
+    this.#client = client;
+    this.#watch = new ComponentWatch(client, (status) => {
+      const usable = isUsable(status);
+      for (const button of this.#buttons) button.disabled = !usable;
+      if (usable) void this.#fill();
+    });
+  }
+
+  /** @param componentRef the Reaction component; null when the avatar has none or is away */
+  setComponent(componentRef: string | null): void {
+    if (componentRef !== null && this.#actuator?.componentRef !== componentRef) {
+      this.#actuator = new Actuator(this.#client, componentRef);
+    }
+    this.#watch.watch(componentRef);
+  }
+
+  /** Performs the reaction whose button stands at this place, from 0. */
+  press(index: number): void {
+    this.#buttons[index]?.click();
+  }
+
+  get #buttons(): HTMLButtonElement[] {
+    return [...this.#grid.querySelectorAll("button")];
+  }
+
+  async #fill(): Promise<void> {
+    const { componentRef } = this.#actuator ?? {};
+    if (componentRef === undefined) return;
+    try {
+      const results = await this.#client.query("available_reactions", onlyComponent(componentRef));
+      const refs = listValue(resultValue(results, "available_reactions") ?? results[0]?.value);
+      // Buttons that are the same stay, and with them the keyboard's focus.
+      if (refs.join() === this.#shown && this.#buttons.length > 0) return;
+      this.#shown = refs.join();
+      this.#grid.replaceChildren(...refs.map((ref, index) => this.#button(ref, index)));
+      setText(this.#state, "");
+      this.#section.hidden = refs.length === 0;
+    } catch {
+      setText(this.#state, "The avatar does not tell its reactions.");
+    }
+  }
+
+  #button(reactionRef: string, index: number): HTMLButtonElement {
+    const { code, name, path } = reactionLook(reactionRef);
+    const button = make(
+      "button",
+      { type: "button", class: "reaction", "data-testid": `reaction-${code}`, title: reactionRef },
+      icon(path),
+      make("span", {}, name),
+    );
+    // The keys 1 to 9, then 0.
+    if (index < 10) button.append(make("kbd", { "aria-hidden": "true" }, String((index + 1) % 10)));
+    button.addEventListener("click", () => void this.#perform(button, reactionRef, name));
+    return button;
+  }
+
+  async #perform(button: HTMLButtonElement, reactionRef: string, name: string): Promise<void> {
+    if (!this.#actuator || button.disabled) return;
+    const performance = ++this.#performance;
+    const startedAt = Date.now();
+    button.setAttribute("aria-busy", "true");
+    setText(this.#state, `${name} …`);
+    let words: string;
+    try {
+      const status = await this.#actuator.perform({ reaction_ref: reactionRef });
+      words = describeCompleted(status, Date.now() - startedAt).text;
+    } catch (error) {
+      words = describeFailure(error, BUSY).text;
+    }
+    if (performance === this.#performance) setText(this.#state, `${name}: ${words}`);
+    // Pressed twice, a reaction runs until the second has ended.
+    if (performance === this.#performance || !this.#actuator.active) this.#idle();
+    else button.removeAttribute("aria-busy");
+  }
+
+  #idle(): void {
+    for (const button of this.#buttons) button.removeAttribute("aria-busy");
+  }
+}

@@ -1,0 +1,127 @@
+/** The line in which a person types what the avatar shall say. */
+
+import { Actuator, listValue, onlyComponent, resultValue } from "../sdk/index.ts";
+import type { RoISClient } from "../sdk/index.ts";
+import { ComponentWatch, isUsable } from "./component_status.ts";
+import type { Availability } from "./component_status.ts";
+import { byRole, byTestId, make, setText } from "./dom.ts";
+import { languageChoice } from "./languages.ts";
+import { describeCompleted, describeFailure } from "./outcome.ts";
+
+type State = "idle" | "speaking" | "done" | "stopped" | "failed" | "refused" | "unavailable";
+
+const BUSY = "somebody else is speaking through this avatar; try again in a moment";
+
+export class SayLine {
+  readonly #client: RoISClient;
+  readonly #form = byRole("say", HTMLFormElement);
+  readonly #input = byTestId("say-text", HTMLInputElement);
+  readonly #language = byTestId("say-language", HTMLSelectElement);
+  readonly #send = byTestId("say-send", HTMLButtonElement);
+  readonly #stop = byTestId("say-stop", HTMLButtonElement);
+  readonly #state = byTestId("say-state", HTMLElement);
+  readonly #watch: ComponentWatch;
+  #actuator: Actuator | null = null;
+  #usable = false;
+  #performance = 0;
+  #last = "";
+
+  constructor(client: RoISClient) {
+    this.#client = client;
+    this.#watch = new ComponentWatch(client, (status) => this.#available(status));
+    this.#form.addEventListener("submit", (event) => {
+      event.preventDefault();
+      void this.#speak();
+    });
+    this.#stop.addEventListener("click", () => this.stop());
+    this.#input.addEventListener("keydown", (event) => {
+      if (event.key !== "ArrowUp" || this.#input.value !== "" || this.#last === "") return;
+      event.preventDefault();
+      this.#input.value = this.#last;
+    });
+    this.#render();
+  }
+
+  /** @param componentRef the SpeechSynthesis component; null when the avatar has none or is away */
+  setComponent(componentRef: string | null): void {
+    if (componentRef !== null && this.#actuator?.componentRef !== componentRef) {
+      this.#actuator = new Actuator(this.#client, componentRef);
+    }
+    this.#watch.watch(componentRef);
+  }
+
+  focus(): void {
+    this.#input.focus();
+  }
+
+  stop(): void {
+    if (this.#actuator?.active) void this.#actuator.stop().catch(() => undefined);
+  }
+
+  async #speak(): Promise<void> {
+    const text = this.#input.value.trim();
+    const actuator = this.#actuator;
+    if (!actuator || !this.#usable) return;
+    if (text === "") return this.focus();
+    const performance = ++this.#performance;
+    const startedAt = Date.now();
+    const language = this.#language.value;
+    const parameters = { speech_text: text, ...(language !== "" && { language }) };
+    this.#show("speaking", "speaking");
+    try {
+      const status = await actuator.perform(parameters, () => {
+        this.#last = text;
+        if (this.#input.value.trim() === text) this.#input.value = "";
+      });
+      // A sentence that the next one has cut short is nobody's concern any more.
+      if (performance !== this.#performance) return;
+      const { state, text: words } = describeCompleted(status, Date.now() - startedAt);
+      this.#show(state, words);
+    } catch (error) {
+      const { state, text: words } = describeFailure(error, BUSY);
+      if (performance === this.#performance) this.#show(state, words);
+    }
+  }
+
+  #available(status: Availability): void {
+    const usable = isUsable(status);
+    if (usable && !this.#usable) void this.#fillLanguages();
+    this.#usable = usable;
+    if (usable && this.#state.dataset["state"] === "unavailable") this.#show("idle", "");
+    if (!usable && status !== null) {
+      this.#show(
+        "unavailable",
+        `speech is not available: the component reports ${status}. Install it beside the avatar with “pip install openrois[speech]”.`,
+      );
+    }
+    this.#render();
+  }
+
+  async #fillLanguages(): Promise<void> {
+    const { componentRef } = this.#actuator ?? {};
+    if (componentRef === undefined) return;
+    try {
+      const results = await this.#client.query("synthesizable_languages", onlyComponent(componentRef));
+      const tags = listValue(resultValue(results, "languages") ?? results[0]?.value);
+      const { options, selected } = languageChoice(tags, this.#language.value, navigator.languages);
+      this.#language.replaceChildren(...options.map(({ tag, name }) => make("option", { value: tag }, name)));
+      this.#language.value = selected;
+      this.#language.hidden = options.length === 0;
+    } catch {
+      this.#language.hidden = true;
+    }
+  }
+
+  #show(state: State, text: string): void {
+    this.#state.dataset["state"] = state;
+    setText(this.#state, text === "" ? "" : `${text.charAt(0).toUpperCase()}${text.slice(1)}`);
+    this.#render();
+  }
+
+  #render(): void {
+    this.#input.disabled = !this.#usable;
+    this.#language.disabled = !this.#usable;
+    this.#send.disabled = !this.#usable;
+    this.#stop.disabled = !this.#usable || this.#state.dataset["state"] !== "speaking";
+  }
+}

@@ -1,0 +1,140 @@
+/** What is wrong, in words for the person in front of the page, and what to do about it. Pure. */
+
+import type { ConnectionState, Problem, StreamStatus } from "../sdk/index.ts";
+
+export interface Situation {
+  /** The browser has WebRTC. */
+  readonly canStream: boolean;
+  readonly connection: ConnectionState;
+  /** The gateway has the streaming extension; false for one that speaks plain RoIS. */
+  readonly streaming: boolean;
+  /** Null while the profile has not been read. */
+  readonly avatar: { readonly name: string; readonly present: boolean } | "none" | null;
+  /** The video codecs that the browser decodes. */
+  readonly codecs: readonly string[];
+  readonly video: {
+    readonly wanted: boolean;
+    readonly problem: Problem | null;
+    readonly status: StreamStatus | null;
+    /** Milliseconds since the last frame was shown; null before the first. */
+    readonly frameAge: number | null;
+  };
+}
+
+export interface Trouble {
+  readonly kind:
+    | "no-webrtc"
+    | "no-gateway"
+    | "no-streaming"
+    | "no-adapter"
+    | "adapter-gone"
+    | "no-codec"
+    | "no-media"
+    | "refused"
+    | "stalled";
+  readonly title: string;
+  readonly text: string;
+  /** When the next try starts by itself, in milliseconds since the epoch. */
+  readonly retryAt?: number;
+}
+
+/** A picture that is older than this, in milliseconds, although the stream runs, has stopped. */
+export const STALLED_AFTER = 2500;
+
+const USABLE_CODECS = ["video/h264", "video/vp8"];
+
+/** Returns the trouble that stands before all others; null when all is well or still starting. */
+export function findTrouble(situation: Situation): Trouble | null {
+  return connectionTrouble(situation) ?? avatarTrouble(situation) ?? streamTrouble(situation);
+}
+
+function connectionTrouble({ canStream, connection, streaming }: Situation): Trouble | null {
+  if (!canStream) {
+    return {
+      kind: "no-webrtc",
+      title: "This browser has no WebRTC",
+      text: "Live pictures need it. Use a current Chrome, Edge, Firefox or Safari, or allow WebRTC in the settings.",
+    };
+  }
+  if (connection.name === "waiting") {
+    return {
+      kind: "no-gateway",
+      title: "The gateway does not answer",
+      text: "Start it with “openrois demo”, or look at the terminal where it ran. The page connects by itself.",
+      retryAt: connection.retryAt,
+    };
+  }
+  if (connection.name === "connected" && !streaming) {
+    return {
+      kind: "no-streaming",
+      title: "This gateway cannot stream",
+      text: "It speaks plain RoIS without the streaming extension. Speech and reactions may work; for the picture, run an OpenRoIS gateway.",
+    };
+  }
+  return null;
+}
+
+function avatarTrouble({ connection, avatar }: Situation): Trouble | null {
+  if (connection.name !== "connected" || avatar === null) return null;
+  if (avatar === "none") {
+    return {
+      kind: "no-adapter",
+      title: "No avatar is connected",
+      text: "The gateway runs, but no engine behind it offers video. Start one with “openrois avatar”; it appears here by itself.",
+    };
+  }
+  if (avatar.present) return null;
+  return {
+    kind: "adapter-gone",
+    title: `${avatar.name} has left`,
+    text: "Its adapter has stopped or lost the gateway. As soon as it is back, everything goes on by itself.",
+  };
+}
+
+function streamTrouble({ connection, avatar, codecs, video }: Situation): Trouble | null {
+  if (connection.name !== "connected" || avatar === null || !video.wanted) return null;
+  if (!codecs.some((codec) => USABLE_CODECS.includes(codec.toLowerCase()))) {
+    return {
+      kind: "no-codec",
+      title: "This browser decodes neither H.264 nor VP8",
+      text: "The avatar sends one of these. Install the browser's media codecs, or use another browser.",
+    };
+  }
+  if (video.problem) return problemTrouble(video.problem);
+  const stopped = video.frameAge !== null && video.frameAge > STALLED_AFTER;
+  if (video.status !== "STREAMING_RUNNING" || !stopped) return null;
+  return {
+    kind: "stalled",
+    title: "The picture has stopped",
+    text: "The avatar still sends, but nothing arrives. Another way through the network is being looked for.",
+  };
+}
+
+function problemTrouble(problem: Problem): Trouble {
+  switch (problem.kind) {
+    case "no-media":
+      return {
+        kind: "no-media",
+        title: "The picture does not get through",
+        text: `The avatar is connected, but its video packets do not arrive (${problem.detail}). A firewall or VPN may block UDP between this browser and the avatar; “openrois doctor” tells which. Trying again.`,
+      };
+    case "no-streaming":
+      return {
+        kind: "no-streaming",
+        title: "This gateway cannot stream",
+        text: "It does not know the streaming methods. Run an OpenRoIS gateway of this version.",
+      };
+    case "unsupported":
+      return {
+        kind: "no-codec",
+        title: "The avatar cannot send what this browser plays",
+        text: "They have no video codec in common, or the avatar has no video right now. Trying again.",
+      };
+    case "refused":
+      return {
+        kind: "refused",
+        title: "The avatar refuses the video",
+        text: `It answered: ${problem.detail}. Trying again.`,
+      };
+  }
+}

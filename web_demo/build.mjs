@@ -1,0 +1,73 @@
+/** Builds the page and the SDK; with --preview serves the page with an avatar that lives in the browser itself. */
+
+import { copyFile, readFile, readdir, rm } from "node:fs/promises";
+import path from "node:path";
+import { fileURLToPath } from "node:url";
+import { gzipSync } from "node:zlib";
+import { build, context } from "esbuild";
+
+const root = path.dirname(fileURLToPath(import.meta.url));
+const out = path.join(root, "openrois_web_demo", "static");
+const PREVIEW_PORT = 8766;
+
+/** The page loads the SDK as the file that others load, too: there is one copy of it. */
+const sharedSdk = {
+  name: "shared-sdk",
+  setup({ onResolve }) {
+    onResolve({ filter: /\/sdk\/index\.ts$/ }, ({ kind }) =>
+      kind === "entry-point" ? undefined : { path: "./openrois.js", external: true },
+    );
+  },
+};
+
+/** @param {string} main the module that is the page's script */
+const options = (main) => ({
+  absWorkingDir: root,
+  entryPoints: [
+    { in: main, out: "app" },
+    { in: "app/styles/app.css", out: "app" },
+    { in: "app/theme.ts", out: "theme" },
+    { in: "sdk/index.ts", out: "openrois" },
+  ],
+  plugins: [sharedSdk],
+  bundle: true,
+  format: "esm",
+  target: ["chrome123", "firefox132", "safari17.5"],
+  legalComments: "none",
+  logLevel: "warning",
+});
+
+if (process.argv.includes("--preview")) await preview();
+else await buildPage();
+
+async function buildPage() {
+  await rm(out, { recursive: true, force: true });
+  await build({ ...options("app/main.ts"), minify: true, outdir: out });
+  for (const name of ["index.html", "icon.svg"]) {
+    await copyFile(path.join(root, "app", name), path.join(out, name));
+  }
+  await report();
+}
+
+async function report() {
+  let total = 0;
+  for (const name of (await readdir(out)).sort()) {
+    const content = await readFile(path.join(out, name));
+    const zipped = gzipSync(content).length;
+    total += zipped;
+    console.log(
+      `${name.padEnd(12)} ${String(content.length).padStart(7)} bytes ${String(zipped).padStart(7)} gzip`,
+    );
+  }
+  console.log(`together ${String(total).padStart(33)} gzip`);
+}
+
+async function preview() {
+  const server = await context({ ...options("tests/preview/main.ts"), outdir: "app", write: false });
+  const { port } = await server.serve({
+    servedir: path.join(root, "app"),
+    host: "127.0.0.1",
+    port: PREVIEW_PORT,
+  });
+  console.log(`preview http://127.0.0.1:${port}/`);
+}
