@@ -203,7 +203,6 @@ async def test_trap_10_a_viewer_that_closes_ends_its_peer_at_once(engine: Engine
 async def test_trap_11_loopback_alone_is_enough_when_it_is_named(
     engine: Engine, viewer: Viewer, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert "127.0.0.1" not in aioice.ice.get_host_addresses(use_ipv4=True, use_ipv6=True)
     monkeypatch.setattr(aioice.ice, "get_host_addresses", lambda use_ipv4, use_ipv6: ["127.0.0.1"])
     engine.connect("v", "video")
     await viewer.plays()

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import AsyncIterator
+from pathlib import Path
 
 import pytest
 import pytest_asyncio
@@ -10,19 +11,18 @@ from openrois_streaming.state import StreamStatus
 from playwright.async_api import Browser
 
 from tests.support import loopback
-from tests.support.chromium import EXECUTABLE, Tab, chromium, tab
+from tests.support.chromium import Tab, browser_at, tab
 from tests.support.loopback import Engine
 
 pytestmark = [
     pytest.mark.browser,
     pytest.mark.asyncio(loop_scope="module"),
-    pytest.mark.skipif(EXECUTABLE is None, reason="there is no chromium"),
 ]
 
 
 @pytest_asyncio.fixture(scope="module", loop_scope="module")
-async def browser() -> AsyncIterator[Browser]:
-    async with chromium() as browser:
+async def browser(chromium: Path) -> AsyncIterator[Browser]:
+    async with browser_at(chromium) as browser:
         yield browser
 
 
@@ -71,8 +71,8 @@ async def test_sound_alone_keeps_running_although_the_browser_reports_seldom(bro
         assert engine.byes == []
 
 
-async def test_trap_2_two_sections_where_only_the_browsers_own_candidates_work(engine: Engine) -> None:
-    async with chromium(hide_addresses=False) as browser, tab(engine, browser) as page:
+async def test_trap_2_two_sections_where_only_the_browsers_own_candidates_work(engine: Engine, chromium: Path) -> None:
+    async with browser_at(chromium, hide_addresses=False) as browser, tab(engine, browser) as page:
         page.pass_offered_candidates = False
         engine.connect("v", "video")
         engine.connect("a", "audio")

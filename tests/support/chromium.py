@@ -1,8 +1,8 @@
 """A viewer in a real browser: Chromium without a window, with a page that answers what it is offered."""
 
-import shutil
 from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
+from pathlib import Path
 from typing import Any
 
 import aioice.ice
@@ -11,8 +11,6 @@ from openrois_streaming.errors import SessionError
 from playwright.async_api import Browser, Page, async_playwright
 
 from tests.support.loopback import PATIENCE, Engine
-
-EXECUTABLE = shutil.which("chromium") or shutil.which("chromium-browser")
 
 # Offers come in through `respond`; a candidate goes out through `trickle`. What plays is in `media`, by mid.
 _PAGE = """
@@ -113,15 +111,15 @@ class Tab:
 
 
 @asynccontextmanager
-async def chromium(*, hide_addresses: bool = True) -> AsyncIterator[Browser]:
+async def browser_at(program: Path, *, hide_addresses: bool = True) -> AsyncIterator[Browser]:
     """A browser, as a person has it; it may be told not to hide its addresses behind `.local` names."""
     arguments: Sequence[str] = ["--no-sandbox", "--autoplay-policy=no-user-gesture-required"]
     if not hide_addresses:
         arguments = [*arguments, "--disable-features=WebRtcHideLocalIpsWithMdns"]
-    if aioice.ice.get_host_addresses(use_ipv4=True, use_ipv6=True) == ["127.0.0.1"]:
+    if aioice.ice.get_host_addresses(use_ipv4=True, use_ipv6=True) in ([], ["127.0.0.1"]):
         arguments = [*arguments, "--allow-loopback-in-peer-connection"]
     async with async_playwright() as playwright:
-        browser = await playwright.chromium.launch(executable_path=EXECUTABLE, args=list(arguments))
+        browser = await playwright.chromium.launch(executable_path=program, args=list(arguments))
         try:
             yield browser
         finally:

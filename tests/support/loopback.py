@@ -2,9 +2,11 @@
 
 import asyncio
 import itertools
-from collections.abc import AsyncIterator, Awaitable, Callable, Sequence
-from contextlib import asynccontextmanager, suppress
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator, Sequence
+from contextlib import asynccontextmanager, contextmanager, suppress
 
+import aioice.ice
+import pytest
 from aiortc import MediaStreamTrack, RTCConfiguration, RTCPeerConnection, RTCSessionDescription
 from aiortc.mediastreams import MediaStreamError
 from aiortc.rtcconfiguration import RTCBundlePolicy
@@ -147,14 +149,24 @@ class Engine:
                 await task
 
 
+@contextmanager
+def _some_address() -> Iterator[None]:
+    """Media needs an address; where loopback is the only interface, its address is used, which aioice leaves out."""
+    with pytest.MonkeyPatch.context() as patch:
+        if not aioice.ice.get_host_addresses(use_ipv4=True, use_ipv6=True):
+            patch.setattr(aioice.ice, "get_host_addresses", lambda use_ipv4, use_ipv6: ["127.0.0.1"])
+        yield
+
+
 @asynccontextmanager
 async def engine(*, speed: float = 1.0) -> AsyncIterator[Engine]:
     """An engine that leaves nothing running; its session's clock may run faster than time."""
-    one = Engine(News(), speed)
-    try:
-        yield one
-    finally:
-        await one.close()
+    with _some_address():
+        one = Engine(News(), speed)
+        try:
+            yield one
+        finally:
+            await one.close()
         assert one.video.running_encoders == one.audio.running_encoders == 0
 
 
