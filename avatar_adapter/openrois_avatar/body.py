@@ -3,7 +3,7 @@
 import asyncio
 import logging
 import secrets
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 from openrois.errors import Aborted, ComponentFailed
 from openrois_avatar.link.messages import (
@@ -17,7 +17,6 @@ from openrois_avatar.link.messages import (
     Silence,
     Speak,
     Stop,
-    Viseme,
 )
 
 __all__ = ["Body"]
@@ -62,9 +61,10 @@ class Body:
         if completed.status == "ERROR":
             raise ComponentFailed(f"the game engine could not play {reaction}")
 
-    def speak(self, start_ns: int, visemes: tuple[Viseme, ...], duration_ms: int) -> None:
-        """Move the mouth to sound that starts at `start_ns` (CLOCK_MONOTONIC); without a game engine nothing moves."""
-        self._tell_if_there(Speak(secrets.token_hex(8), start_ns, visemes, duration_ms))
+    def speak(self, movements: Iterable[Speak]) -> None:
+        """Move the mouth; without a game engine nothing moves, and the voice is heard all the same."""
+        for movement in movements:
+            self._tell_if_there(movement)
 
     def silence(self) -> None:
         """Close the mouth now."""

@@ -7,11 +7,17 @@ import sys
 from collections.abc import Sequence
 from typing import Final
 
+import cv2
 import uvloop
-from openrois.dialer import serve_parent
-from openrois.logs import set_up_logging
+from openrois_streaming.aiortc_seams import UnsupportedLibrary
+from websockets.exceptions import InvalidURI
 
+from openrois.dialer import serve_parent
+from openrois.errors import BadParameter
+from openrois.logs import set_up_logging
 from openrois_avatar.adapter import run_avatar
+from openrois_avatar.game_engines import NoGameEngine
+from openrois_avatar.link.messages import LinkError
 from openrois_avatar.settings import ENGINES, AvatarSettings
 
 __all__ = ["main"]
@@ -31,7 +37,13 @@ def main(arguments: Sequence[str]) -> int:
     chosen = parser.parse_args(arguments)
     set_up_logging(verbose=chosen.verbose)
     sys.setswitchinterval(_SWITCH_INTERVAL)
-    uvloop.run(_run(AvatarSettings(chosen.gateway, chosen.engine_id, chosen.engine)))
+    # Each picture is small and each encoder has a thread already: OpenCV's own threads would only wait for each other.
+    cv2.setNumThreads(1)
+    try:
+        uvloop.run(_run(AvatarSettings(chosen.gateway, chosen.engine_id, chosen.engine)))
+    except (NoGameEngine, LinkError, UnsupportedLibrary, InvalidURI, BadParameter) as error:
+        print(f"openrois avatar: {error}", file=sys.stderr)
+        return 1
     return 0
 
 
@@ -42,3 +54,5 @@ async def _run(settings: AvatarSettings) -> None:
             asyncio.get_running_loop().add_signal_handler(name, serving.cancel)
         print(f"ready {settings.engine_id}", flush=True)
         await asyncio.wait({serving})
+        if not serving.cancelled():
+            serving.result()

@@ -80,15 +80,12 @@ async def test_without_an_engine_a_reaction_fails_and_speech_goes_on_without_a_m
         await body.react("nod")
     with pytest.raises(ComponentFailed, match="gone"):
         body.look(0.0, 0.0)
-    body.speak(0, (), 0)
+    body.speak([Speak("s", 0, (), 0)])
     body.silence()
 
 
 def test_speech_silence_and_looks_are_passed_on(body: Body, engine: Engine) -> None:
-    body.speak(17, (), 250)
+    body.speak([Speak("s", 17, (), 250)])
     body.silence()
     body.look(0.5, -0.25)
-    speak, silence, look = engine.told
-    assert isinstance(speak, Speak)
-    assert (speak.start_ns, speak.duration_ms) == (17, 250)
-    assert (silence, look) == (Silence(), Look(0.5, -0.25))
+    assert engine.told == [Speak("s", 17, (), 250), Silence(), Look(0.5, -0.25)]

@@ -1,0 +1,34 @@
+"""Which game engine is run, and what a person is told."""
+
+import pytest
+from openrois_avatar.game_engines import NoGameEngine, choose_game_engine
+
+
+def runs() -> tuple[bool, str]:
+    return True, ""
+
+
+def lacks(library: str) -> tuple[bool, str]:
+    return False, f"apt install {library}"
+
+
+def test_the_best_that_runs_is_chosen_and_nothing_is_said() -> None:
+    assert choose_game_engine("auto", {"best": runs, "second": runs}) == ("best", "")
+
+
+def test_a_second_best_says_what_the_best_lacks() -> None:
+    name, said = choose_game_engine("auto", {"best": lambda: lacks("libbest"), "second": runs})
+    assert name == "second"
+    assert "apt install libbest" in said
+    assert "second" in said
+
+
+def test_one_that_is_asked_for_is_not_replaced() -> None:
+    assert choose_game_engine("second", {"best": runs, "second": runs}) == ("second", "")
+    with pytest.raises(NoGameEngine, match="libbest"):
+        choose_game_engine("best", {"best": lambda: lacks("libbest"), "second": runs})
+
+
+def test_where_none_runs_every_reason_is_given() -> None:
+    with pytest.raises(NoGameEngine, match="liba; apt install libb"):
+        choose_game_engine("auto", {"a": lambda: lacks("liba"), "b": lambda: lacks("libb")})
