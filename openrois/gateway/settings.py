@@ -45,5 +45,5 @@ class GatewaySettings:
         for url in self.ice_servers:
             if not url.startswith(_ICE_SCHEMES) or len(url) > 512:
                 raise ValueError(f"{url[:80]!r} is no address of a STUN server, such as stun:stun.example.org:3478")
-        if self.adapter_timeout <= 0:
-            raise ValueError("adapters need more than no time to answer")
+        if not 0 < self.adapter_timeout < 3600:
+            raise ValueError("an adapter has more than 0 and less than 3600 seconds for an answer")

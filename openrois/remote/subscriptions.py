@@ -6,7 +6,7 @@ from collections.abc import Awaitable, Callable, Collection
 from dataclasses import dataclass, field
 
 from openrois.contract import Event, Sink, SubscriptionLost
-from openrois.errors import ComponentFailed
+from openrois.errors import ComponentFailed, EngineUnreachable
 
 __all__ = ["SharedSubscriptions"]
 
@@ -61,6 +61,8 @@ class SharedSubscriptions:
             async with shared.lock:
                 if not shared.remote_id or shared.stale:
                     await self._subscribe(key, lambda remote_id: self._register(shared, remote_id))
+            if subscribe_id not in self._by_id:
+                raise EngineUnreachable("the component went away")
         except BaseException:
             self._drop_sink(shared, subscribe_id)
             self._drop_unheard(shared)
@@ -77,9 +79,9 @@ class SharedSubscriptions:
             self._drop(former)
 
     def _drop_unheard(self, shared: _Shared) -> None:
-        """End the subscription of somebody who was cancelled just when the other side had answered."""
+        """End the subscription of somebody who was gone just when the other side had answered."""
         if shared.remote_id and not shared.sinks and not shared.lock.locked():
-            del self._by_remote_id[shared.remote_id]
+            self._by_remote_id.pop(shared.remote_id, None)
             self._drop(shared.remote_id)
             shared.remote_id = ""
 

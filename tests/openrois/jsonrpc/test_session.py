@@ -156,7 +156,7 @@ class TestServing:
             assert (await other.hear())["id"] == 2
         assert "the secret" in caplog.text
 
-    async def test_a_result_that_cannot_be_written_is_a_bug_and_nothing_follows_it(self) -> None:
+    async def test_a_result_that_cannot_be_written_is_a_bug_and_what_follows_the_reply_follows(self) -> None:
         followed: list[str] = []
 
         async def unwritable(_params: dict[str, Any]) -> Reply:
@@ -165,7 +165,7 @@ class TestServing:
         async with connected({"unwritable": unwritable}) as other:
             await other.say(id=1, method="unwritable")
             assert (await other.hear())["error"]["code"] == -32603
-        assert not followed
+        assert followed == ["x"]
 
     async def test_the_reply_leaves_before_what_its_call_causes(self) -> None:
         async with connected() as other:

@@ -1,0 +1,177 @@
+"""A streaming component and an engine's streams without media, for tests of the control plane."""
+
+import asyncio
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from openrois.component import COMMON_QUERIES, Component, command, parameter_profile, query
+from openrois.contract import Client
+from openrois.errors import Unsupported
+from openrois.types.codes import ComponentFunction, StreamStatus
+from openrois.types.messages import Result
+from openrois.types.profiles import (
+    CommandMessageProfile,
+    EventMessageProfile,
+    HRIComponentProfile,
+    QueryMessageProfile,
+    RoISIdentifier,
+    component_urn,
+)
+from openrois.types.references import new_id
+from openrois.types.streams import StreamStatusNotification
+
+STREAM_ID = parameter_profile("stream_id", "String")
+STATUS = parameter_profile("status", "Stream_Status")
+
+
+class Camera(Component):
+    """A streaming component whose verbs are its engine's extension."""
+
+    def __init__(self, name: str = "camera") -> None:
+        super().__init__(
+            HRIComponentProfile(
+                identifier=RoISIdentifier(code=component_urn("VideoStreaming")),
+                name=name,
+                function=ComponentFunction.FUNCTION,
+                command_profiles=(
+                    CommandMessageProfile(name="connect_stream", results=(STREAM_ID,)),
+                    *(
+                        CommandMessageProfile(name=f"{verb}_stream", arguments=(STREAM_ID,))
+                        for verb in ("disconnect", "suspend", "resume")
+                    ),
+                ),
+                query_profiles=(*COMMON_QUERIES, QueryMessageProfile(name="get_stream_status", results=(STATUS,))),
+                event_profiles=(
+                    EventMessageProfile(
+                        name="notify_stream_status",
+                        results=(parameter_profile("timestamp", "DateTime"), STATUS, STREAM_ID),
+                    ),
+                ),
+                parameter_profiles=(parameter_profile("encoding_parameters", "String"),),
+            )
+        )
+
+    @command("connect_stream", "disconnect_stream", "suspend_stream", "resume_stream")
+    async def act(self, _arguments: dict[str, str]) -> tuple[Result, ...]:
+        raise Unsupported("only for an application")
+
+    @query("get_stream_status")
+    async def get_stream_status(self) -> tuple[Result, ...]:
+        raise Unsupported("only for an application")
+
+
+class SharedCamera(Camera):
+    """The same in strict RoIS alone: one stream that belongs to everybody."""
+
+    def __init__(self, name: str = "camera") -> None:
+        super().__init__(name)
+        self.asked: list[str] = []
+
+    @command("connect_stream")
+    async def connect(self, _arguments: dict[str, str]) -> tuple[Result, ...]:
+        self.asked.append("connect_stream")
+        self.announce("STREAMING_NOT_RUNNING")
+        return (Result(name="stream_id", data_type_ref="String", value="the stream"),)
+
+    @command("disconnect_stream", "suspend_stream", "resume_stream")
+    async def act(self, arguments: dict[str, str]) -> tuple[Result, ...]:
+        self.asked.append(arguments.get("stream_id", ""))
+        return ()
+
+    @query("get_stream_status")
+    async def get_stream_status(self) -> tuple[Result, ...]:
+        return (Result(name="status", data_type_ref="Stream_Status", value="STREAMING_RUNNING"),)
+
+    def announce(self, status: str) -> None:
+        self.emit("notify_stream_status", (Result(name="status", data_type_ref="Stream_Status", value=status),))
+
+
+@dataclass
+class Stream:
+    """A stream of somebody."""
+
+    client: Client
+    component_ref: str
+    status: StreamStatus
+
+
+class FakeStreams:
+    """The streams of one engine; an `Extension`. Whatever a call causes is told before the call returns.
+
+    Attributes:
+        calls: every call: its method, its params, the client_id.
+        forgotten: the clients that are gone.
+        may_answer: calls wait until it is set.
+    """
+
+    def __init__(self, engine_id: str = "robot") -> None:
+        self.engine_id = engine_id
+        self.streams: dict[str, Stream] = {}
+        self.calls: list[tuple[str, dict[str, Any], str]] = []
+        self.called = asyncio.Event()
+        self.forgotten: list[str] = []
+        self.gone = asyncio.Event()
+        self.may_answer = asyncio.Event()
+        self.may_answer.set()
+
+    async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
+        self.calls.append((method, dict(params), client.client_id))
+        self.called.set()
+        await self.may_answer.wait()
+        match method:
+            case "rois.stream.connect_stream":
+                return self._connect(params["component_ref"], client)
+            case "rois.stream.query_stream_status":
+                return {"return_code": "OK", "status": self._own(params, client).status.value}
+            case "rois.stream.suspend_stream":
+                self._own(params, client)
+                self.announce(params["stream_id"], StreamStatus.STREAMING_SUSPENDED)
+            case "rois.stream.resume_stream":
+                self._own(params, client)
+                self.announce(params["stream_id"], StreamStatus.STREAMING_RESUMED, StreamStatus.STREAMING_RUNNING)
+            case "rois.stream.disconnect_stream":
+                self._own(params, client)
+                self.end(params["stream_id"])
+        return {"return_code": "OK"}
+
+    def _connect(self, component_ref: str, client: Client) -> dict[str, Any]:
+        stream_id = new_id(self.engine_id)
+        self.streams[stream_id] = Stream(client, component_ref, StreamStatus.STREAMING_NOT_RUNNING)
+        self.announce(stream_id, StreamStatus.STREAMING_NOT_RUNNING)
+        section = {"mid": "0", "stream_id": stream_id, "component_ref": component_ref}
+        self.offer(client, new_id(self.engine_id), streams=[{**section, "kind": "video", "direction": "recvonly"}])
+        return {"return_code": "OK", "stream_id": stream_id}
+
+    def _own(self, params: Mapping[str, Any], client: Client) -> Stream:
+        stream = self.streams.get(params["stream_id"])
+        if stream is None or stream.client.client_id != client.client_id:
+            raise Unsupported("there is no such stream")
+        return stream
+
+    def offer(self, client: Client, peer_id: str, streams: list[dict[str, Any]]) -> None:
+        """Send an offer to `client`."""
+        offer = {"peer_id": peer_id, "generation": 1, "sdp": "v=0", "streams": streams}
+        client.notify("signaling.offer", offer)
+
+    def announce(self, stream_id: str, *statuses: StreamStatus) -> None:
+        """Tell a stream's owner what it does now."""
+        stream = self.streams[stream_id]
+        for status in statuses:
+            if status is not StreamStatus.STREAMING_RESUMED:
+                stream.status = status
+            notice = StreamStatusNotification(
+                stream_id=stream_id, component_ref=stream.component_ref, status=status, timestamp="now"
+            )
+            stream.client.notify(notice.method, notice.model_dump(mode="json"))
+
+    def end(self, stream_id: str) -> None:
+        """End a stream."""
+        self.announce(stream_id, StreamStatus.STREAMING_NOT_CONNECTED)
+        del self.streams[stream_id]
+
+    async def forget(self, client_id: str) -> None:
+        self.forgotten.append(client_id)
+        for stream_id in [key for key, stream in self.streams.items() if stream.client.client_id == client_id]:
+            del self.streams[stream_id]
+        self.gone.set()
