@@ -2,16 +2,39 @@
 
 import secrets
 from collections.abc import Sequence
+from typing import Protocol
 
 from openrois.errors import Aborted, BadParameter, ComponentFailed, OutOfResources
 from openrois_avatar.body import Body
 from openrois_avatar.sound import AvatarSound, SoundBusy
-from openrois_avatar.speech.synthesizer import Speech, SpeechRefused, SpeechUnavailable, Synthesizer
+from openrois_avatar.speech.synthesizer import Speech, SpeechRefused, SpeechUnavailable
 
-__all__ = ["DEFAULT_CHARACTER", "Voice"]
+__all__ = ["DEFAULT_CHARACTER", "Synthesis", "Voice"]
 
 DEFAULT_CHARACTER = "default"
 """The character whose voice is the language's own."""
+
+
+class Synthesis(Protocol):
+    """What makes speech of text; see `openrois_avatar.speech.synthesizer.Synthesizer`."""
+
+    def available(self) -> tuple[bool, str]:
+        """Whether it is installed; if not, what to do."""
+        ...
+
+    async def languages(self) -> Sequence[str]:
+        """The languages it speaks; raises SpeechUnavailable."""
+        ...
+
+    async def voices(self) -> Sequence[str]:
+        """The voices it has; raises SpeechUnavailable."""
+        ...
+
+    async def synthesize(
+        self, text: str, *, language: str = ..., voice: str | None = ..., volume: int = ..., ssml: bool = ...
+    ) -> Speech:
+        """Make speech of a text; raises SpeechRefused and SpeechUnavailable."""
+        ...
 
 
 class Voice:
@@ -23,7 +46,7 @@ class Voice:
         body: whose mouth moves.
     """
 
-    def __init__(self, synthesizer: Synthesizer, sound: AvatarSound, body: Body) -> None:
+    def __init__(self, synthesizer: Synthesis, sound: AvatarSound, body: Body) -> None:
         self._synthesizer = synthesizer
         self._sound = sound
         self._body = body

@@ -11,7 +11,7 @@ from openrois.contract import ComponentBus
 from openrois.engine import Engine
 from openrois.gateway.adapters import serve_adapter
 from openrois.gateway.applications import serve_application
-from openrois.jsonrpc.session import RpcSession
+from openrois.jsonrpc.session import NotificationHandler, RpcSession
 from openrois.remote.proxy import RemoteProxy
 from openrois.remote.serve import serve_engine
 from openrois.tasks import TaskScope
@@ -69,6 +69,10 @@ class Application:
         answer: dict[str, Any] = await self.session.call(method, params, timeout=5)
         return answer
 
+    def taking(self, method: str) -> NotificationHandler:
+        """Return what keeps a notification of `method`."""
+        return lambda params: self.told.put_nowait((method, params))
+
     async def next(self, method: str) -> dict[str, Any]:
         """Return the next notification of `method`, passing over others."""
         async with asyncio.timeout(5):
@@ -95,9 +99,7 @@ async def application(host: EngineHost) -> AsyncIterator[Application]:
     """Connect an application to the gateway's side of `host` over memory."""
     near, far = memory_pair()
     app = Application(RpcSession(near))
-    app.session.notifications = {
-        name: (lambda params, name=name: app.told.put_nowait((name, params))) for name in NOTIFICATIONS
-    }
+    app.session.notifications = {name: app.taking(name) for name in NOTIFICATIONS}
     async with asyncio.TaskGroup() as tasks:
         serving = tasks.create_task(serve_application(host, far))
         running = tasks.create_task(app.session.run())
