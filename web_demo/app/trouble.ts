@@ -116,7 +116,7 @@ function problemTrouble(problem: Problem): Trouble {
       return {
         kind: "no-media",
         title: "The picture does not get through",
-        text: `The avatar is connected, but its video packets do not arrive (${problem.detail}). A firewall or VPN may block UDP between this browser and the avatar; “openrois doctor” tells which. Trying again.`,
+        text: `The avatar is connected, but its video packets do not arrive (${problem.detail}). A firewall or VPN may block UDP between this browser and the avatar. Other ways are being tried.`,
       };
     case "no-streaming":
       return {
@@ -134,7 +134,7 @@ function problemTrouble(problem: Problem): Trouble {
       return {
         kind: "refused",
         title: "The avatar refuses the video",
-        text: `It answered: ${problem.detail}. Trying again.`,
+        text: `It answered ${problem.detail}; the log of its adapter tells why. The page goes on trying.`,
       };
   }
 }

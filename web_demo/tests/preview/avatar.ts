@@ -1,6 +1,6 @@
 /** An avatar behind a fake gateway: components, commands, and streams with real media. */
 
-import type { JsonObject } from "../../sdk/jsonrpc/peer.ts";
+import type { Json, JsonObject } from "../../sdk/jsonrpc/peer.ts";
 import type { FakeGateway } from "../support/fake_gateway.ts";
 import { DrawnAvatar, OfferingPeer, hum } from "./media.ts";
 import type { SectionOf } from "./media.ts";
@@ -190,15 +190,15 @@ export class PreviewAvatar {
       (method, params) => {
         if (!this.blocked) return this.#notify(method, params);
         // Without the engine's addresses there is no way to it.
-        const sdp = String(params["sdp"]).replaceAll(/^a=candidate.*\r\n/gm, "");
-        if (method === "signaling.offer") this.#notify(method, { ...params, sdp });
+        if (method !== "signaling.offer") return;
+        this.#notify(method, { ...params, sdp: withoutCandidates(params["sdp"]) });
       },
     );
     await this.#peer.offer([...this.#streams.values()], this.#tracks, replaces);
   }
 
   async #answer({ sdp }: JsonObject): Promise<JsonObject> {
-    await this.#peer?.answer(String(sdp));
+    await this.#peer?.answer(this.blocked ? withoutCandidates(sdp) : String(sdp));
     if (this.blocked) return {};
     setTimeout(() => {
       for (const stream of this.#streams.values()) {
@@ -231,4 +231,8 @@ export class PreviewAvatar {
       timestamp: new Date().toISOString(),
     });
   }
+}
+
+function withoutCandidates(sdp: Json | undefined): string {
+  return String(sdp).replaceAll(/^a=candidate.*\r\n/gm, "");
 }

@@ -1,0 +1,102 @@
+import { describe, expect, it } from "vitest";
+import { LogModel, MAX_ENTRIES, matches, pretty } from "../../app/log_model.ts";
+import type { Json, Traffic } from "../../sdk/index.ts";
+
+const traffic = (over: Partial<Traffic>): Traffic => ({
+  direction: "sent",
+  at: 0,
+  kind: "request",
+  method: "m",
+  message: {},
+  ...over,
+});
+
+const summary = (over: Partial<Traffic>): string => new LogModel().add(traffic(over)).summary;
+
+describe("LogModel", () => {
+  it("forgets the oldest beyond its limit", () => {
+    const log = new LogModel();
+    for (let index = 0; index < MAX_ENTRIES + 5; index++) log.add(traffic({ method: `m${index}` }));
+    expect(log.entries).toHaveLength(MAX_ENTRIES);
+    expect(log.entries[0]?.traffic.method).toBe("m5");
+    log.clear();
+    expect(log.entries).toEqual([]);
+    expect(log.add(traffic({})).number).toBe(MAX_ENTRIES + 5);
+  });
+
+  it.each<[string, Partial<Traffic>]>([
+    ["avatar/SpeechSynthesis", { message: { params: { component_ref: "avatar/SpeechSynthesis" } } }],
+    ["OK", { kind: "response", message: { result: { return_code: "OK", subscribe_id: "", results: null } } }],
+    [
+      "OK  results[2]  x{1}",
+      { kind: "response", message: { result: { return_code: "OK", results: [1, 2], x: { a: 1 } } } },
+    ],
+    [
+      "avatar/0a1b2c…  7",
+      { message: { params: { peer_id: `avatar/0a1b2c${"0".repeat(26)}`, generation: 7 } } },
+    ],
+    ["sdp 5 characters", { message: { params: { sdp: "v=0\r\n" } } }],
+    ["STREAMING_RUNNING", { message: { params: { status: "STREAMING_RUNNING", timestamp: "2026-08-01" } } }],
+    [`${"x".repeat(47)}…`, { message: { params: { text: "x".repeat(90) } } }],
+    [
+      "-32601 Method not found",
+      { kind: "error", message: { error: { code: -32601, message: "Method not found" } } },
+    ],
+    ["the message is not JSON", { kind: "violation", message: "the message is not JSON" }],
+    ["", { kind: "response", message: { result: 5 } }],
+    [
+      "set_parameter → (start ∥ look)",
+      {
+        message: {
+          params: {
+            command_unit_list: [
+              { command_type: "set_parameter" },
+              { command_list: [{ command_type: "start" }, { command_type: "look" }] },
+            ],
+          },
+        },
+      },
+    ],
+  ])("puts a message into one line: %s", (expected, over) => {
+    expect(summary(over)).toBe(expected);
+  });
+
+  it.each<[boolean, Partial<Traffic>]>([
+    [false, { kind: "response", message: { result: { return_code: "OK" } } }],
+    [false, { kind: "notification", message: { params: {} } }],
+    [true, { kind: "response", message: { result: { return_code: "ERROR" } } }],
+    [true, { kind: "error", message: { error: {} } }],
+    [true, { kind: "violation", message: "?" }],
+  ])("knows a failure: %s", (failed, over) => {
+    expect(new LogModel().add(traffic(over)).failed).toBe(failed);
+  });
+});
+
+describe("matches", () => {
+  const entry = new LogModel().add(
+    traffic({ direction: "received", method: "rois.stream.notify_stream_status", message: { a: "RUNNING" } }),
+  );
+
+  it.each<[string, boolean]>([
+    ["", true],
+    ["stream", true],
+    ["STREAM running", true],
+    ["received  notify", true],
+    ["stream suspended", false],
+  ])("the filter %o: %s", (filter, expected) => {
+    expect(matches(entry, filter)).toBe(expected);
+  });
+});
+
+describe("pretty", () => {
+  it("shortens session descriptions, wherever they are", () => {
+    const sdp = `v=0\r\n${"a=x\r\n".repeat(50)}m=video 9 UDP\r\nm=audio 9 UDP\r\n`;
+    const text = pretty({ params: { sdp, other: sdp } } as Json);
+    expect(text).toContain(`… (${sdp.length} characters; video, audio)`);
+    expect(JSON.parse(text)).toMatchObject({ params: { other: sdp } });
+  });
+
+  it("leaves short ones alone", () => {
+    expect(JSON.parse(pretty({ sdp: "v=0" }))).toEqual({ sdp: "v=0" });
+  });
+});

@@ -1,0 +1,117 @@
+import { describe, expect, it } from "vitest";
+import { findAvatars } from "../../app/avatars.ts";
+import { formatBitrate, formatLatency, formatTime, secondsUntil } from "../../app/format.ts";
+import { languageChoice } from "../../app/languages.ts";
+import { describeCompleted, describeFailure } from "../../app/outcome.ts";
+import { reactionLook } from "../../app/reaction_names.ts";
+import { History } from "../../app/sparkline.ts";
+import { ConnectionLost, RoISError } from "../../sdk/index.ts";
+import type { Profile } from "../../sdk/index.ts";
+
+describe("reactionLook", () => {
+  it.each([
+    ["urn:x-rois:def:reaction:OMG::1", "1", "Nod"],
+    ["urn:x-rois:def:reaction:OMG::9", "9", "Bow"],
+    ["urn:x-rois:def:reaction:OMG::37", "37", "Reaction 37"],
+    ["urn:x-rois:def:reaction:OpenRoIS::look_around", "look_around", "Look around"],
+    ["urn:x-rois:def:reaction:Somebody::do-a-flip", "do-a-flip", "Do a flip"],
+    ["plain", "plain", "Plain"],
+    ["odd::", "", "Odd::"],
+  ])("%s", (reactionRef, code, name) => {
+    expect(reactionLook(reactionRef)).toMatchObject({ code, name });
+    expect(reactionLook(reactionRef).path).toMatch(/^M/);
+  });
+});
+
+describe("languageChoice", () => {
+  it("names the languages and sorts them", () => {
+    const { options } = languageChoice(["fr", "de", "en-GB", "de", "not a tag"], "", []);
+    expect(options.map(({ name }) => name)).toEqual(["British English", "French", "German", "not a tag"]);
+  });
+
+  it.each<[string, string[], string, string[]]>([
+    ["de", ["de", "en"], "de", ["en"]],
+    ["en-GB", ["de", "en", "en-GB"], "", ["fr", "en-GB"]],
+    ["en", ["de", "en"], "fr", ["de"]],
+    ["de", ["fr", "de"], "", ["de"]],
+    ["fr", ["fr"], "", []],
+    ["", [], "", ["en"]],
+  ])("selects %s", (expected, tags, chosen, preferred) => {
+    expect(languageChoice(tags, chosen, preferred).selected).toBe(expected);
+  });
+});
+
+describe("outcomes in words", () => {
+  it.each([
+    [describeCompleted("OK", 1849), "done", "completed OK after 1.8 s"],
+    [describeCompleted("ABORT", 400), "stopped", "stopped after 0.4 s (completed ABORT)"],
+    [describeCompleted("TIMEOUT", 1), "failed", "the avatar could not finish it (completed TIMEOUT)"],
+    [describeFailure(new RoISError("OUT_OF_RESOURCES", "m"), "busy"), "refused", "busy"],
+    [describeFailure(new RoISError("ERROR", "m"), "busy"), "failed", "the avatar refused it: ERROR"],
+    [describeFailure(new Error("x"), "busy"), "failed", "x"],
+    [describeFailure("y", "busy"), "failed", "y"],
+  ])("%o", (outcome, state, text) => {
+    expect(outcome).toEqual({ state, text });
+  });
+
+  it("tells a lost connection from a refusal", () => {
+    expect(describeFailure(new ConnectionLost("m"), "busy").text).toMatch(/connection/);
+  });
+});
+
+describe("numbers in words", () => {
+  it("have the digits that matter", () => {
+    expect([formatLatency(null), formatLatency(3.44), formatLatency(38.6)]).toEqual(["", "3.4", "39"]);
+    expect(formatBitrate(812_345)).toEqual(["812", "kbit/s"]);
+    expect(formatBitrate(2_345_678)).toEqual(["2.35", "Mbit/s"]);
+    expect(formatTime(new Date(2026, 7, 1, 3, 4, 5, 6).getTime())).toBe("03:04:05.006");
+  });
+
+  it("count down to 0 and no further", () => {
+    expect([secondsUntil(5000, 1), secondsUntil(5000, 4999), secondsUntil(5000, 9000)]).toEqual([5, 1, 0]);
+  });
+});
+
+describe("History", () => {
+  it("draws from the right, with the area down to 0", () => {
+    const history = new History(3);
+    history.push(50);
+    history.push(100);
+    expect(history.paths(100, 10)).toEqual({
+      line: "M50.0 6.0L100.0 2.0",
+      area: "M50.0 10L50.0 6.0L100.0 2.0L100.0 10Z",
+    });
+  });
+
+  it("leaves gaps, forgets the oldest, and survives nothing but zeros", () => {
+    const history = new History(4);
+    for (const value of [9, 8, null, 4, 4]) history.push(value);
+    expect(history.paths(30, 10).line).toBe("M0.0 2.0M20.0 6.0L30.0 6.0");
+    const flat = new History(2);
+    flat.push(0);
+    expect(flat.paths(10, 10).line).toBe("M10.0 10.0");
+    expect(new History().paths(10, 10)).toEqual({ line: "", area: "" });
+  });
+});
+
+describe("findAvatars", () => {
+  const component = (code: string) => ({ identifier: { code }, name: "x" });
+
+  it("takes every engine that can be seen, with the components it has", () => {
+    const profile: Profile = {
+      profile: null,
+      component_profiles: {
+        "a/eyes": component("urn:x-rois:def:component:OMG::VideoStreaming"),
+        "a/mouth": component("urn:x-rois:def:component:OMG::SpeechSynthesis"),
+        "b/speech": component("urn:x-rois:def:component:OMG::SpeechSynthesis"),
+        "c/video": component("VideoStreaming"),
+        "c/video2": component("VideoStreaming"),
+      },
+    };
+    const nothing = { audio: null, speech: null, reaction: null, system: null, gaze: null };
+    expect(findAvatars(profile)).toEqual([
+      { ...nothing, engineId: "a", video: "a/eyes", speech: "a/mouth" },
+      { ...nothing, engineId: "c", video: "c/video" },
+    ]);
+  });
+});
