@@ -5,6 +5,8 @@ What is reached for, and why nothing public does it:
 * `RTCRtpSender._send_keyframe` is called for PLI and FIR; for pre-encoded media aiortc forgets the request.
 * `RTCRtpSender._handle_rtcp_packet` and `RTCDtlsTransport._handle_rtcp_data` get the receiver's reports; `getStats`
   does not say when they came.
+* `RTCRtpSender._send_rtcp` sends the reports by which a viewer brings sound and pictures together. aiortc dates them by
+  when a frame was sent; what has to be in time is when it was captured.
 * `RTCRtpTransceiver._codecs` is what was negotiated.
 * `RTCIceTransport._connection` is the aioice connection: its gathering waits 5 s for a server that does not answer, and
   its consent checks take 30 s to notice that the other end is gone.
@@ -29,6 +31,9 @@ TESTED: Final = {"aiortc": "1.16.", "aioice": "0.13."}
 
 GATHER_TIMEOUT = 2
 """Seconds that STUN and TURN servers have to answer while candidates are gathered; host candidates need none."""
+
+_NTP_EPOCH: Final = 2_208_988_800  # seconds from 1900 to 1970
+_LAST_REPORT: Final = "_RTCRtpSender__lsr"
 
 _log = logging.getLogger(__name__)
 
@@ -81,6 +86,27 @@ def watch_rtcp(transport: RTCDtlsTransport, on_rtcp: Callable[[], None]) -> None
         await handle(data)
 
     transport._handle_rtcp_data = tell_and_handle  # type: ignore[method-assign]
+
+
+def date_by_capture(sender: RTCRtpSender, captured_at: Callable[[], float | None]) -> None:
+    """Have the reports of `sender` say when the frame that it sent last was captured (RFC 3550 section 6.4.1).
+
+    `captured_at` gives that time in seconds since the epoch, by a clock that all senders of a viewer share; None before
+    the first frame.
+    """
+    send = sender._send_rtcp
+
+    async def date_and_send(packets: list[Any]) -> None:
+        moment = captured_at()
+        for packet in packets:
+            if moment is not None and isinstance(packet, RtcpSrPacket):
+                dated = round((moment + _NTP_EPOCH) * 2**32) & (2**64 - 1)
+                packet.sender_info.ntp_timestamp = dated
+                # By its middle bits aiortc recognises the report in an answer, and so finds the round-trip time.
+                setattr(sender, _LAST_REPORT, dated >> 16 & 0xFFFFFFFF)
+        await send(packets)
+
+    sender._send_rtcp = date_and_send  # type: ignore[method-assign]
 
 
 def negotiated_codec(transceiver: RTCRtpTransceiver) -> str | None:
@@ -156,6 +182,7 @@ async def _differences(connection: RTCPeerConnection) -> list[str]:
     seen: list[object] = []
     watch_sender(sender, on_report=seen.append, on_key_frame=lambda: seen.append("key"))
     watch_rtcp(dtls, lambda: seen.append("rtcp"))
+    date_by_capture(sender, lambda: 0.0)
     limit_gathering(dtls.transport)
     dtls._rtp_router.register_sender(sender, ssrc=sender._ssrc)
     about = RtcpReceiverInfo(
@@ -171,6 +198,8 @@ async def _differences(connection: RTCPeerConnection) -> list[str]:
         "RTCP is not routed to _handle_rtcp_packet": "_handle_rtcp_packet"
         in _names(RTCDtlsTransport._handle_rtcp_data),
         "RTCP is routed in another way": callable(RtpRouter.route_rtcp),
+        "reports are sent elsewhere": "_send_rtcp" in _names(RTCRtpSender._run_rtcp),
+        "the last report is not remembered": hasattr(sender, _LAST_REPORT),
         "the negotiated codec is elsewhere": negotiated_codec(transceiver) is not None,
         "an unconnected ICE transport answers": not await ask_for_a_sign(dtls.transport),
         "ICE has no build_request": callable(ice.build_request),

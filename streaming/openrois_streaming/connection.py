@@ -41,6 +41,8 @@ class BundledConnection:
     Args:
         ice_servers: of which aiortc uses the first STUN and the first TURN server.
         policy: the addresses of the other end that may be sent to.
+        wall_offset: the time of day (epoch seconds) at which the media clock was 0. It does not follow a clock that is
+            stepped, because sound and pictures would part for a while.
         on_state: called with "connected", "failed" or "closed".
         on_rtcp: called for each RTCP packet of the other end.
     """
@@ -49,11 +51,13 @@ class BundledConnection:
         self,
         ice_servers: Sequence[IceServer],
         policy: CandidatePolicy,
+        wall_offset: float,
         on_state: Callable[[str], None],
         on_rtcp: Callable[[], None],
     ) -> None:
         self.sections: list[Section] = []
         self._policy = policy
+        self._wall_offset = wall_offset
         self._on_rtcp = on_rtcp
         self._offered: tuple[OfferedSection, ...] = ()
         # With any other policy a later section would get a transport of its own, which disturbs the first.
@@ -73,7 +77,7 @@ class BundledConnection:
                 return section
         if len(self.sections) >= SECTIONS_LIMIT:
             raise TooManySections(f"the peer connection has {SECTIONS_LIMIT} sections, and none to spare")
-        section = Section(self._connection, stream.kind, stream.codecs)
+        section = Section(self._connection, stream.kind, stream.codecs, self._wall_offset)
         self.sections.append(section)
         if len(self.sections) == 1:
             transport = section.transceiver.sender.transport

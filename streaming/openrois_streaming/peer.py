@@ -72,7 +72,9 @@ class Peer:
         self._tasks = tasks
         self._owner = owner
         self._negotiation = Negotiation(peer_id, replaces)
-        self._connection = BundledConnection(ice_servers, policy, self._connection_is, self._sign_of_life)
+        self._connection = BundledConnection(
+            ice_servers, policy, clock.wall() - clock.now(), self._connection_is, self._sign_of_life
+        )
         self._answered_at: float | None = None
         self._work: Task[object] | None = None
         self._ended = False

@@ -6,7 +6,7 @@ from typing import Final
 from aiortc import RTCPeerConnection, RTCRtpSender, RTCRtpTransceiver
 from openrois_signaling.messages import MediaKind
 
-from openrois_streaming.aiortc_seams import ReceiverReport, negotiated_codec, watch_sender
+from openrois_streaming.aiortc_seams import ReceiverReport, date_by_capture, negotiated_codec, watch_sender
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.encoded import AUDIO_CLOCK_RATE, VIDEO_CLOCK_RATE, EncodedFrame
 from openrois_streaming.feed import SharedRendition, feed
@@ -110,19 +110,26 @@ class Section:
 
     aiortc fixes the codec of a sender with its first packet and cannot take a section out of a description, so a
     section is only ever taken over by a stream of the same kind that may be sent in the same codec.
+
+    `wall_offset` is the time of day (epoch seconds) at which the media clock was 0, the same for all of a viewer.
     """
 
-    def __init__(self, connection: RTCPeerConnection, kind: MediaKind, codecs: Sequence[str]) -> None:
+    def __init__(
+        self, connection: RTCPeerConnection, kind: MediaKind, codecs: Sequence[str], wall_offset: float
+    ) -> None:
         self.kind: MediaKind = kind
         self.leg: Leg | None = None
         self.codec: str | None = None
         """The negotiated media type; None before the first answer."""
         self.highest_sequence: int | None = None
         """The newest packet the viewer has reported; None before its first report."""
+        self._wall_offset = wall_offset
+        self._captured_at: float | None = None
         self.track = PacketTrack(kind, self._sent)
         self.transceiver: RTCRtpTransceiver = connection.addTransceiver(self.track, direction="sendonly")
         self._prefer(codecs)
         watch_sender(self.transceiver.sender, on_report=self._reported, on_key_frame=self._key_frame_wanted)
+        date_by_capture(self.transceiver.sender, lambda: self._captured_at)
 
     @property
     def mid(self) -> str:
@@ -152,6 +159,7 @@ class Section:
         self.transceiver.setCodecPreferences(chosen)
 
     def _sent(self, frame: EncodedFrame) -> None:
+        self._captured_at = frame.captured_at + self._wall_offset
         if self.leg is not None:
             self.leg.sent(frame)
 

@@ -1,10 +1,12 @@
 """What a session does, with real media between it and viewers on aiortc."""
 
 import asyncio
+import time
 from collections.abc import AsyncIterator, Callable
 
 import pytest
 import uvloop
+from aiortc.rtp import AnyRtcpPacket, RtcpSrPacket
 from openrois_streaming.errors import TooManySections
 from openrois_streaming.state import StreamStatus
 
@@ -77,6 +79,25 @@ async def test_the_figures_of_a_stream_come_from_its_viewer(engine: Engine, view
     assert stats.frames_sent >= viewer.frames["0"]
     assert stats.key_frames >= 1
     assert stats.bytes_sent > 1000
+
+
+async def test_sender_reports_say_when_a_picture_was_captured(engine: Engine, viewer: Viewer) -> None:
+    engine.source.delay = 0.1
+    engine.connect("v", "video")
+    await viewer.plays()
+    (connection,) = viewer.connections.values()
+    receiver = connection.getTransceivers()[0].receiver
+    ages: list[float] = []
+    handle = receiver._handle_rtcp_packet
+
+    async def watched(packet: AnyRtcpPacket) -> None:
+        if isinstance(packet, RtcpSrPacket):
+            ages.append(time.time() + 2_208_988_800 - packet.sender_info.ntp_timestamp / 2**32)
+        await handle(packet)
+
+    receiver._handle_rtcp_packet = watched  # type: ignore[method-assign]
+    await engine.news.until(lambda: ages)
+    assert all(0.1 < age < 0.5 for age in ages)
 
 
 async def test_viewers_share_one_encoder_and_each_decodes() -> None:

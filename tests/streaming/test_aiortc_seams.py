@@ -5,9 +5,26 @@ import pytest
 from aiortc import RTCPeerConnection
 from aiortc.rtcdtlstransport import RTCDtlsTransport
 from aiortc.rtcrtpsender import RTCRtpSender
-from aiortc.rtp import RTCP_PSFB_FIR, RTCP_PSFB_PLI, RtcpPsfbPacket, RtcpReceiverInfo, RtcpRrPacket
+from aiortc.rtp import (
+    RTCP_PSFB_FIR,
+    RTCP_PSFB_PLI,
+    RtcpByePacket,
+    RtcpPacket,
+    RtcpPsfbPacket,
+    RtcpReceiverInfo,
+    RtcpRrPacket,
+    RtcpSenderInfo,
+    RtcpSrPacket,
+)
 from openrois_streaming import aiortc_seams
-from openrois_streaming.aiortc_seams import ReceiverReport, UnsupportedLibrary, self_test, watch_rtcp, watch_sender
+from openrois_streaming.aiortc_seams import (
+    ReceiverReport,
+    UnsupportedLibrary,
+    date_by_capture,
+    self_test,
+    watch_rtcp,
+    watch_sender,
+)
 
 
 async def test_the_installed_libraries_are_as_expected() -> None:
@@ -75,6 +92,30 @@ async def test_reports_and_requests_about_a_sender_are_told() -> None:
     for request in (RTCP_PSFB_PLI, RTCP_PSFB_FIR):
         await sender._handle_rtcp_packet(RtcpPsfbPacket(fmt=request, ssrc=1, media_ssrc=sender._ssrc))
     assert len(requests) == 2
+    await connection.close()
+
+
+async def test_reports_are_dated_by_capture_and_still_give_the_round_trip_time() -> None:
+    connection = RTCPeerConnection()
+    sender = connection.addTransceiver("video", direction="sendonly").sender
+    sent: list[bytes] = []
+
+    async def send(data: bytes) -> None:
+        sent.append(data)
+
+    sender.transport._send_rtp = send  # type: ignore[method-assign]
+    moments = iter([None, 1_000_000.5])
+    date_by_capture(sender, lambda: next(moments))
+    info = RtcpSenderInfo(ntp_timestamp=7, rtp_timestamp=90, packet_count=1, octet_count=1)
+    for _ in range(2):
+        await sender._send_rtcp([RtcpSrPacket(ssrc=sender._ssrc, sender_info=info), RtcpByePacket(sources=[1])])
+    first, second = (RtcpPacket.parse(data)[0] for data in sent)
+    assert isinstance(first, RtcpSrPacket)
+    assert isinstance(second, RtcpSrPacket)
+    assert first.sender_info.ntp_timestamp == 7
+    dated = int((1_000_000.5 + 2_208_988_800) * 2**32)
+    assert (second.sender_info.ntp_timestamp, second.sender_info.rtp_timestamp) == (dated, 90)
+    assert getattr(sender, "_RTCRtpSender__lsr") == dated >> 16 & 0xFFFFFFFF  # noqa: B009 - its name is mangled
     await connection.close()
 
 

@@ -41,10 +41,12 @@ class News:
 
 
 class Interruptible:
-    """A source of pictures that a test can let fail once, or hold."""
+    """A source of pictures that a test can let fail once, hold, or hand over late."""
 
     def __init__(self, source: MediaSource[RawVideo]) -> None:
         self.failure: Exception | None = None
+        self.delay = 0.0
+        """Seconds from the capture of a picture to its being there; the ones in between are lost."""
         self.running = asyncio.Event()
         self.running.set()
         self._source = source
@@ -57,6 +59,7 @@ class Interruptible:
     async def _pass(self, frames: AsyncIterator[RawVideo]) -> AsyncIterator[RawVideo]:
         async for frame in frames:
             await self.running.wait()
+            await asyncio.sleep(self.delay)
             failure, self.failure = self.failure, None
             if failure is not None:
                 raise failure

@@ -76,10 +76,12 @@ class WirelessConnection:
         self,
         ice_servers: Sequence[IceServer],
         policy: CandidatePolicy,
+        wall_offset: float,
         on_state: Callable[[str], None],
         on_rtcp: Callable[[], None],
     ) -> None:
         self.ice_servers = ice_servers
+        self._wall_offset = wall_offset
         self.sections: list[Section] = []
         self.become = on_state
         self.hear = on_rtcp
@@ -102,7 +104,7 @@ class WirelessConnection:
                 return section
         if len(self.sections) >= self.room:
             raise TooManySections("full")
-        section = Section(self._connection, stream.kind, stream.codecs)
+        section = Section(self._connection, stream.kind, stream.codecs, self._wall_offset)
         section.transceiver._set_mid(str(len(self.sections)))
         self.sections.append(section)
         return section
