@@ -174,6 +174,7 @@ class Application(Wire):
         self._tasks = tasks
         self._ice_servers: list[RTCIceServer] = []
         self._places: dict[str, tuple[str, str]] = {}
+        self._players: list[asyncio.Task[None]] = []
 
     def statuses(self, stream_id: str) -> list[str]:
         """What was told about a stream so far, without `STREAMING_`."""
@@ -252,18 +253,24 @@ class Application(Wire):
         if peer is None:
             peer = self.peers[peer_id] = self._open(offer.get("replaces"))
         peer.offers.append(offer)
+        self._places.update({each["stream_id"]: (peer_id, each["mid"]) for each in offer["streams"]})
         if not self.answers:
             return
-        await peer.connection.setRemoteDescription(RTCSessionDescription(offer["sdp"], "offer"))
-        self._places.update({each["stream_id"]: (peer_id, each["mid"]) for each in offer["streams"]})
-        await peer.connection.setLocalDescription(await peer.connection.createAnswer())
-        sdp, candidates = without_candidates(peer.connection.localDescription.sdp)
+        sdp, candidates = without_candidates(await self.described(offer))
         about = {"peer_id": peer_id, "generation": offer["generation"]}
         if self.candidates_first:
             await self._trickle(about, candidates)
         peer.answer_codes.append((await self.ask("signaling.answer", **about, sdp=sdp))["return_code"])
         if not self.candidates_first:
             await self._trickle(about, candidates)
+
+    async def described(self, offer: Message) -> str:
+        """The answer to an offer that was taken, not sent yet."""
+        connection = self.peers[offer["peer_id"]].connection
+        await connection.setRemoteDescription(RTCSessionDescription(offer["sdp"], "offer"))
+        await connection.setLocalDescription(await connection.createAnswer())
+        sdp: str = connection.localDescription.sdp
+        return sdp
 
     async def _trickle(self, about: Message, candidates: list[tuple[int, str | None]]) -> None:
         for index, candidate in candidates:
@@ -277,7 +284,7 @@ class Application(Wire):
         def play(track: MediaStreamTrack) -> None:
             place = next(each for each in peer.connection.getTransceivers() if each.receiver.track is track)
             media = peer.media[str(place.mid)] = Media(track.kind)
-            self._tasks.create_task(self._consume(media, track))
+            self._players.append(self._tasks.create_task(self._consume(media, track)))
 
         peer.connection.on("track", play)
         peer.connection.on("connectionstatechange", self.news.happened)
@@ -299,6 +306,8 @@ class Application(Wire):
         """End all media."""
         for peer in self.peers.values():
             await peer.connection.close()
+        for player in self._players:  # a track that never began is never ended by aiortc
+            player.cancel()
 
 
 def encoding_parameters(text: str) -> Message:
