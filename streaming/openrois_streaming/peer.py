@@ -77,13 +77,9 @@ class Peer:
         )
         self._answered_at: float | None = None
         self._work: Task[object] | None = None
-        self._ended = False
-        self._closing: Task[None] | None = None
-
-    @property
-    def ended(self) -> bool:
+        self.ended = False
         """Whether it is over for good."""
-        return self._ended
+        self._closing: Task[None] | None = None
 
     def attach(self, stream: Stream) -> None:
         """Give `stream` a section; an offer follows.
@@ -102,12 +98,12 @@ class Peer:
             return
         leg.close()
         leg.section.leg = None
-        if not self._ended:
+        if not self.ended:
             self._renegotiate()
 
     def follow(self) -> None:
         """Send what is to be sent now, and nothing else."""
-        connected = self.viewer is not None and not self._ended
+        connected = self.viewer is not None and not self.ended
         for leg in self.legs.values():
             negotiated = leg.generation is not None and leg.generation <= self._negotiation.answered
             leg.up = connected and negotiated
@@ -163,7 +159,7 @@ class Peer:
 
     def tick(self, now: float, late: float = 0.0) -> None:
         """Judge deadlines and signs of life at the time `now`; for `late` seconds before, nobody listened."""
-        if self._ended:
+        if self.ended:
             return
         bye = self._negotiation.expire(now)
         if bye is not None:
@@ -231,7 +227,7 @@ class Peer:
         return None
 
     def _connection_is(self, state: str) -> None:
-        if self._ended:
+        if self.ended:
             return
         if state == "connected" and self.viewer is None:
             self.viewer = Viewer(self._clock.now())
@@ -259,7 +255,7 @@ class Peer:
             self.viewer.alive(self._clock.now())
 
     def _finish(self, bye: Bye) -> None:
-        self._ended = True
+        self.ended = True
         if self._work is not None and self._work is not asyncio.current_task():
             self._work.cancel()
         self.follow()

@@ -2,7 +2,6 @@
 
 import logging
 from collections.abc import Callable, Sequence
-from functools import partial
 from types import TracebackType
 from typing import Self
 
@@ -59,8 +58,19 @@ class StreamSession:
         self._name = name
         self._tasks = OwnedTasks(name, self._failed)
         self._streams = StreamTable(on_change, clock)
-        make = partial(self._make_peer, mint, policy or CandidatePolicy())
-        self._peers = Peers(self._streams, make, send, self._look_soon)
+
+        def make_peer(replaces: str | None, owner: PeerOwner) -> Peer:
+            return Peer(
+                mint(),
+                replaces=replaces,
+                ice_servers=self.ice_servers,
+                policy=policy or CandidatePolicy(),
+                clock=clock,
+                tasks=self._tasks,
+                owner=owner,
+            )
+
+        self._peers = Peers(self._streams, make_peer, send, self._look_soon)
         self._supervisor: Task[None] | None = None
         self._closed = False
 
@@ -159,19 +169,6 @@ class StreamSession:
         await self._peers.closed()
         await self._tasks.aclose()
 
-    def _make_peer(
-        self, mint: Callable[[], str], policy: CandidatePolicy, replaces: str | None, owner: PeerOwner
-    ) -> Peer:
-        return Peer(
-            mint(),
-            replaces=replaces,
-            ice_servers=self.ice_servers,
-            policy=policy,
-            clock=self._clock,
-            tasks=self._tasks,
-            owner=owner,
-        )
-
     def _gate(self, stream_id: str, event: StreamInput) -> None:
         self._streams[stream_id].apply(event)
         self._peers.follow()
@@ -182,19 +179,16 @@ class StreamSession:
         while self._peers.all():
             now = self._clock.now()
             self._peers.tick(now, now - due if now - due > LATE else 0.0)
-            self._look()
+            await self._look()
             due = self._clock.now() + TICK
             await self._clock.sleep_until(due)
 
     def _look_soon(self) -> None:
         """Look at the streams before the next tick, but not within the present call."""
         if not self._closed:
-            self._tasks.start(self._look_now(), "look")
+            self._tasks.start(self._look(), "look")
 
-    async def _look_now(self) -> None:
-        self._look()
-
-    def _look(self) -> None:
+    async def _look(self) -> None:
         """Judge every stream by what was measured, and tell what changed."""
         now = self._clock.now()
         for stream in self._streams:
