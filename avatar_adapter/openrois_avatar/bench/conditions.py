@@ -1,0 +1,65 @@
+"""What was measured with, and on: figures of another machine, or of a busier one, cannot be compared."""
+
+import os
+import platform
+from importlib.metadata import version
+from pathlib import Path
+from typing import Final
+
+from pydantic import BaseModel, ConfigDict
+
+__all__ = ["Conditions", "conditions", "load"]
+
+_LIBRARIES: Final = ("openrois", "aiortc", "aioice", "av", "numpy", "uvloop")
+
+
+class Conditions(BaseModel):
+    """The machine, and how busy it was.
+
+    A load is the number of processes that ran or wanted to, on average over the last minute, this bench included.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    cpus: int
+    processor: str
+    system: str
+    python: str
+    versions: dict[str, str]
+    load_before: float
+    load_after: float
+
+    def __str__(self) -> str:
+        versions = ", ".join(f"{name} {number}" for name, number in self.versions.items())
+        return (
+            f"{self.cpus} CPUs ({self.processor}), load {self.load_before:.1f} before and {self.load_after:.1f} after\n"
+            f"Python {self.python}, {versions}; {self.system}"
+        )
+
+
+def load() -> float:
+    """The load of this machine over the last minute."""
+    return round(os.getloadavg()[0], 2)
+
+
+def conditions(load_before: float, more_versions: dict[str, str] | None = None) -> Conditions:
+    """The conditions of a bench that ends now and began when the load was `load_before`."""
+    return Conditions(
+        cpus=os.cpu_count() or 1,
+        processor=processor(Path("/proc/cpuinfo")),
+        system=platform.platform(terse=True),
+        python=platform.python_version(),
+        versions={name: version(name) for name in _LIBRARIES} | (more_versions or {}),
+        load_before=load_before,
+        load_after=load(),
+    )
+
+
+def processor(cpuinfo: Path) -> str:
+    """The processor's name as Linux tells it, or else its architecture."""
+    if cpuinfo.is_file():
+        for line in cpuinfo.read_text().splitlines():
+            name, _, value = line.partition(":")
+            if name.strip() == "model name":
+                return value.strip()
+    return platform.machine()

@@ -1,0 +1,127 @@
+"""`openrois bench latency`: from the capture of a picture to the viewer, over gateway and adapter."""
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from typing import Final
+from urllib.parse import urlsplit
+
+import aiohttp
+from openrois_streaming.clock import SystemClock
+from openrois_streaming.codecs import H264
+
+from openrois_avatar.bench.adapter import COMPONENT_REF, ENGINE_ID
+from openrois_avatar.bench.browser import chromium_version, watch_in_chromium
+from openrois_avatar.bench.conditions import conditions, load
+from openrois_avatar.bench.errors import BenchFailed, within
+from openrois_avatar.bench.latency_report import LatencyReport
+from openrois_avatar.bench.observation import Observation, Order, Sightings
+from openrois_avatar.bench.partner import partner
+from openrois_avatar.child import Output, child_process
+
+__all__ = ["LatencySettings", "run_latency"]
+
+_START_TIMEOUT: Final = 30.0
+_VIEWER_START: Final = 20.0
+_RUN: Final = 4.0
+"""Seconds that a viewer may take at most to start, and for connecting, suspending and resuming once."""
+
+_LISTENING: Final = "listening "
+
+
+@dataclass(frozen=True, slots=True)
+class LatencySettings:
+    """What is measured.
+
+    Attributes:
+        seconds: for which each viewer plays.
+        runs: how often each viewer connects, and how often it suspends and resumes.
+        sizes: of the pictures, in pixels.
+        chromium: path of a browser; None leaves it out.
+    """
+
+    seconds: float = 6.0
+    runs: int = 7
+    sizes: tuple[tuple[int, int], ...] = ((640, 360), (1280, 720))
+    chromium: str | None = None
+
+
+async def run_latency(settings: LatencySettings, progress: Callable[[str], None]) -> LatencyReport:
+    """Measure; `progress` is told what comes next.
+
+    Raises:
+        BenchFailed: something did not do what it should.
+    """
+    versions = {} if settings.chromium is None else {"Chromium": await chromium_version(settings.chromium)}
+    before = load()
+    observations: list[Observation] = []
+    for width, height in settings.sizes:
+        async with _avatar(width, height) as host:
+            order = Order(
+                url=f"ws://{host}/",
+                component_ref=COMPONENT_REF,
+                codec=H264,
+                seconds=settings.seconds,
+                runs=settings.runs,
+            )
+            progress(f"{width}x{height}: aiortc")
+            observations.append(Observation.of("aiortc", H264, await _watch_in_aiortc(order)))
+            if settings.chromium is not None:
+                progress(f"{width}x{height}: Chromium")
+                seen = await watch_in_chromium(settings.chromium, order, patience=_patience(order))
+                observations.append(Observation.of("Chromium", H264, seen))
+    return LatencyReport(
+        seconds=settings.seconds,
+        runs=settings.runs,
+        conditions=conditions(before, versions),
+        observations=tuple(observations),
+    )
+
+
+async def _watch_in_aiortc(order: Order) -> Sightings:
+    async with partner("openrois_avatar.bench.viewer") as viewer:
+        told = await viewer.ask("watch", order.model_dump(mode="json"), within=_patience(order))
+    return Sightings.model_validate(told, strict=False)
+
+
+def _patience(order: Order) -> float:
+    return _VIEWER_START + order.seconds + order.runs * _RUN
+
+
+@asynccontextmanager
+async def _avatar(width: int, height: int) -> AsyncIterator[str]:
+    """Run a gateway and, behind it, an adapter whose pictures have that size; yields the gateway's `host:port`."""
+    clock = SystemClock()
+    said = Output("gateway", clock)
+    arguments = ("openrois.cli", "gateway", "--port", "0")
+    async with child_process(*arguments, output=said, conversation=True) as gateway:
+        assert gateway.stdout is not None
+        async with within(_START_TIMEOUT, "the start of the gateway"):
+            line = (await gateway.stdout.readline()).decode()
+        if not line.startswith(_LISTENING):
+            raise BenchFailed(f"the gateway does not start: {said.last_words}")
+        host = urlsplit(line.removeprefix(_LISTENING).strip()).netloc
+        adapter = ("openrois_avatar.bench.adapter", f"ws://{host}/adapter", str(width), str(height))
+        said = Output("adapter", clock)
+        async with child_process(*adapter, output=said) as process:
+            await _attached(host, process, said)
+            yield host
+
+
+async def _attached(host: str, adapter: asyncio.subprocess.Process, said: Output) -> None:
+    """Wait until the gateway knows the adapter."""
+    async with within(_START_TIMEOUT, "the start of the adapter"), aiohttp.ClientSession() as client:
+        while ENGINE_ID not in await _engines(client, host):
+            if adapter.returncode is not None:
+                raise BenchFailed(f"the adapter does not start: {said.last_words}")
+            await asyncio.sleep(0.1)
+
+
+async def _engines(client: aiohttp.ClientSession, host: str) -> list[str]:
+    try:
+        async with client.get(f"http://{host}/healthz") as health:
+            engines: list[str] = (await health.json())["engines"]
+    except aiohttp.ClientError as error:
+        raise BenchFailed(f"the gateway does not answer: {error}") from error
+    return engines

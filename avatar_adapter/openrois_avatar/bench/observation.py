@@ -1,0 +1,92 @@
+"""What one viewer saw of the pictures. Pure."""
+
+import itertools
+from collections.abc import Sequence
+from typing import Self
+
+from openrois_streaming.stamp import NUMBER_MODULUS
+from pydantic import BaseModel, ConfigDict
+
+from openrois_avatar.bench.series import Series
+
+__all__ = ["MEASURES", "Observation", "Order", "Sightings", "missed"]
+
+MEASURES = {
+    "received": "capture -> last packet",
+    "decoded": "capture -> decoded",
+    "presented": "capture -> presented",
+    "connect": "connect_stream -> first picture",
+    "resume": "resume_stream -> first new picture",
+}
+"""What can be measured, in the order in which it is shown. A viewer measures what it can."""
+
+
+class Order(BaseModel):
+    """What a viewer is told to do.
+
+    It plays the stream of a component behind the gateway at `url` (`ws://host:port/`): `runs` times only until the
+    first picture is there, then for `seconds`, then it suspends and resumes it `runs` times.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    url: str
+    component_ref: str
+    codec: str
+    seconds: float
+    runs: int
+
+
+class Sightings(BaseModel):
+    """What a viewer tells: the size of the pictures, their numbers in order, and its times in milliseconds."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    width: int
+    height: int
+    numbers: tuple[int, ...]
+    unreadable: int
+    """Pictures without a stamp that could be read."""
+    milliseconds: dict[str, tuple[float, ...]]
+    """By the names of `MEASURES`."""
+
+
+class Observation(BaseModel):
+    """What is said about the sightings of one viewer."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    viewer: str
+    codec: str
+    width: int
+    height: int
+    pictures: int
+    missed: int
+    """How many numbers were missing among theirs: a viewer that is late skips pictures."""
+    unreadable: int
+    milliseconds: dict[str, Series]
+
+    @classmethod
+    def of(cls, viewer: str, codec: str, sightings: Sightings) -> Self:
+        """Sum up what `viewer` saw of a stream in `codec`.
+
+        Raises:
+            ValueError: something was never seen.
+        """
+        told = sightings.milliseconds
+        return cls(
+            viewer=viewer,
+            codec=codec,
+            width=sightings.width,
+            height=sightings.height,
+            pictures=len(sightings.numbers),
+            missed=missed(sightings.numbers),
+            unreadable=sightings.unreadable,
+            milliseconds={name: Series.of(told[name]) for name in MEASURES if name in told},
+        )
+
+
+def missed(numbers: Sequence[int]) -> int:
+    """How many numbers are missing between the first and the last of `numbers`, which grow by the stamp's modulus."""
+    steps = ((after - before) % NUMBER_MODULUS for before, after in itertools.pairwise(numbers))
+    return sum(step - 1 for step in steps)

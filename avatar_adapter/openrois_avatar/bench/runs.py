@@ -1,0 +1,141 @@
+"""What `openrois bench fanout` runs, in which order, and what follows from what was counted. Pure."""
+
+import statistics
+from collections.abc import Mapping, Sequence
+from typing import Any, Final, NamedTuple, Self
+
+from openrois_streaming.codecs import H264, VP8
+from pydantic import BaseModel, ConfigDict
+
+__all__ = [
+    "AIORTC",
+    "BITRATE",
+    "CODECS",
+    "FPS",
+    "HEIGHT",
+    "OPENROIS",
+    "WAYS",
+    "WIDTH",
+    "Comparison",
+    "Planned",
+    "Run",
+    "compare",
+    "plan",
+]
+
+WIDTH: Final = 1280
+HEIGHT: Final = 720
+FPS: Final = 30
+BITRATE: Final = 1_000_000
+CODECS: Final = (VP8, H264)
+
+OPENROIS: Final = "openrois"
+AIORTC: Final = "aiortc"
+WAYS: Final = (OPENROIS, AIORTC)
+"""The two ways of sending that are compared."""
+
+_DELIVERED: Final = 0.9
+
+
+class Planned(NamedTuple):
+    """One run: so many viewers of one sender."""
+
+    round: int
+    codec: str
+    viewers: int
+    way: str
+    """`OPENROIS` or `AIORTC`: who sends."""
+
+
+def plan(rounds: int, viewers: Sequence[int]) -> list[Planned]:
+    """All runs in their order: what is compared runs one after the other, and in every round the other one first."""
+    return [
+        Planned(number, codec, count, way)
+        for number in range(rounds)
+        for codec in CODECS
+        for count in viewers
+        for way in (WAYS if number % 2 == 0 else reversed(WAYS))
+    ]
+
+
+class Run(BaseModel):
+    """What one run has cost and delivered."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    round: int
+    codec: str
+    viewers: int
+    way: str
+    cpu: float
+    """CPU seconds of the sender's process per second: 1 is one core."""
+    encoders: int
+    fps: tuple[float, ...]
+    """Of each viewer."""
+    kbps: float
+    """Of each viewer, on average: kilobits of pictures per second."""
+    delivered: bool
+    """Whether each viewer got at least nine tenths of the pictures."""
+
+    @classmethod
+    def of(cls, planned: Planned, sender: Sequence[Mapping[str, Any]], receivers: Sequence[Mapping[str, Any]]) -> Self:
+        """The difference of two readings of the sender, and of two of the receivers."""
+        (sent_from, sent_to), (seen_from, seen_to) = sender, receivers
+        seconds = seen_to["at"] - seen_from["at"]
+        counts = zip(seen_from["pictures"], seen_to["pictures"], strict=True)
+        fps = tuple(round((after - before) / seconds, 1) for before, after in counts)[: planned.viewers]
+        received = sum(seen_to["bytes"]) - sum(seen_from["bytes"])
+        return cls(
+            **planned._asdict(),
+            cpu=round((sent_to["cpu"] - sent_from["cpu"]) / (sent_to["at"] - sent_from["at"]), 4),
+            encoders=sent_to["encoders"],
+            fps=fps,
+            kbps=round(received * 8 / 1000 / seconds / planned.viewers),
+            delivered=min(fps) >= _DELIVERED * FPS,
+        )
+
+
+class Comparison(BaseModel):
+    """OpenRoIS and aiortc with as many viewers of the same codec, over all rounds. What is said of each is by its name.
+
+    `ratio` is the median of the ratios within a round, where the two ran one after the other; rounds in which one did
+    not deliver are left out of it, for a sender that sends less costs less.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    codec: str
+    viewers: int
+    cpu: dict[str, float]
+    """Medians."""
+    ratio: float | None
+    """Of the CPU of OpenRoIS to that of aiortc; None if there was no round in which both delivered."""
+    fps: dict[str, float]
+    """Medians of that of the viewer that got least."""
+    kbps: dict[str, float]
+    encoders: dict[str, int]
+    """The most that ran at once."""
+    delivered: dict[str, bool]
+    """Whether every round did."""
+
+
+def compare(runs: Sequence[Run]) -> tuple[Comparison, ...]:
+    """Sum up the rounds; every run of the one has one of the other in its round."""
+    cells = dict.fromkeys((run.codec, run.viewers) for run in runs)
+    return tuple(_compare([run for run in runs if (run.codec, run.viewers) == cell]) for cell in cells)
+
+
+def _compare(runs: Sequence[Run]) -> Comparison:
+    by_way = {way: sorted((run for run in runs if run.way == way), key=lambda run: run.round) for way in WAYS}
+    pairs = zip(by_way[OPENROIS], by_way[AIORTC], strict=True)
+    ratios = [ours.cpu / theirs.cpu for ours, theirs in pairs if ours.delivered and theirs.delivered]
+    return Comparison(
+        codec=runs[0].codec,
+        viewers=runs[0].viewers,
+        cpu={way: statistics.median(run.cpu for run in its) for way, its in by_way.items()},
+        ratio=round(statistics.median(ratios), 3) if ratios else None,
+        fps={way: statistics.median(min(run.fps) for run in its) for way, its in by_way.items()},
+        kbps={way: statistics.median(run.kbps for run in its) for way, its in by_way.items()},
+        encoders={way: max(run.encoders for run in its) for way, its in by_way.items()},
+        delivered={way: all(run.delivered for run in its) for way, its in by_way.items()},
+    )

@@ -1,0 +1,38 @@
+"""Reports of benches that never ran."""
+
+from openrois_avatar.bench.conditions import Conditions
+from openrois_avatar.bench.fanout_report import FanoutReport
+from openrois_avatar.bench.latency_report import LatencyReport
+from openrois_avatar.bench.observation import Observation, Sightings
+from openrois_avatar.bench.runs import AIORTC, OPENROIS, Run, compare
+
+CONDITIONS = Conditions(
+    cpus=2, processor="P", system="S", python="3", versions={"aiortc": "1"}, load_before=0.1, load_after=0.2
+)
+
+
+def observation(viewer: str, **milliseconds: tuple[float, ...]) -> Observation:
+    seen = Sightings(width=640, height=360, numbers=(1, 2, 4), unreadable=0, milliseconds=milliseconds)
+    return Observation.of(viewer, "video/H264", seen)
+
+
+def latency(*observations: Observation) -> LatencyReport:
+    return LatencyReport(conditions=CONDITIONS, seconds=0.5, runs=2, observations=observations)
+
+
+def fanout(*, delivered: bool) -> FanoutReport:
+    runs = [
+        Run(
+            round=0,
+            codec="video/VP8",
+            viewers=2,
+            way=way,
+            cpu=cpu,
+            encoders=encoders,
+            fps=(fps, 30.0),
+            kbps=1000,
+            delivered=fps > 27,
+        )
+        for way, cpu, encoders, fps in ((OPENROIS, 0.1, 1, 30.0), (AIORTC, 0.4, 2, 29.6 if delivered else 3.0))
+    ]
+    return FanoutReport(conditions=CONDITIONS, seconds=1, rounds=1, comparisons=compare(runs), runs=tuple(runs))
