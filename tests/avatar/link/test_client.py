@@ -154,11 +154,17 @@ def test_a_slow_adapter_costs_pictures_and_sound_but_no_time() -> None:
         while link.dropped_audio < 3:
             link.send_audio(np.zeros((960, 1), np.int16), 0)
             blocks += 1
-        seen = [adapter.read()]
-        while not (isinstance(seen[-1], Video) and seen[-1].sequence == pictures - 1):
-            seen.append(adapter.read())
-        assert sum(isinstance(message, Video) for message in seen) == pictures - link.dropped_video
-        assert sum(isinstance(message, Audio) for message in seen) == blocks - link.dropped_audio
+        seen_pictures, seen_blocks = list[int](), list[int]()
+        while pictures - 1 not in seen_pictures or blocks - 1 not in seen_blocks:
+            match adapter.read():
+                case Video(sequence=sequence):
+                    seen_pictures.append(sequence)
+                case Audio(sequence=sequence):
+                    seen_blocks.append(sequence)
+        assert len(seen_pictures) == pictures - link.dropped_video
+        assert len(seen_blocks) == blocks - link.dropped_audio
+        assert seen_pictures == sorted(seen_pictures)
+        assert seen_blocks == sorted(seen_blocks)
 
 
 def test_events_that_pile_up_end_the_link() -> None:

@@ -7,6 +7,7 @@ import sys
 from asyncio.subprocess import PIPE
 
 import pytest
+import uvloop
 from openrois_avatar.link.embedded import EmbeddedEngine
 from openrois_avatar.link.messages import Completed, Event, Hello, LinkError, Log, React, Silence
 from openrois_streaming.source import RawAudio
@@ -157,3 +158,12 @@ async def test_nothing_is_left_behind_when_the_adapter_is_killed() -> None:
         adapter.send_signal(signal.SIGKILL)
         await adapter.wait()
     assert is_gone(pid, 5)
+
+
+def test_it_works_under_uvloop() -> None:
+    async def run() -> int:
+        async with asyncio.timeout(20), EmbeddedEngine(FAKE, "good") as engine, engine.video.open() as pictures:
+            await anext(pictures)
+            return pid_of(engine)
+
+    assert is_gone(uvloop.run(run()), 5)

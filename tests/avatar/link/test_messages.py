@@ -4,7 +4,7 @@ from contextlib import suppress
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from openrois_avatar.link.messages import (
     MAX_NAME,
@@ -197,6 +197,7 @@ TEMPLATES += [command.to_json() for command in COMMANDS] + [event.to_json() for 
 
 
 @given(st.data())
+@settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_no_body_does_more_harm_than_a_link_error(data: st.DataObject) -> None:
     body = dict(data.draw(st.sampled_from(TEMPLATES)))
     for name in data.draw(st.lists(st.sampled_from(sorted(body)), max_size=2)):

@@ -5,7 +5,7 @@ from itertools import cycle
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from openrois_avatar.link.messages import (
     MAX_VISEMES,
@@ -123,7 +123,7 @@ def test_every_message_travels_whole(sender: Sender, messages: list[Message]) ->
 
 
 @given(st.sampled_from(SIDES), st.lists(st.integers(1, 60) | st.integers(1, 5000), min_size=1, max_size=8))
-@settings(max_examples=40)
+@settings(max_examples=40, deadline=None)
 def test_chunks_do_not_matter(side: tuple[Sender, list[Message]], sizes: list[int]) -> None:
     sender, messages = side
     parser, data, found = Parser(sender), wire(*messages), list[Message]()
@@ -136,7 +136,7 @@ def test_chunks_do_not_matter(side: tuple[Sender, list[Message]], sizes: list[in
 
 
 @given(st.sampled_from(SIDES), st.integers(1, 5000))
-@settings(max_examples=40)
+@settings(max_examples=40, deadline=None)
 def test_a_socket_may_write_straight_to_where_the_payload_stays(side: tuple[Sender, list[Message]], most: int) -> None:
     sender, messages = side
     parser, data, found = Parser(sender), wire(*messages), list[Message]()
@@ -253,7 +253,7 @@ def test_goodbye_may_be_the_first_word() -> None:
 
 
 @given(st.sampled_from(SIDES), st.data())
-@settings(max_examples=150)
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_mutated_bytes_raise_nothing_else(side: tuple[Sender, list[Message]], data: st.DataObject) -> None:
     sender, messages = side
     mutated = bytearray(wire(*messages[:1], *data.draw(st.permutations(messages[1:]))))
@@ -267,7 +267,7 @@ def test_mutated_bytes_raise_nothing_else(side: tuple[Sender, list[Message]], da
 
 
 @given(st.binary(max_size=200))
-@settings(max_examples=50)
+@settings(max_examples=50, deadline=None)
 def test_arbitrary_bytes_raise_nothing_else(data: bytes) -> None:
     for prefix in (b"", wire(HELLO), wire(HELLO) + b"ORL1", wire(HELLO) + raw(6, length=len(data))):
         with suppress(LinkError):

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import uvloop
 from openrois_avatar.link.connection import MAX_UNREAD
 from openrois_avatar.link.messages import (
     MAX_TEXT,
@@ -344,3 +345,23 @@ async def test_a_given_path_is_removed_at_the_end(tmp_path: Path) -> None:
         assert server.address == f"unix:{path}"
         assert file_type(path) == stat.S_IFSOCK
     assert file_type(path) is None
+
+
+def test_it_works_under_uvloop() -> None:
+    async def converse() -> None:
+        async with asyncio.timeout(5), LinkServer.listen() as server, server.video.open() as pictures:
+            world = World(server, [], [])
+            engine, stranger = await world.join(), await world.dial()
+            engine.send(picture(5))
+            assert (await anext(pictures)).sequence == 5
+            connection = await server.accept()
+            connection.send_command(React("1", "nod"))
+            assert await engine.read() == React("1", "nod")
+            stranger.writer.write(b"garbage garbage ")
+            assert isinstance(await stranger.read(), Bye)
+            engine.send(Bye("done"))
+            assert await connection.closed() == "done"
+            await engine.aclose()
+            await stranger.aclose()
+
+    uvloop.run(converse())

@@ -2,7 +2,7 @@ from contextlib import suppress
 from xml.etree import ElementTree as ET
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from openrois_avatar.speech.markup import MAX_DEPTH, MAX_TEXT, MarkupError, plain_text, safe_ssml
 
@@ -80,6 +80,7 @@ pieces = st.sampled_from(
 
 
 @given(st.lists(pieces | st.text(max_size=5), max_size=12).map("".join))
+@settings(max_examples=100, deadline=None)
 def test_what_comes_out_is_well_formed_and_known(document: str) -> None:
     with suppress(MarkupError):
         tree = ET.fromstring(safe_ssml(document))

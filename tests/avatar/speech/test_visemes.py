@@ -85,7 +85,7 @@ def test_a_shape_that_follows_itself_is_said_once() -> None:
 
 
 @given(st.lists(st.tuples(st.floats(0, 1e6), st.text(max_size=8)), max_size=30), st.floats(0, 1e6))
-@settings(max_examples=60)
+@settings(max_examples=60, deadline=None)
 def test_whatever_espeak_says_the_engine_accepts_it(sounds: list[tuple[float, str]], duration: float) -> None:
     phonemes = [Phoneme(offset, ipa) for offset, ipa in sorted(sounds) if offset <= duration]
     command = Speak("1", 0, visemes(phonemes, duration), 1)
