@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from collections.abc import Sequence
 from datetime import UTC, datetime
 from typing import Any, Final
 
@@ -80,7 +81,7 @@ def _fits_item(code: str, item: Any) -> bool:
     return isinstance(item, str) and _fits_scalar(code, item)
 
 
-def encode_list(items: list[str] | tuple[str, ...]) -> str:
+def encode_list(items: Sequence[str]) -> str:
     """Write a `string[]` or `RoISIdentifier[]` value."""
     return json.dumps(list(items), ensure_ascii=False)
 
