@@ -185,9 +185,9 @@ class Peer:
         return self._closing is not None and self._closing.done()
 
     async def closed(self) -> None:
-        """Wait until an ended peer connection is closed, which takes a bounded time."""
-        if self._closing is not None:
-            await asyncio.wait({self._closing})
+        """Wait until it is closed, which takes a bounded time; it must have ended."""
+        assert self._closing is not None, "a peer connection is closed when it has ended"
+        await asyncio.wait({self._closing})
 
     def _renegotiate(self) -> None:
         if self._negotiation.change(self._clock.now()):

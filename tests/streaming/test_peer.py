@@ -24,7 +24,7 @@ from openrois_streaming.stream import Stream
 from openrois_streaming.tasks import OwnedTasks
 
 from tests.support.streaming import VirtualClock, settle
-from tests.support.viewing import FedPublisher, WirelessConnection
+from tests.support.viewing import FedPublisher, WirelessConnection, frame
 
 
 class Owner:
@@ -204,7 +204,9 @@ async def test_a_key_frame_that_the_viewer_asks_for_is_a_repair(owner: Owner) ->
     owner.peer.detach(stream)
     owner.connection.sections[0].transceiver.sender._send_keyframe()
     owner.connection.report(9)
-    assert stream.counters.key_frame_requests == 1
+    await owner.connection.sections[0].track.deliver(frame(9))
+    await owner.connection.take()
+    assert (stream.counters.key_frame_requests, stream.counters.frames_sent) == (1, 1)
 
 
 async def test_a_stale_answer_and_a_stale_candidate_are_refused_and_change_nothing(owner: Owner) -> None:
@@ -413,6 +415,15 @@ async def test_a_connection_that_is_lost_ends_the_peer(owner: Owner, state: str,
     owner.connection.become(state)
     owner.connection.become("closed")
     assert owner.reasons == [reason]
+
+
+async def test_a_stream_can_be_taken_from_a_peer_that_has_ended(owner: Owner) -> None:
+    stream = await owner.play()
+    owner.peer.end("over")
+    owner.peer.detach(stream)
+    await settle()
+    assert owner.peer.legs == {}
+    assert [type(message) for message in owner.said] == [Offer, Bye]
 
 
 async def test_rtcp_before_the_connection_is_there_is_no_sign(owner: Owner) -> None:
