@@ -130,6 +130,11 @@ class Wire:
         async with asyncio.timeout(_PATIENCE):
             return await answer
 
+    async def drop(self) -> None:
+        """End the connection as a power cut would: without a closing handshake."""
+        self._connection.transport.abort()
+        await self._connection.wait_closed()
+
     async def read(self) -> None:
         """Take what arrives until the connection ends."""
         try:

@@ -1,0 +1,129 @@
+"""Many viewers of one avatar: each picture is encoded once, and none of them can harm another."""
+
+import asyncio
+import itertools
+import signal
+import time
+from collections.abc import AsyncIterator
+from contextlib import AsyncExitStack
+from dataclasses import dataclass
+
+import pytest
+from openrois_avatar.adapter import Avatar, run_avatar
+from openrois_avatar.settings import AvatarSettings
+from openrois_streaming.rendition import RenditionFigures
+
+from openrois.dialer import serve_parent
+from openrois.gateway.server import run_gateway
+from openrois.gateway.settings import GatewaySettings
+from tests.support.black_box import H264, VIDEO, VP8, Application, application
+from tests.support.black_box_media import Picture
+from tests.support.demo import Watcher
+
+pytestmark = [pytest.mark.media, pytest.mark.timeout(40)]
+
+LONGEST_GAP = 0.7
+"""Seconds between two pictures at most, on a machine that does other things as well; a viewer waits 0.033."""
+
+
+@dataclass(frozen=True)
+class House:
+    """A gateway and an avatar in this process, over real sockets."""
+
+    avatar: Avatar
+    url: str
+    viewers: AsyncExitStack
+
+    def figures(self, codec: str) -> RenditionFigures:
+        return self.avatar.video.rendition(codec).figures()
+
+    async def viewer(self) -> Application:
+        """One more application; it leaves when the test ends."""
+        app = await self.viewers.enter_async_context(application(self.url))
+        await app.hello()
+        return app
+
+
+@pytest.fixture
+async def house() -> AsyncIterator[House]:
+    async with run_gateway(GatewaySettings(port=0)) as gateway:
+        url = gateway.url.replace("http", "ws", 1)
+        settings = AvatarSettings(f"{url}adapter", engine="synthetic")
+        attached = asyncio.Event()
+        gateway.engine.on_change(attached.set)
+        async with run_avatar(settings) as avatar, asyncio.TaskGroup() as tasks:
+            serving = tasks.create_task(serve_parent(avatar.host, settings.gateway))
+            async with asyncio.timeout(5):
+                await attached.wait()
+            async with AsyncExitStack() as viewers:
+                yield House(avatar, url, viewers)
+            serving.cancel()
+
+
+async def test_three_viewers_share_one_encoder_and_a_fourth_of_another_codec_has_its_own(house: House) -> None:
+    apps = [await house.viewer() for _ in range(3)]
+    streams = await asyncio.gather(*(app.play(VIDEO, H264) for app in apps))
+    await asyncio.gather(*(app.pictures(stream, 30) for app, stream in zip(apps, streams, strict=True)))
+    assert house.avatar.video.running_encoders == 1
+    figures = house.figures("video/H264")
+    assert (figures.viewers, figures.running) == (3, True)
+    numbers = [numbers_seen(app, stream) for app, stream in zip(apps, streams, strict=True)]
+    assert len(numbers[0] & numbers[1] & numbers[2]) >= 20, "they see the same pictures"
+    assert figures.encoded < 2 * len(numbers[0]), "and each was encoded once"
+
+    fourth = await house.viewer()
+    fourth.candidates_first = True
+    last = await fourth.play(VIDEO, VP8)
+    await fourth.pictures(last, 10)
+    assert fourth.peer_of(last).codecs() == {"VP8", "rtx"}
+    assert house.avatar.video.running_encoders == 2
+    assert house.figures("video/H264").viewers == 3
+    assert house.figures("video/VP8").viewers == 1
+
+    await apps[0].act("disconnect", streams[0])
+    await apps[0].until_status(streams[0], "NOT_CONNECTED")
+    await apps[1].drop()
+    await apps[2].drop()
+    await gone(house, "video/H264", fourth, last, within=2)
+    assert house.avatar.video.running_encoders == 1, "nobody commands what still takes pictures in, so it gets none"
+    await fourth.act("disconnect", last)
+    await fourth.until_status(last, "NOT_CONNECTED")
+    assert house.avatar.video.running_encoders == 0
+    assert [house.figures(codec).viewers for codec in ("video/H264", "video/VP8")] == [0, 0]
+
+
+@pytest.mark.parametrize(("ending", "within"), [(signal.SIGKILL, 2.0), (signal.SIGSTOP, 5.0)])
+async def test_a_viewer_that_stops_is_gone_soon_and_the_others_never_notice(
+    house: House, ending: signal.Signals, within: float
+) -> None:
+    staying = await house.viewer()
+    stream = await staying.play(VIDEO, H264)
+    watcher = await asyncio.to_thread(Watcher, house.url, "video/VP8")
+    try:
+        await asyncio.to_thread(watcher.wait, 5)
+        assert house.figures("video/VP8").viewers == 1
+        start = time.monotonic()
+        watcher.process.send_signal(ending)
+        await gone(house, "video/VP8", staying, stream, within=within + 1)
+        assert time.monotonic() - start < within
+    finally:
+        await asyncio.to_thread(watcher.close)
+    assert house.avatar.video.running_encoders == 1
+    await staying.pictures(stream, 10)
+    assert steady(staying.media(stream).pictures)
+    assert staying.statuses(stream) == ["NOT_RUNNING", "RUNNING"]
+
+
+async def gone(house: House, codec: str, witness: Application, stream_id: str, *, within: float) -> None:
+    """Wait until nobody watches in `codec` any more; looked at whenever the witness gets a picture."""
+    await witness.pictures(stream_id, 1)
+    await witness.news.until(lambda: house.figures(codec).viewers == 0, within)
+
+
+def steady(pictures: list[Picture]) -> bool:
+    """Whether no picture kept its viewer waiting."""
+    return all(b.at - a.at < LONGEST_GAP and a.number < b.number for a, b in itertools.pairwise(pictures))
+
+
+def numbers_seen(app: Application, stream_id: str) -> set[int]:
+    return {picture.number for picture in app.media(stream_id).pictures}
