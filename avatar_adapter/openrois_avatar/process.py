@@ -72,17 +72,18 @@ class Program:
                     self.ready.set()
             return await process.wait()
         finally:
-            await _end(process)
+            await self._end(process)
 
-
-async def _end(process: asyncio.subprocess.Process) -> None:
-    if process.returncode is None:
+    async def _end(self, process: asyncio.subprocess.Process) -> None:
+        if process.returncode is None:
+            with suppress(ProcessLookupError):
+                process.terminate()
+            try:
+                async with asyncio.timeout(STOP_TIMEOUT):
+                    await process.wait()
+            except TimeoutError:
+                _log.warning("%s did not end within %.1f s and is killed", self.name, STOP_TIMEOUT)
+        # Its session is its own, so this reaches what it started and could not end.
         with suppress(ProcessLookupError):
-            process.terminate()
-        with suppress(TimeoutError):
-            async with asyncio.timeout(STOP_TIMEOUT):
-                await process.wait()
-    # Its session is its own, so this reaches what it started and could not end.
-    with suppress(ProcessLookupError):
-        os.killpg(process.pid, signal.SIGKILL)
-    await process.wait()
+            os.killpg(process.pid, signal.SIGKILL)
+        await process.wait()
