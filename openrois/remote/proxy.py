@@ -9,7 +9,16 @@ from typing import Any, Final, TypeVar
 from pydantic import ValidationError
 
 from openrois.contract import Directory, Event, Extension, Sink, SubscriptionLost
-from openrois.errors import Aborted, ComponentFailed, EngineUnreachable, OutOfResources, RoISError, TimedOut, error_for
+from openrois.errors import (
+    Aborted,
+    ComponentFailed,
+    EngineUnreachable,
+    OutOfResources,
+    RoISError,
+    TimedOut,
+    Unsupported,
+    error_for,
+)
 from openrois.jsonrpc import protocol
 from openrois.jsonrpc.session import NotificationHandler, RpcError, RpcSession, SessionClosed
 from openrois.logs import Tally
@@ -92,6 +101,8 @@ class RemoteProxy:
         params = {"version": EXTENSION_VERSION, "extensions": list(EXTENSIONS)}
         try:
             result = await self._ask("openrois.hello", params, HelloResult)
+        except Unsupported:
+            return
         except ComponentFailed as error:
             if isinstance(error.__cause__, RpcError) and error.__cause__.code == protocol.METHOD_NOT_FOUND:
                 return

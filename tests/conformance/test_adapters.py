@@ -1,0 +1,386 @@
+"""The leg between gateway and adapter: what an adapter is asked, what it may be, and what it may not do."""
+
+import asyncio
+import json
+from contextlib import AsyncExitStack
+from typing import Any
+
+import pytest
+from websockets.asyncio.client import connect
+from websockets.exceptions import ConnectionClosed
+
+from openrois.gateway.server import Gateway
+from tests.support import deployment
+from tests.support.components import Lamp
+from tests.support.deployment import Adapter, Application
+from tests.support.plain import PlainAdapter, component_profile, engine_profile, plain_adapter, profile_result
+
+TOY = "plain/toy"
+
+
+async def attached(gateway: Gateway, engine_id: str = "plain") -> None:
+    await deployment.until(gateway.engine, lambda ids: engine_id in ids)
+
+
+async def refusal(adapter: PlainAdapter) -> tuple[int, str]:
+    """Wait until the gateway closes the connection; return its code and reason."""
+    async with deployment.patience():
+        await adapter.socket.wait_closed()
+    return adapter.socket.close_code or 0, adapter.socket.close_reason or ""
+
+
+async def execute(app: Application, command_id: str, command: str, *arguments: dict[str, str]) -> str:
+    unit = {"component_ref": TOY, "command_type": command, "command_id": command_id, "arguments": list(arguments)}
+    return await app.code("rois.command.execute", command_unit_list=[unit])
+
+
+class TestProfiles:
+    async def test_what_is_not_acceptable_is_closed_with_the_reason(
+        self, gateway: Gateway, adapter: Adapter, app: Application, subtests: pytest.Subtests
+    ) -> None:
+        missing = profile_result("toy")
+        missing["component_profiles"] = {}
+        deep = engine_profile("deep")
+        for number in range(300):
+            deep = engine_profile(f"deep-{number}", below=(deep,))
+        for profile, words in [
+            (profile_result("lamp", engine_id="robot"), "taken"),
+            (profile_result("x", engine_id="gateway"), "taken"),
+            (profile_result("x", engine_id="a/b"), "a/b"),
+            (profile_result("x", engine_id=""), "engine id"),
+            ({"return_code": "OK", "profile": engine_profile("plain", below=(engine_profile("plain"),))}, "taken"),
+            ({**profile_result("toy"), "profile": engine_profile("plain", "robot/lamp")}, "robot/lamp"),
+            (missing, "no profile"),
+            ({"return_code": "OK", "profile": None}, "profile"),
+            ({"return_code": "ERROR", "profile": None}, "profile"),
+            ({"return_code": "OK", "profile": deep}, "profile"),
+            ({**profile_result("toy"), "extra": 1}, "malformed"),
+            ({"return_code": "OK", "profile": engine_profile("日" * 200)}, "日日"),
+            ("nonsense" * 2, ""),
+        ]:
+            with subtests.test(words):
+                async with plain_adapter(gateway, profile if isinstance(profile, dict) else None) as wrong:
+                    if not isinstance(profile, dict):
+                        await wrong.socket.send(json.dumps({"jsonrpc": "2.0", "id": 1, "result": "nonsense"}))
+                    code, reason = await refusal(wrong)
+                assert code == 1008
+                assert words in reason
+        assert gateway.engine.directory.profile.engine_ids() == ("gateway", "robot")
+        assert await app.settled() == []
+
+    async def test_a_profile_that_becomes_unacceptable(self, gateway: Gateway, adapter: Adapter) -> None:
+        async with plain_adapter(gateway) as changing:
+            await attached(gateway)
+            changing.profile = profile_result("lamp", engine_id="robot")
+            await changing.tell("rois.system.profile_changed")
+            code, reason = await refusal(changing)
+            assert (code, "taken" in reason) == (1008, True)
+        await deployment.until(gateway.engine, lambda ids: ids == ("gateway", "robot"))
+
+    async def test_one_that_does_not_answer(self) -> None:
+        async with (
+            deployment.gateway(adapter_timeout=0.05) as gateway,
+            plain_adapter(gateway, system__get_profile=None) as silent,
+        ):
+            code, reason = await refusal(silent)
+            assert (code, "did not answer" in reason) == (1008, True)
+
+    async def test_one_that_answers_with_an_error(self, gateway: Gateway) -> None:
+        error = '{"jsonrpc":"2.0","id":"ID","error":{"code":-32603,"message":"no"}}'
+        async with plain_adapter(gateway, system__get_profile=error) as broken:
+            assert (await refusal(broken))[0] == 1008
+
+    async def test_one_that_leaves_at_once(self, gateway: Gateway) -> None:
+        async with connect(gateway.url.replace("http", "ws") + "adapter") as socket:
+            await socket.recv()
+        async with plain_adapter(gateway):
+            await attached(gateway)
+
+    async def test_components_it_does_not_list_are_not_its_own(
+        self, gateway: Gateway, adapter: Adapter, app: Application
+    ) -> None:
+        profile = profile_result("toy")
+        profile["component_profiles"]["robot/lamp"] = component_profile("lamp")
+        async with plain_adapter(gateway, profile):
+            await attached(gateway)
+            result = await app.ask("rois.system.get_profile", condition="component_ref = 'robot/lamp'")
+            assert result["component_profiles"]["robot/lamp"]["function"] == "actuation"
+
+    async def test_the_path_alone_decides(self, gateway: Gateway, stack: AsyncExitStack) -> None:
+        await stack.enter_async_context(plain_adapter(gateway, path="adapter?token=x"))
+        await attached(gateway)
+        for path in ("adapter/", "adapters", "x/adapter", "Adapter"):
+            async with deployment.application(gateway, path) as app:
+                assert await app.code("rois.system.connect") == "OK"
+
+
+class TestPlainAdapter:
+    """The base wire alone is enough for everything in it."""
+
+    async def test_it_is_greeted_once_and_believed(self, gateway: Gateway) -> None:
+        async with plain_adapter(gateway) as plain:
+            await attached(gateway)
+            assert [method for method, _ in plain.asked] == ["rois.system.get_profile", "openrois.hello"]
+            assert plain.asked[0][1] == {"condition": ""}
+            await plain.tell("rois.system.profile_changed")
+            async with deployment.application(gateway) as app:
+                while plain.asked[-1][0] != "rois.system.get_profile":
+                    await app.settled()
+
+    async def test_an_older_answer_to_the_greeting_is_a_no_too(self, gateway: Gateway) -> None:
+        async with plain_adapter(gateway) as old:
+            old.answers["openrois.hello"] = {"return_code": "UNSUPPORTED"}
+            await attached(gateway)
+
+    async def test_query(self, gateway: Gateway, stack: AsyncExitStack) -> None:
+        plain = await stack.enter_async_context(plain_adapter(gateway, profile_result("toy", "it's")))
+        await attached(gateway)
+        app = await stack.enter_async_context(deployment.application(gateway))
+        answer = await app.ask("rois.query.query", query_type="mood", condition="component_ref = 'plain/it''s'")
+        assert answer["results"] == [{"name": "text", "data_type_ref": "string", "value": "fine"}]
+        assert plain.last("rois.query.query") == {"query_type": "mood", "condition": "component_ref = 'plain/it''s'"}
+
+    async def test_execute_is_one_unit_without_delay_and_under_another_id(
+        self, gateway: Gateway, stack: AsyncExitStack
+    ) -> None:
+        plain = await stack.enter_async_context(plain_adapter(gateway))
+        await attached(gateway)
+        app = await stack.enter_async_context(deployment.application(gateway))
+        argument = {"name": "text", "data_type_ref": "string", "value": "hi"}
+        unit = {"component_ref": TOY, "command_type": "say", "command_id": "mine", "arguments": [argument]}
+        sequence = [{**unit, "delay_time": 1}, {"command_list": [{**unit, "command_id": "too", "arguments": []}]}]
+        assert await app.code("rois.command.execute", command_unit_list=sequence) == "OK"
+        assert await app.completed("mine", "too") == {"mine": "OK", "too": "OK"}
+        units = [params["command_unit_list"] for method, params in plain.asked if method == "rois.command.execute"]
+        assert [len(listed) for listed in units] == [1, 1]
+        first = units[0][0]
+        assert first.pop("command_id") not in ("mine", "too")
+        assert first == {"component_ref": TOY, "command_type": "say", "arguments": [argument], "delay_time": None}
+        answer = await app.ask("rois.command.get_command_result", command_id="mine")
+        assert answer["results"][0]["value"] == "fine"
+
+    async def test_how_its_commands_may_end(
+        self, gateway: Gateway, stack: AsyncExitStack, subtests: pytest.Subtests
+    ) -> None:
+        plain = await stack.enter_async_context(plain_adapter(gateway))
+        await attached(gateway)
+        app = await stack.enter_async_context(deployment.application(gateway))
+        plain.hold_completed = True
+        for number, (answer, status) in enumerate(
+            [
+                ({"return_code": "OUT_OF_RESOURCES"}, "OUT_OF_RESOURCES"),
+                ({"return_code": "TIMEOUT"}, "TIMEOUT"),
+                ({"return_code": "BAD_PARAMETER"}, "ERROR"),
+                ({"return_code": "UNSUPPORTED"}, "ERROR"),
+                ({"return_code": "OK", "extra": 1}, "ERROR"),
+                ('{"jsonrpc":"2.0","id":"ID","error":{"code":-32602,"message":"no"}}', "ERROR"),
+            ]
+        ):
+            with subtests.test(str(answer)):
+                plain.answers["rois.command.execute"] = answer
+                assert await execute(app, f"c{number}", "start") == "OK"
+                assert await app.completed(f"c{number}") == {f"c{number}": status}
+        del plain.answers["rois.command.execute"]
+        for status in ("ERROR", "ABORT", "OUT_OF_RESOURCES", "TIMEOUT"):
+            with subtests.test(status):
+                plain.asked.clear()
+                assert await execute(app, status, "start") == "OK"
+                while not plain.asked:
+                    await app.ask("rois.system.connect")
+                theirs = plain.last("rois.command.execute")["command_unit_list"][0]["command_id"]
+                await plain.tell_completed("nobody's")
+                await plain.tell_completed(theirs, "DONE")
+                await plain.tell_completed(theirs, status)
+                await plain.tell_completed(theirs, "OK")
+                assert await app.completed(status) == {status: status}
+        assert await app.settled() == []
+
+    async def test_set_parameter_and_get_parameter(self, gateway: Gateway, stack: AsyncExitStack) -> None:
+        plain = await stack.enter_async_context(plain_adapter(gateway))
+        await attached(gateway)
+        app = await stack.enter_async_context(deployment.application(gateway))
+        parameters = [{"name": "text", "data_type_ref": "string", "value": "x"}]
+        answer = await app.ask("rois.command.set_parameter", component_ref=TOY, parameters=parameters)
+        assert answer["command_id"].startswith("gateway/")
+        assert await app.completed(answer["command_id"]) == {answer["command_id"]: "OK"}
+        assert plain.last("rois.command.set_parameter") == {"component_ref": TOY, "parameters": parameters}
+        answer = await app.ask("rois.command.get_parameter", component_ref=TOY)
+        assert answer["parameters"] == [{"name": "text", "data_type_ref": "string", "value": "fine"}]
+
+    async def test_events(self, gateway: Gateway, stack: AsyncExitStack) -> None:
+        plain = await stack.enter_async_context(plain_adapter(gateway))
+        await attached(gateway)
+        app = await stack.enter_async_context(deployment.application(gateway))
+        plain.answers["rois.event.subscribe"] = (
+            '{"jsonrpc":"2.0","id":"ID","result":{"return_code":"OK","subscribe_id":"plain/sub-x"}}'
+        )
+        answer = await app.ask("rois.event.subscribe", event_type="laughed")
+        assert plain.last("rois.event.subscribe") == {
+            "event_type": "laughed",
+            "condition": "component_ref = 'plain/toy'",
+        }
+        await plain.tell_event("plain/sub-x", "laughed")
+        notice = await app.next("rois.event.notify_event")
+        assert (notice["subscribe_id"], notice["event_id"]) == (answer["subscribe_id"], "plain/evt-1")
+        assert notice["expire"] == "2030-01-01T00:00:00+00:00"
+        assert await app.code("rois.event.unsubscribe", subscribe_id=answer["subscribe_id"]) == "OK"
+        assert plain.last("rois.event.unsubscribe") == {"subscribe_id": "plain/sub-x"}
+        await plain.tell_event("plain/sub-x", "laughed")
+        assert await app.settled() == []
+
+    async def test_its_streaming_verbs_are_passed_on_as_they_are(self, gateway: Gateway, stack: AsyncExitStack) -> None:
+        plain = await stack.enter_async_context(plain_adapter(gateway))
+        await attached(gateway)
+        app = await stack.enter_async_context(deployment.application(gateway))
+        assert await execute(app, "c", "connect_stream") == "OK"
+        assert await app.completed("c") == {"c": "OK"}
+        assert plain.last("rois.command.execute")["command_unit_list"][0]["command_type"] == "connect_stream"
+        answer = await app.ask("rois.query.query", query_type="get_stream_status")
+        assert answer["results"][0]["value"] == "fine"
+        assert await app.code("rois.query.query", query_type="get_stream_status", condition="stream_id = 'x'") == (
+            "BAD_PARAMETER"
+        )
+        assert await app.code("rois.event.subscribe", event_type="notify_stream_status") == "OK"
+        assert plain.last("rois.event.subscribe")["event_type"] == "notify_stream_status"
+        assert await app.code("rois.stream.connect_stream", component_ref=TOY) == "UNSUPPORTED"
+
+    async def test_an_actuation_has_to_be_bound_here_although_it_does_not_ask_for_it(
+        self, gateway: Gateway, stack: AsyncExitStack
+    ) -> None:
+        profile = profile_result("toy")
+        profile["component_profiles"][TOY]["function"] = "actuation"
+        plain = await stack.enter_async_context(plain_adapter(gateway, profile))
+        await attached(gateway)
+        app = await stack.enter_async_context(deployment.application(gateway))
+        assert await execute(app, "c", "start") == "OUT_OF_RESOURCES"
+        assert await app.code("rois.command.bind", component_ref=TOY) == "OK"
+        assert await execute(app, "c", "start") == "OK"
+        await app.completed("c")
+        assert not any("bind" in method for method, _ in plain.asked)
+
+
+class TestMisbehaviour:
+    """Whatever an adapter does, applications get one correct answer, and others get theirs."""
+
+    async def test_results_that_are_none(
+        self, gateway: Gateway, stack: AsyncExitStack, subtests: pytest.Subtests
+    ) -> None:
+        plain = await stack.enter_async_context(plain_adapter(gateway))
+        await attached(gateway)
+        app = await stack.enter_async_context(deployment.application(gateway))
+        result = '{"jsonrpc":"2.0","id":"ID","result":%s}'
+        for answer in (
+            result % "null",
+            result % "[]",
+            result % '{"return_code":"FINE"}',
+            result % '{"return_code":"OK","results":null}',
+            result % '{"return_code":"OK","results":[{"name":"n","data_type_ref":"int","value":5}]}',
+            result % '{"return_code":"OK","results":[1e999]}',
+            '{"jsonrpc":"2.0","id":"ID","error":{"code":1,"message":"the secret"}}',
+            '{"jsonrpc":"2.0","id":"ID","error":"the secret"}',
+        ):
+            with subtests.test(answer):
+                plain.answers["rois.query.query"] = answer
+                assert await app.ask("rois.query.query", query_type="mood") == {"return_code": "ERROR", "results": []}
+        assert "secret" not in json.dumps(app.heard)
+        del plain.answers["rois.query.query"]
+        assert await app.code("rois.query.query", query_type="mood") == "OK"
+
+    async def test_ids_it_may_not_mint(
+        self, gateway: Gateway, stack: AsyncExitStack, subtests: pytest.Subtests
+    ) -> None:
+        plain = await stack.enter_async_context(plain_adapter(gateway))
+        await attached(gateway)
+        app = await stack.enter_async_context(deployment.application(gateway))
+        for minted in ("", "x", "robot/1", "gateway/1", "plain"):
+            with subtests.test(minted):
+                plain.answers["rois.event.subscribe"] = {"return_code": "OK", "subscribe_id": minted}
+                answer = await app.ask("rois.event.subscribe", event_type="laughed")
+                assert answer == {"return_code": "ERROR", "subscribe_id": ""}
+                plain.answers["rois.command.set_parameter"] = {"return_code": "OK", "command_id": minted}
+                set_parameter = await app.ask("rois.command.set_parameter", component_ref=TOY, parameters=[])
+                command_id = set_parameter["command_id"]
+                assert await app.completed(command_id) == {command_id: "ERROR"}
+
+    async def test_ids_it_mints_twice(self, gateway: Gateway, stack: AsyncExitStack) -> None:
+        plain = await stack.enter_async_context(plain_adapter(gateway, profile_result("toy", "game")))
+        await attached(gateway)
+        app = await stack.enter_async_context(deployment.application(gateway))
+        plain.answers["rois.event.subscribe"] = {"return_code": "OK", "subscribe_id": "plain/sub"}
+        codes = [
+            await app.code("rois.event.subscribe", event_type="laughed", condition=f"component_ref = '{ref}'")
+            for ref in (TOY, "plain/game")
+        ]
+        assert codes == ["OK", "ERROR"]
+        plain.hold_completed = True
+        plain.answers["rois.command.set_parameter"] = {"return_code": "OK", "command_id": "plain/param"}
+        ids = [
+            (await app.ask("rois.command.set_parameter", component_ref=TOY, parameters=[]))["command_id"]
+            for _ in range(2)
+        ]
+        assert await app.completed(ids[1]) == {ids[1]: "ERROR"}
+        await plain.tell_completed("plain/param", "ABORT")
+        assert await app.completed(ids[0]) == {ids[0]: "ABORT"}
+
+    async def test_events_it_may_not_tell(self, gateway: Gateway, stack: AsyncExitStack) -> None:
+        plain = await stack.enter_async_context(plain_adapter(gateway))
+        await attached(gateway)
+        app = await stack.enter_async_context(deployment.application(gateway))
+        plain.answers["rois.event.subscribe"] = {"return_code": "OK", "subscribe_id": "plain/sub"}
+        await app.ask("rois.event.subscribe", event_type="laughed")
+        await plain.tell_event("plain/other", "laughed")
+        await plain.tell_event("plain/sub", "cried")
+        await plain.tell_event("plain/sub", "laughed", event_id="robot/evt-1")
+        await plain.tell("rois.event.notify_event", event_id=5)
+        await plain.tell_event("plain/sub", "laughed", event_id="plain/evt-2")
+        assert (await app.next("rois.event.notify_event"))["event_id"] == "plain/evt-2"
+        assert await app.settled() == []
+
+    async def test_requests_garbage_and_what_nobody_asked_for_are_ignored(
+        self, gateway: Gateway, stack: AsyncExitStack
+    ) -> None:
+        plain = await stack.enter_async_context(plain_adapter(gateway))
+        await attached(gateway)
+        app = await stack.enter_async_context(deployment.application(gateway))
+        for raw in (
+            "garbage",
+            "[]",
+            '{"jsonrpc":"2.0","id":99,"result":{}}',
+            '{"jsonrpc":"2.0","method":"rois.command.completed","params":{"command_id":"x"}}',
+            '{"jsonrpc":"2.0","method":"rois.system.notify_error","params":{"error_id":"e","error_type":"X"}}',
+            '{"jsonrpc":"2.0","method":"signaling.offer","params":{"client_id":"x","peer_id":"plain/1"}}',
+        ):
+            await plain.socket.send(raw)
+        assert await app.code("rois.query.query", query_type="mood") == "OK"
+        assert await app.settled() == []
+        assert plain.refusals == [-32700, -32600]
+
+    async def test_one_cannot_reach_the_applications_methods(self, gateway: Gateway) -> None:
+        async with connect(gateway.url.replace("http", "ws") + "adapter") as socket:
+            asked = json.loads(await socket.recv())
+            await socket.send(json.dumps({"jsonrpc": "2.0", "id": asked["id"], "result": profile_result("toy")}))
+            await socket.recv()
+            await socket.send('{"jsonrpc":"2.0","id":1,"method":"rois.command.search"}')
+            async with deployment.patience():
+                answer = json.loads(await socket.recv())
+            assert answer["error"]["code"] == -32601
+
+    async def test_twins_cannot_both_be_here(self, gateway: Gateway, adapter: Adapter, app: Application) -> None:
+        lamp = Lamp()
+        with pytest.raises(TimeoutError):
+            async with asyncio.timeout(0.2), deployment.adapter(gateway, lamp, engine_id="robot") as twin:
+                await twin.stop()
+        assert await app.code("rois.command.bind", component_ref="robot/lamp") == "OK"
+
+    async def test_the_gateway_closes_with_going_away(self) -> None:
+        closed: list[Any] = []
+        async with AsyncExitStack() as stack:
+            async with deployment.gateway() as gateway:
+                plain = await stack.enter_async_context(plain_adapter(gateway))
+                await attached(gateway)
+                app = await stack.enter_async_context(deployment.application(gateway))
+            closed.append(await refusal(plain))
+            with pytest.raises(ConnectionClosed):
+                await app.hear()
+            closed.append((app.socket.close_code, app.socket.close_reason))
+        assert [code for code, _ in closed] == [1001, 1001]

@@ -1,0 +1,316 @@
+"""A real gateway with real adapters on real sockets, and an application that is nothing but a WebSocket."""
+
+import asyncio
+import json
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import AsyncExitStack, asynccontextmanager
+from dataclasses import dataclass, field
+from typing import Any
+
+import pytest
+from websockets.asyncio.client import ClientConnection, connect
+
+from openrois.application import EngineHost
+from openrois.component import COMMON_QUERIES, Component, command, parameter_profile, query
+from openrois.contract import Extension
+from openrois.dialer import serve_parent
+from openrois.engine import Engine
+from openrois.gateway.server import Gateway, run_gateway
+from openrois.gateway.settings import GatewaySettings
+from openrois.gateway.socket import ADAPTER, APPLICATION, SocketProfile
+from openrois.jsonrpc.session import RpcSession
+from openrois.registry import LocalRegistry
+from openrois.tasks import TaskScope
+from openrois.types.codes import ComponentStatus
+from openrois.types.messages import Result
+from openrois.types.profiles import (
+    CommandMessageProfile,
+    HRIComponentProfile,
+    QueryMessageProfile,
+    RoISIdentifier,
+    component_urn,
+)
+from tests.support.components import Bell, Lamp, text
+from tests.support.schema import check_notification, check_result
+from tests.support.streams import Camera, FakeStreams
+
+PATIENCE = 5.0
+"""Seconds after which a test gives up waiting for something that comes at once."""
+
+
+class Door(Component):
+    """A component without a class: opens when it is let, can be out of order, and lists what it is given."""
+
+    def __init__(self, name: str = "door") -> None:
+        super().__init__(
+            HRIComponentProfile(
+                identifier=RoISIdentifier(code=component_urn("Door", "Test")),
+                name=name,
+                command_profiles=(
+                    CommandMessageProfile(
+                        name="open",
+                        arguments=(parameter_profile("how", "string"),),
+                        results=(parameter_profile("how", "string"),),
+                    ),
+                    CommandMessageProfile(name="list", arguments=(parameter_profile("numbers", "int[]"),)),
+                ),
+                query_profiles=(
+                    *COMMON_QUERIES,
+                    QueryMessageProfile(name="view", results=(parameter_profile("view", "string"),)),
+                ),
+            )
+        )
+        self.is_in = ComponentStatus.READY
+        self.asked = asyncio.Event()
+        self.may_answer = asyncio.Event()
+        self.may_answer.set()
+        self.opened: list[str] = []
+
+    def condition(self) -> ComponentStatus:
+        return self.is_in
+
+    @command("open", "list")
+    async def open(self, arguments: dict[str, str]) -> tuple[Result, ...]:
+        self.asked.set()
+        await self.may_answer.wait()
+        self.opened.append(arguments.get("how", ""))
+        return (text("how", arguments["how"]),) if "how" in arguments else ()
+
+    @query("view")
+    async def view(self) -> tuple[Result, ...]:
+        self.asked.set()
+        await self.may_answer.wait()
+        return (text("view", "a garden"),)
+
+
+@dataclass
+class Robot:
+    """The components of the adapter `robot`."""
+
+    lamp: Lamp = field(default_factory=Lamp)
+    bell: Bell = field(default_factory=Bell)
+    door: Door = field(default_factory=Door)
+    camera: Camera = field(default_factory=Camera)
+    streams: FakeStreams = field(default_factory=FakeStreams)
+
+    def parts(self) -> tuple[Component, ...]:
+        return (self.lamp, self.bell, self.door, self.camera)
+
+
+@dataclass
+class Application:
+    """An application that speaks raw JSON; whatever it hears is checked against the strict wire."""
+
+    socket: ClientConnection
+    told: list[tuple[str, dict[str, Any]]] = field(default_factory=list)
+    answers: dict[Any, dict[str, Any]] = field(default_factory=dict)
+    heard: list[dict[str, Any]] = field(default_factory=list)
+    last_id: int = 0
+
+    async def send(self, message: Any) -> None:
+        await self.socket.send(message if isinstance(message, str | bytes) else json.dumps(message))
+
+    async def hear(self) -> dict[str, Any]:
+        """Return the next message, as it came."""
+        async with asyncio.timeout(PATIENCE):
+            raw = await self.socket.recv()
+        assert isinstance(raw, str)
+        message: dict[str, Any] = json.loads(raw)
+        assert message["jsonrpc"] == "2.0"
+        self.heard.append(message)
+        return message
+
+    async def begin(self, method: str, **params: Any) -> str:
+        """Send a request and return its id."""
+        self.last_id += 1
+        request_id = f"req-{self.last_id}"
+        await self.send({"jsonrpc": "2.0", "id": request_id, "method": method, "params": params})
+        return request_id
+
+    async def answer(self, request_id: Any) -> dict[str, Any]:
+        """Return the response to a request, keeping what comes before it."""
+        while request_id not in self.answers:
+            message = await self.hear()
+            if "method" in message:
+                self._keep(message)
+            else:
+                assert message["id"] not in self.answers, "a request was answered twice"
+                self.answers[message["id"]] = message
+        return self.answers[request_id]
+
+    def _keep(self, message: dict[str, Any]) -> None:
+        assert set(message) == {"jsonrpc", "method", "params"}
+        check_notification(message["method"], message["params"])
+        self.told.append((message["method"], message["params"]))
+
+    async def ask(self, method: str, **params: Any) -> dict[str, Any]:
+        """Ask and return the result, checked against the strict wire."""
+        response = await self.answer(await self.begin(method, **params))
+        assert set(response) == {"jsonrpc", "id", "result"}, response
+        result: dict[str, Any] = response["result"]
+        check_result(method, result)
+        return result
+
+    async def code(self, method: str, **params: Any) -> str:
+        """Ask and return the return code."""
+        return str((await self.ask(method, **params))["return_code"])
+
+    async def eventually(self, code: str, method: str, **params: Any) -> None:
+        """Ask until the return code is `code`."""
+        async with patience():
+            while await self.code(method, **params) != code:
+                pass
+
+    async def refused(self, method: str, **params: Any) -> dict[str, Any]:
+        """Ask what is answered with a JSON-RPC error and return the error."""
+        response = await self.answer(await self.begin(method, **params))
+        assert set(response) == {"jsonrpc", "id", "error"}, response
+        error: dict[str, Any] = response["error"]
+        assert set(error) <= {"code", "message", "data"}
+        return error
+
+    async def next(self, method: str) -> dict[str, Any]:
+        """Return the next notification of `method`; those of other methods stay."""
+        while True:
+            for index, (name, params) in enumerate(self.told):
+                if name == method:
+                    del self.told[index]
+                    return params
+            message = await self.hear()
+            assert "method" in message, message
+            self._keep(message)
+
+    async def completed(self, *command_ids: str) -> dict[str, str]:
+        """Wait until commands have completed and return how; no other may complete meanwhile."""
+        ended: dict[str, str] = {}
+        while set(ended) != set(command_ids):
+            notice = await self.next("rois.command.completed")
+            assert notice["command_id"] in command_ids
+            assert notice["command_id"] not in ended
+            ended[notice["command_id"]] = notice["status"]
+        return ended
+
+    async def settled(self) -> list[str]:
+        """Ask something harmless; return the notifications that came up to its answer and nobody asked for yet."""
+        await self.ask("rois.system.connect")
+        return [name for name, _ in self.told]
+
+
+@asynccontextmanager
+async def application(gateway: Gateway, path: str = "", **options: Any) -> AsyncIterator[Application]:
+    async with connect(gateway.url.replace("http", "ws") + path, **options) as socket:
+        yield Application(socket)
+
+
+@asynccontextmanager
+async def gateway(
+    application: SocketProfile = APPLICATION, adapter: SocketProfile = ADAPTER, **settings: Any
+) -> AsyncIterator[Gateway]:
+    async with run_gateway(GatewaySettings(port=0, **settings), application=application, adapter=adapter) as running:
+        yield running
+
+
+@dataclass
+class Adapter:
+    """An adapter that is attached until `stop`; `start` attaches it again."""
+
+    gateway: Gateway
+    host: EngineHost
+    dialling: asyncio.Task[None] | None = None
+
+    @property
+    def subscriptions(self) -> int:
+        """How many subscriptions its engine has now."""
+        return len(self.host.engine._subscriptions)
+
+    async def start(self) -> None:
+        engine_id = self.host.engine.engine_id
+        url = self.gateway.url.replace("http", "ws") + "adapter"
+        self.dialling = asyncio.ensure_future(serve_parent(self.host, url))
+        await until(self.gateway.engine, lambda ids: engine_id in ids)
+
+    async def stop(self) -> None:
+        assert self.dialling is not None
+        self.dialling.cancel()
+        await asyncio.wait({self.dialling})
+        engine_id = self.host.engine.engine_id
+        await until(self.gateway.engine, lambda ids: engine_id not in ids)
+
+
+def patience() -> asyncio.Timeout:
+    """Bound a wait for something that comes at once."""
+    return asyncio.timeout(PATIENCE)
+
+
+class Slow:
+    """A method that first waits until it is let; `done` says that it has returned."""
+
+    def __init__(self, method: Callable[..., Awaitable[Any]]) -> None:
+        self._method = method
+        self.may_go_on = asyncio.Event()
+        self.done = asyncio.Event()
+
+    async def __call__(self, *arguments: Any) -> Any:
+        await self.may_go_on.wait()
+        try:
+            return await self._method(*arguments)
+        finally:
+            self.done.set()
+
+
+def adapter_sessions(monkeypatch: pytest.MonkeyPatch) -> list[RpcSession]:
+    """Return a list of the sessions that the gateway will have with its adapters, to shorten their patience."""
+    sessions: list[RpcSession] = []
+
+    def make(*arguments: Any, **options: Any) -> RpcSession:
+        sessions.append(RpcSession(*arguments, **options))
+        return sessions[-1]
+
+    monkeypatch.setattr("openrois.gateway.adapters.RpcSession", make)
+    return sessions
+
+
+async def until(engine: Engine, condition: Any) -> None:
+    """Wait until `condition` holds for the ids of the engine's tree."""
+    changed = asyncio.Event()
+    stop = engine.on_change(changed.set)
+    try:
+        async with asyncio.timeout(PATIENCE):
+            while not condition(engine.directory.profile.engine_ids()):
+                changed.clear()
+                await changed.wait()
+    finally:
+        stop()
+
+
+async def no_wait(_seconds: float) -> None:
+    """Stand in for a clock whose time passes at once."""
+
+
+@asynccontextmanager
+async def adapter(
+    gateway: Gateway, *components: Component, engine_id: str = "robot", extension: Extension | None = None
+) -> AsyncIterator[Adapter]:
+    """Attach an adapter to a gateway."""
+    async with AsyncExitStack() as stack:
+        tasks = await stack.enter_async_context(TaskScope())
+        engine = Engine(engine_id)
+        await engine.attach(LocalRegistry(engine_id, components, extension=extension))
+        attached = Adapter(gateway, EngineHost(engine, tasks, sleep=no_wait))
+        await attached.start()
+        try:
+            yield attached
+        finally:
+            if attached.dialling is not None:
+                attached.dialling.cancel()
+                await asyncio.wait({attached.dialling})
+
+
+@asynccontextmanager
+async def two_level(above: Adapter, *components: Component, engine_id: str) -> AsyncIterator[Engine]:
+    """Attach an engine of its own below an adapter's."""
+    below = Engine(engine_id)
+    await below.attach(LocalRegistry(engine_id, components))
+    await above.host.engine.attach(below)
+    yield below
+    above.host.engine.detach(below)
