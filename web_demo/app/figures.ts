@@ -6,6 +6,8 @@ import { byRole, icon, make, setText } from "./dom.ts";
 import { formatBitrate, formatLatency, formatNumber } from "./format.ts";
 import { History } from "./sparkline.ts";
 
+/** Figures that are older than this, in milliseconds, are not shown: they come once a second. */
+const FRESH = 2500;
 const SPARK_WIDTH = 96;
 const SPARK_HEIGHT = 32;
 
@@ -56,6 +58,7 @@ export class FiguresPanel {
   #presented = 0;
   #presentedAt = performance.now();
   #newest: Figures | null = null;
+  #newestAt = 0;
   #stopListening: (() => void) | null = null;
 
   constructor() {
@@ -82,6 +85,7 @@ export class FiguresPanel {
     this.#stopListening?.();
     this.#stopListening = stream.on("figures", (figures) => {
       this.#newest = figures;
+      this.#newestAt = performance.now();
     });
   }
 
@@ -108,8 +112,7 @@ export class FiguresPanel {
     const fps = (1000 * this.#presented) / (now - this.#presentedAt);
     this.#presented = 0;
     this.#presentedAt = now;
-    const received = this.#newest;
-    this.#newest = null;
+    const received = now - this.#newestAt < FRESH ? this.#newest : null;
     const { latency } = this;
     const { fps: rate, latency: delay, bitrate, rtt, resolution, dropped, buffer, lost } = this.#figures;
     const shown = received && received.width > 0 ? received : null;

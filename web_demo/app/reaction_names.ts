@@ -43,6 +43,12 @@ export function reactionLook(reactionRef: string): ReactionLook {
   return { code, name, path: BODY[key] ?? BODY["unknown"] ?? "" };
 }
 
+/** Returns the number of columns that leaves the fewest places empty; of equals, the one named first. */
+export function bestColumns(count: number, candidates: readonly number[]): number {
+  const empty = (columns: number): number => (columns - (count % columns)) % columns;
+  return candidates.reduce((best, columns) => (empty(columns) < empty(best) ? columns : best));
+}
+
 function capitalized(text: string): string {
   return text.charAt(0).toUpperCase() + text.slice(1);
 }

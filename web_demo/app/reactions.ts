@@ -5,7 +5,7 @@ import type { RoISClient } from "../sdk/index.ts";
 import { ComponentWatch, isUsable } from "./component_status.ts";
 import { byRole, byTestId, icon, make, setText } from "./dom.ts";
 import { describeCompleted, describeFailure } from "./outcome.ts";
-import { reactionLook } from "./reaction_names.ts";
+import { bestColumns, reactionLook } from "./reaction_names.ts";
 
 const BUSY = "somebody else is moving this avatar; try again in a moment";
 
@@ -55,6 +55,8 @@ export class Reactions {
       if (refs.join() === this.#shown && this.#buttons.length > 0) return;
       this.#shown = refs.join();
       this.#grid.replaceChildren(...refs.map((ref, index) => this.#button(ref, index)));
+      this.#grid.style.setProperty("--columns", String(bestColumns(refs.length, [6, 5, 7])));
+      this.#grid.style.setProperty("--columns-narrow", String(bestColumns(refs.length, [4, 5, 3])));
       setText(this.#state, "");
       this.#section.hidden = refs.length === 0;
     } catch {

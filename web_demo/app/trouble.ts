@@ -86,7 +86,7 @@ function avatarTrouble({ connection, avatar }: Situation): Trouble | null {
   if (avatar.present) return null;
   return {
     kind: "adapter-gone",
-    title: `${avatar.name} has left`,
+    title: `The avatar “${avatar.name}” has left`,
     text: "Its adapter has stopped or lost the gateway. As soon as it is back, everything goes on by itself.",
   };
 }

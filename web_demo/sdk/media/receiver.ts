@@ -34,6 +34,12 @@ export interface ReceiverOptions {
   readonly codecs?: (kind: MediaKind) => string[];
 }
 
+/** When an engine comes back its profile changes, and that is tried at once; the waits only bound what that misses. */
+const BACKOFF: BackoffOptions = { first: 1000, factor: 2, max: 15_000 };
+
+/** Milliseconds after which a connected stream without an offer is given up; the engine should do so after 15 s. */
+const OFFER_WITHIN = 20_000;
+
 /** Milliseconds between two looks at the counters, usually and while a first frame is awaited. */
 const TICK = 1000;
 const QUICK_TICK = 100;
@@ -80,7 +86,7 @@ export class MediaReceiver {
       perform: (verb: Exclude<Verb, "connect">, streamId: string) => this.#perform(verb, streamId),
       relocate: (each: RemoteStream) => this.#relocate(each),
     };
-    const stream = new RemoteStream(componentRef, kind, operations, this.#options.backoff);
+    const stream = new RemoteStream(componentRef, kind, operations, { ...BACKOFF, ...this.#options.backoff });
     this.#streams.set(componentRef, stream);
     return stream;
   }
@@ -220,7 +226,7 @@ export class MediaReceiver {
     for (const stream of this.#streams.values()) this.#relocate(stream);
   }
 
-  /** An answer or a candidate that fails leads to a peer that does not connect, and that is noticed elsewhere. */
+  /** For what may fail: an answer or a candidate that is lost leads to a peer that does not connect. */
   #send(method: string, params: JsonObject): void {
     void this.#link.call(method, params).catch(() => undefined);
   }
@@ -289,11 +295,17 @@ export class MediaReceiver {
     return coming;
   }
 
-  /** An engine that makes no offer gives the stream back by itself; until then the user should know. */
+  /** The user should know that there is no offer; and an engine that does not give the stream back is asked to. */
   #missOffer(stream: RemoteStream): void {
-    if (!stream.expectsMedia || stream.arrival.newest || stream.problem) return;
-    if (performance.now() - stream.connectedAt < FIRST_FRAME_WITHIN) return;
-    stream.fail({ kind: "no-media", detail: "the engine made no offer" });
+    const { streamId } = stream;
+    if (streamId === null || !stream.expectsMedia || stream.arrival.newest) return;
+    const waited = performance.now() - stream.connectedAt;
+    if (waited >= FIRST_FRAME_WITHIN && !stream.problem) {
+      stream.fail({ kind: "no-media", detail: "the engine made no offer" });
+    }
+    if (waited < OFFER_WITHIN) return;
+    this.#send("rois.stream.disconnect_stream", { stream_id: streamId });
+    stream.lost("STREAMING_NOT_CONNECTED");
   }
 
   #judge(open: OpenPeer, samples: ReadonlyMap<string, Sample>): void {

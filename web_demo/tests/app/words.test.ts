@@ -3,7 +3,7 @@ import { findAvatars } from "../../app/avatars.ts";
 import { formatBitrate, formatLatency, formatTime, secondsUntil } from "../../app/format.ts";
 import { languageChoice } from "../../app/languages.ts";
 import { describeCompleted, describeFailure } from "../../app/outcome.ts";
-import { reactionLook } from "../../app/reaction_names.ts";
+import { bestColumns, reactionLook } from "../../app/reaction_names.ts";
 import { History } from "../../app/sparkline.ts";
 import { ConnectionLost, RoISError } from "../../sdk/index.ts";
 import type { Profile } from "../../sdk/index.ts";
@@ -20,6 +20,18 @@ describe("reactionLook", () => {
   ])("%s", (reactionRef, code, name) => {
     expect(reactionLook(reactionRef)).toMatchObject({ code, name });
     expect(reactionLook(reactionRef).path).toMatch(/^M/);
+  });
+});
+
+describe("bestColumns", () => {
+  it.each([
+    [12, 6],
+    [10, 5],
+    [14, 7],
+    [1, 5],
+    [0, 6],
+  ])("for %i buttons are %i", (count, columns) => {
+    expect(bestColumns(count, [6, 5, 7])).toBe(columns);
   });
 });
 

@@ -9,7 +9,7 @@ import { FakePeerConnection } from "../support/fake_peer_connection.ts";
 
 const VIDEO = "avatar/video";
 const AUDIO = "avatar/audio";
-const STEADY = { random: (): number => 1 };
+const STEADY = { first: 500, factor: 1.5, random: (): number => 1 };
 
 let gateway: FakeGateway;
 let client: RoISClient;
@@ -200,6 +200,14 @@ describe("connecting", () => {
     const stream = new MediaReceiver(elsewhere, { codecs: () => [] }).stream(VIDEO, "video");
     await stream.connect();
     expect(stream.problem?.kind).toBe(kind);
+  });
+
+  it("gives up a stream for which no offer comes, and connects anew", async () => {
+    await video.connect();
+    await pass(20_000);
+    expect(gateway.called("rois.stream.disconnect_stream")).toEqual([{ stream_id: "avatar/s1" }]);
+    await pass(500);
+    expect(video.streamId).toBe("avatar/s2");
   });
 
   it("says so when no offer and when no frame comes within 10 s", async () => {
