@@ -48,6 +48,8 @@ def react(link: LinkClient, command: React) -> None:
     if command.reaction == "hang up":
         link.close("hanging up")
     link.send_event(Log(command.reaction))
+    if command.reaction == "freeze":
+        threading.Event().wait()
     link.send_event(Completed(command.id, "OK"))
 
 

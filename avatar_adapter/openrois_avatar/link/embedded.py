@@ -23,8 +23,10 @@ from openrois_avatar.link.server import LinkServer
 
 START_TIMEOUT: Final = 20.0
 """Seconds from the start of the process to its HELLO; Panda3D on a cold disk needs a few."""
-QUIT_TIMEOUT: Final = 1.0
+QUIT_TIMEOUT: Final = 0.8
 """Seconds that an engine has to end itself after `Quit`; then come SIGTERM and, 0.5 s later, SIGKILL."""
+STALL_TIMEOUT: Final = 10.0
+"""Seconds without a picture after which an engine counts as hung; it is replaced after twice as many at the latest."""
 FIRST_DELAY: Final = 0.5
 LONGEST_DELAY: Final = 10.0
 """Seconds before a new start; the delay doubles from the first to the longest."""
@@ -35,8 +37,8 @@ _log = logging.getLogger(__name__)
 class EmbeddedEngine:
     """`python -m module` as a game engine on the engine link, for as long as the context lasts.
 
-    When it dies it is started again, and its pictures and sound go on where they went before; `on_lost` and `on_back`
-    tell. Entering waits for the first HELLO; leaving takes at most about 1.5 s.
+    When it dies or hangs it is started again, and its pictures and sound go on where they went before; `on_lost` and
+    `on_back` tell. Entering waits for the first HELLO; leaving takes 1.3 s at most.
 
     Args:
         module: the engine's module.
@@ -151,10 +153,17 @@ class EmbeddedEngine:
             tell(self._on_back, connection.hello)
         self._ready.set()
         try:
-            await _first(connection.closed(), process.wait())
+            await _first(connection.closed(), process.wait(), self._stall())
         finally:
             await _farewell(connection, process)
         tell(self._on_lost, await connection.closed())
+
+    async def _stall(self) -> None:
+        """Return once the engine has sent no picture for a while."""
+        seen = -1
+        while seen != self._server.video.received:
+            seen = self._server.video.received
+            await self._clock.sleep_until(self._clock.now() + STALL_TIMEOUT)
 
 
 async def _first(*things: Coroutine[Any, Any, object] | asyncio.Task[Any]) -> None:
@@ -177,7 +186,7 @@ async def _farewell(connection: EngineConnection, process: Process) -> None:
         with suppress(TimeoutError):
             async with asyncio.timeout(QUIT_TIMEOUT):
                 await connection.closed()
-    connection.abort("the engine did not end")
+    connection.abort("the engine does not respond")
 
 
 async def _stop(task: asyncio.Task[None]) -> None:

@@ -8,7 +8,7 @@ from asyncio.subprocess import PIPE
 
 import pytest
 import uvloop
-from openrois_avatar.link.embedded import EmbeddedEngine
+from openrois_avatar.link.embedded import LONGEST_DELAY, STALL_TIMEOUT, EmbeddedEngine
 from openrois_avatar.link.messages import Completed, Event, Hello, LinkError, Log, React, Silence
 from openrois_streaming.source import RawAudio
 
@@ -108,6 +108,26 @@ async def test_an_engine_that_hangs_up_is_replaced() -> None:
         assert is_gone(pid)
 
 
+async def test_an_engine_that_hangs_is_replaced() -> None:
+    witness, clock = Witness(), VirtualClock()
+    async with asyncio.timeout(20), witness.engine("good", clock=clock) as engine:
+        pid = pid_of(engine)
+        async with engine.video.open() as pictures:
+            for _ in range(4):
+                await anext(pictures)
+                await clock.advance(STALL_TIMEOUT - 0.1)
+        assert witness.lost.empty()
+        engine.send(React("1", "freeze"))
+        assert await witness.events.get() == Log("freeze")
+        while not is_gone(pid):
+            await clock.advance(STALL_TIMEOUT)
+        assert await witness.lost.get() == "the engine does not respond"
+        while not clock.sleepers:
+            await settle()
+        await clock.advance(LONGEST_DELAY)
+        assert int((await witness.back.get()).version) != pid
+
+
 async def test_an_engine_that_refuses_to_end_is_killed_in_time() -> None:
     loop = asyncio.get_running_loop()
     async with asyncio.timeout(20), Witness().engine("stubborn") as engine:
@@ -139,7 +159,7 @@ async def test_entering_can_be_given_up() -> None:
 
 ADAPTER = f"""
 import asyncio
-from openrois_avatar.link.embedded import EmbeddedEngine
+from openrois_avatar.link.embedded import LONGEST_DELAY, STALL_TIMEOUT, EmbeddedEngine
 async def main():
     async with EmbeddedEngine("{FAKE}", "stubborn") as engine:
         print(engine.hello.version, flush=True)
