@@ -23,7 +23,7 @@ _START_TIMEOUT: Final = 60.0
 def main(arguments: Sequence[str]) -> int:
     """Run the command and return its exit status: 0 when stopped, 1 when it could not start, 2 for wrong usage."""
     parser = argparse.ArgumentParser(prog="openrois demo", description="A live avatar on a page of this machine.")
-    parser.add_argument("--port", type=int, default=8765, help="TCP port of the page (%(default)s)")
+    parser.add_argument("--port", type=_port, default=8765, help="TCP port of the page (%(default)s)")
     parser.add_argument("--engine", choices=ENGINES, default="auto", help="what renders the avatar (%(default)s)")
     parser.add_argument("--verbose", action="store_true", help="log more")
     chosen = parser.parse_args(arguments)
@@ -33,6 +33,12 @@ def main(arguments: Sequence[str]) -> int:
         return 1
     more = ("--verbose",) if chosen.verbose else ()
     return asyncio.run(_run(chosen.port, chosen.engine, more))
+
+
+def _port(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and 0 < int(text) < 1 << 16):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a port from 1 to 65535")
+    return int(text)
 
 
 def _is_free(port: int) -> bool:

@@ -1,0 +1,87 @@
+"""`openrois demo` as a person starts and stops it."""
+
+import os
+import re
+import signal
+import socket
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import psutil  # type: ignore[import-untyped]
+import pytest
+
+from tests.support.demo import Demo, end, first_line, running_demo, start
+
+pytestmark = [pytest.mark.media, pytest.mark.timeout(40)]
+
+
+def ctrl_c_twice(demo: Demo) -> None:
+    """What a terminal does, for somebody impatient: the signal goes to all that belong to the command."""
+    os.killpg(demo.process.pid, signal.SIGINT)
+    os.killpg(demo.process.pid, signal.SIGINT)
+
+
+def interrupt(demo: Demo) -> None:
+    demo.process.send_signal(signal.SIGINT)
+
+
+def interrupt_while_the_adapter_is_stopped(demo: Demo) -> None:
+    demo.program("avatar").send_signal(signal.SIGSTOP)
+    demo.process.send_signal(signal.SIGINT)
+
+
+@pytest.mark.parametrize("stop", [ctrl_c_twice, interrupt, interrupt_while_the_adapter_is_stopped])
+def test_a_demo_that_is_stopped_leaves_nothing_behind(tmp_path: Path, stop: Callable[[Demo], None]) -> None:
+    with running_demo(tmp_path) as demo:
+        assert demo.ready == f"ready http://127.0.0.1:{demo.port}/"
+        tree = demo.tree()
+        assert len(tree) == 2
+        began = time.monotonic()
+        stop(demo)
+        assert demo.process.wait(5) == 0
+        assert time.monotonic() - began < 3
+        assert not [process for process in tree if process.is_running()]
+        assert "Traceback" not in demo.log()
+        assert port_is_free(demo.port)
+
+
+def test_a_demo_that_is_killed_takes_its_programs_with_it(tmp_path: Path) -> None:
+    with running_demo(tmp_path) as demo:
+        tree = demo.tree()
+        demo.process.kill()
+        assert not psutil.wait_procs(tree, timeout=2)[1]
+
+
+def test_a_second_demo_on_the_same_port_says_so_in_one_line(tmp_path: Path) -> None:
+    with running_demo(tmp_path) as demo:
+        second = start("demo", "--engine", "synthetic", "--port", str(demo.port))
+        output, complaint = second.communicate(timeout=5)
+        assert (second.returncode, output) == (1, "")
+        assert re.fullmatch(rf"openrois demo: .*\b{demo.port}\b.*\n", complaint)
+        assert demo.process.poll() is None
+
+
+def test_a_port_is_free_again_at_once(tmp_path: Path) -> None:
+    with running_demo(tmp_path) as demo:
+        with socket.create_connection(("127.0.0.1", demo.port)):
+            demo.interrupt()
+        again = start("demo", "--engine", "synthetic", "--port", str(demo.port))
+        try:
+            assert first_line(again) == demo.ready
+        finally:
+            end(again)
+
+
+@pytest.mark.parametrize("port", ["0", "-1", "65536", "http"])
+def test_what_is_no_port_is_wrong_usage(port: str) -> None:
+    refused = start("demo", f"--port={port}")
+    output, complaint = refused.communicate(timeout=10)
+    assert (refused.returncode, output) == (2, "")
+    assert complaint.endswith(f"argument --port: '{port}' is not a port from 1 to 65535\n")
+
+
+def port_is_free(port: int) -> bool:
+    with socket.socket() as probe:
+        probe.settimeout(1)
+        return probe.connect_ex(("127.0.0.1", port)) != 0
