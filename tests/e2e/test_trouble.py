@@ -1,0 +1,69 @@
+"""Every way in which the page can fail has a sentence of its own, and nothing stands in the console."""
+
+from collections.abc import AsyncIterator
+from contextlib import AsyncExitStack
+from pathlib import Path
+
+import pytest
+import pytest_asyncio
+from playwright.async_api import Browser
+
+from openrois.gateway.server import Gateway
+from tests.support.browser import GATEWAY_AWAY, running_browser, visiting
+from tests.support.house import running_avatar, running_gateway
+
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(60), pytest.mark.asyncio(loop_scope="session")]
+
+_ONLY_UNKNOWN_CODECS = """
+    const codecs = [{ mimeType: "video/future", clockRate: 90000, sdpFmtpLine: "" }];
+    RTCRtpReceiver.getCapabilities = () => ({ codecs, headerExtensions: [] });
+"""
+_NO_WEBRTC = "delete globalThis.RTCPeerConnection; delete globalThis.RTCRtpReceiver;"
+_POLICY = ("webrtc-ip-handling-policy", "force-webrtc-ip-handling-policy")
+
+
+@pytest_asyncio.fixture(loop_scope="session")
+async def gateway() -> AsyncIterator[Gateway]:
+    async with running_gateway() as gateway:
+        yield gateway
+
+
+async def test_a_gateway_that_has_gone(browser: Browser) -> None:
+    async with AsyncExitStack() as stack:
+        async with running_gateway() as gateway:
+            visit = await stack.enter_async_context(visiting(browser, gateway.url, tolerated=[GATEWAY_AWAY]))
+            await visit.banner("no-adapter", "No avatar is connected")
+        words = await visit.banner("no-gateway", "The gateway does not answer")
+        assert "openrois demo" in words
+
+
+async def test_a_gateway_without_an_avatar_and_then_with_one(browser: Browser, gateway: Gateway) -> None:
+    async with visiting(browser, gateway.url) as visit:
+        words = await visit.banner("no-adapter", "No avatar is connected")
+        assert "openrois avatar" in words
+        async with running_avatar(gateway):
+            await visit.plays()
+            await visit.no_banner()
+
+
+async def test_no_codec_in_common(browser: Browser, gateway: Gateway) -> None:
+    async with running_avatar(gateway), visiting(browser, gateway.url, script=_ONLY_UNKNOWN_CODECS) as visit:
+        words = await visit.banner("no-codec", "decodes neither H.264 nor VP8")
+        assert "Install the browser's media codecs" in words
+
+
+async def test_a_browser_without_webrtc(browser: Browser, gateway: Gateway) -> None:
+    async with running_avatar(gateway), visiting(browser, gateway.url, script=_NO_WEBRTC) as visit:
+        await visit.banner("no-webrtc", "This browser has no WebRTC")
+
+
+async def test_no_way_for_the_media(chromium: Path, gateway: Gateway) -> None:
+    # This policy is for those who let nothing out but through a proxy: no UDP at all. Its switch has had two names.
+    policy = [f"--{name}=disable_non_proxied_udp" for name in _POLICY]
+    async with (
+        running_avatar(gateway),
+        running_browser(chromium, *policy) as browser,
+        visiting(browser, gateway.url) as visit,
+    ):
+        words = await visit.banner("no-media", "The picture does not get through")
+        assert "firewall or VPN" in words

@@ -1,0 +1,229 @@
+"""A person's visit to the page: a real Chromium, its tab, and what that person sees, hears and is told."""
+
+import asyncio
+import json
+import re
+from collections.abc import AsyncIterator, Sequence
+from contextlib import asynccontextmanager, suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Final
+
+import cv2
+import numpy as np
+from numpy.typing import NDArray
+from playwright.async_api import Browser, ConsoleMessage, Error, Locator, Page, WebSocket, async_playwright, expect
+
+__all__ = ["GATEWAY_AWAY", "Seen", "Visit", "running_browser", "visiting"]
+
+Message = dict[str, Any]
+
+PATIENCE: Final = 15.0
+"""Seconds that anything here may take; on an idle machine nearly all of it takes less than one."""
+
+GATEWAY_AWAY: Final = r"WebSocket connection to .* failed"
+"""What Chromium itself writes to the console for each attempt to reach a gateway that is away."""
+
+_PROBE: Final = Path(__file__).parents[1] / "e2e" / "probe.js"
+_ARGUMENTS: Final = (
+    "--no-sandbox",  # tests may run as root
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--no-first-run",
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """What the stage looked like at a moment: mean and spread of its luma, without the badges at its edges."""
+
+    luma: float
+    spread: float
+
+    @property
+    def black(self) -> bool:
+        """Nothing of a picture is to be seen: the placeholder is darker and flatter than the colour bars."""
+        return self.luma < 60 or self.spread < 25
+
+
+@dataclass
+class Visit:
+    """One tab.
+
+    Attributes:
+        page: it.
+        tolerated: what the console may say, as patterns.
+        complaints: what the console said beyond that: errors, warnings, exceptions.
+        sent: the messages that the page sent over its WebSocket.
+        received: those that it received.
+    """
+
+    page: Page
+    tolerated: Sequence[str] = ()
+    complaints: list[str] = field(default_factory=list)
+    sent: list[Message] = field(default_factory=list)
+    received: list[Message] = field(default_factory=list)
+    _arrival: asyncio.Event = field(default_factory=asyncio.Event)
+
+    def item(self, name: str) -> Locator:
+        """The element that page and tests know by this name."""
+        return self.page.get_by_test_id(name)
+
+    async def press(self, name: str) -> None:
+        """Click a button as soon as it can be clicked."""
+        await self.item(name).click(timeout=PATIENCE * 1000)
+
+    async def until(self, condition: str, within: float = PATIENCE) -> Any:
+        """Return what a JavaScript expression gives as soon as that is true.
+
+        Playwright's own `wait_for_function` evaluates text in the page, which the page's security policy forbids.
+        """
+        return await self.page.evaluate(f"probe.until(() => ({condition}), {within * 1000})")
+
+    async def read(self, expression: str) -> Any:
+        """What a JavaScript expression gives now."""
+        return await self.page.evaluate(f"({expression})")
+
+    async def status(self, kind: str, status: str) -> None:
+        """Wait until the page shows this status of its video or audio."""
+        await expect(self.item(f"status-{kind}")).to_have_text(f"STREAMING_{status}", timeout=PATIENCE * 1000)
+
+    async def banner(self, kind: str, words: str) -> str:
+        """Wait for the banner of this kind, which says these words; returns all it says."""
+        banner = self.item("banner")
+        await expect(banner).to_have_attribute("data-kind", kind, timeout=PATIENCE * 1000)
+        await expect(banner).to_be_visible()
+        await expect(banner).to_contain_text(words)
+        return await banner.inner_text()
+
+    async def no_banner(self) -> None:
+        """Wait until the page has nothing to complain about."""
+        await expect(self.item("banner")).to_be_hidden(timeout=PATIENCE * 1000)
+
+    async def plays(self, count: int = 5, within: float = PATIENCE) -> list[dict[str, float]]:
+        """Wait for so many more pictures and return them: their stamps, mean luma, and when they were presented."""
+        presented = await self.read("probe.presented")
+        frames: list[dict[str, float]] = await self.until(
+            f"probe.presented >= {presented + count} && probe.frames.slice(-{count})", within
+        )
+        return frames
+
+    async def stream_id(self, kind: str) -> str:
+        """Wait until the page has a stream of this kind, and return its id."""
+        return str(await self.until(f"openrois.{kind}?.streamId"))
+
+    async def another_stream(self, kind: str, than: str) -> str:
+        """Wait until the page has a stream with another id, and return that."""
+        stream_id = f"openrois.{kind}?.streamId"
+        return str(await self.until(f"{stream_id} !== '{than}' && {stream_id}"))
+
+    def told(self, method: str, **params: str) -> list[Message]:
+        """The params of the notifications of a method that were received so far, if they have these members."""
+        found = [message["params"] for message in self.received if message.get("method") == method]
+        return [each for each in found if params.items() <= each.items()]
+
+    async def until_told(self, method: str, **params: str) -> Message:
+        """Wait for such a notification; only the wire is looked at."""
+        async with asyncio.timeout(PATIENCE):
+            while not (found := self.told(method, **params)):
+                self._arrival.clear()
+                await self._arrival.wait()
+        return found[-1]
+
+    async def listen(self) -> None:
+        """Touch the page, so that it may sound, and listen from then on."""
+        await self.page.get_by_role("heading", name="OpenRoIS").click()
+        await self.page.evaluate("probe.listen()")
+
+    async def look(self) -> Seen:
+        """What the stage shows, as a person sees it: out of a screenshot."""
+        picture = await self.picture()
+        height, width = picture.shape
+        middle = picture[height // 5 : height * 3 // 4, width // 8 : width * 7 // 8]
+        return Seen(float(middle.mean()), float(middle.std()))
+
+    async def picture(self) -> NDArray[np.uint8]:
+        """The luma of the stage, out of a screenshot."""
+        png = np.frombuffer(await self.item("stage").screenshot(), np.uint8)
+        grey = cv2.imdecode(png, cv2.IMREAD_GRAYSCALE)
+        assert grey is not None
+        return np.asarray(grey, np.uint8)
+
+    @asynccontextmanager
+    async def watched(self) -> AsyncIterator[list[Seen]]:
+        """Look again and again for as long as the block lasts; yields what was seen so far."""
+        seen: list[Seen] = []
+
+        async def watch() -> None:
+            while True:
+                seen.append(await self.look())
+
+        watching = asyncio.create_task(watch())
+        try:
+            yield seen
+        finally:
+            watching.cancel()
+            with suppress(asyncio.CancelledError):
+                await watching
+
+    def connected(self, socket: WebSocket) -> None:
+        """Take note of what a WebSocket of the page carries."""
+        socket.on("framesent", lambda text: self.sent.append(json.loads(text)))
+        socket.on("framereceived", self._arrived)
+
+    def _arrived(self, text: str | bytes) -> None:
+        self.received.append(json.loads(text))
+        self._arrival.set()
+
+    def heard(self, message: ConsoleMessage) -> None:
+        """Take what the console says."""
+        if message.type in ("error", "warning"):
+            self.complain(f"{message.type}: {message.text}")
+
+    def complain(self, text: str) -> None:
+        """Take a complaint, unless it is tolerated."""
+        if not any(re.search(pattern, text) for pattern in self.tolerated):
+            self.complaints.append(text)
+
+
+@asynccontextmanager
+async def running_browser(program: Path, *arguments: str) -> AsyncIterator[Browser]:
+    """Run a browser without a window for as long as the block lasts."""
+    async with async_playwright() as playwright:
+        browser = await playwright.chromium.launch(executable_path=program, args=[*_ARGUMENTS, *arguments])
+        try:
+            yield browser
+        finally:
+            await browser.close()
+
+
+@asynccontextmanager
+async def visiting(
+    browser: Browser, url: str, *, tolerated: Sequence[str] = (), script: str = "", **options: Any
+) -> AsyncIterator[Visit]:
+    """Open the page in a context of its own; afterwards its console must have been silent.
+
+    Args:
+        browser: runs it.
+        url: of the gateway.
+        tolerated: what the console may say, as patterns.
+        script: runs in the page before its own scripts.
+        options: of the context, such as `viewport` or `color_scheme`.
+    """
+    context = await browser.new_context(**{"viewport": {"width": 1280, "height": 800}, **options})
+    try:
+        page = await context.new_page()
+        visit = Visit(page, tolerated)
+        page.on("websocket", visit.connected)
+        page.on("console", visit.heard)
+        page.on("pageerror", lambda error: visit.complain(f"exception: {error}"))
+        await page.add_init_script(path=_PROBE)
+        if script:
+            await page.add_init_script(script)
+        await page.goto(url)
+        yield visit
+        with suppress(Error):  # the tab may have been closed
+            visit.complaints += await visit.read("probe.violations")
+        assert visit.complaints == []
+    finally:
+        await context.close()
