@@ -1,0 +1,175 @@
+"""The animator: commands go in with their time, poses and finished reactions come out."""
+
+from dataclasses import dataclass
+from typing import Final, Literal
+
+from openrois_avatar.engines.animation import idle
+from openrois_avatar.engines.animation.curves import settling, settling_speed
+from openrois_avatar.engines.animation.gaze import Gaze
+from openrois_avatar.engines.animation.pose import Pose, channels, from_channels
+from openrois_avatar.engines.animation.reactions import REACTIONS, Reaction
+from openrois_avatar.engines.animation.visemes import Track, blended
+
+MAX_TRACKS: Final = 64
+"""Most speech tracks that wait or play at once; of more, the earliest is given up."""
+_REST: Final = channels(Pose())
+_SETTLE: Final = 9.0
+"""Stiffness (1/s) of the spring that takes an interrupted reaction back to rest: about 0.5 s."""
+_INSTANT: Final = 1e-4
+_LIMITS: Final = {"lid_left": (-0.2, 1.0), "lid_right": (-0.2, 1.0), "squint": (0.0, 1.0), "mouth.jaw": (0.0, 1.1), "breath": (0.0, 1.0)}
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """A reaction is over: played to its end (OK), stopped or replaced (ABORT), or unknown (ERROR)."""
+
+    id: str
+    status: Literal["OK", "ABORT", "ERROR"]
+
+
+@dataclass(frozen=True, slots=True)
+class _Playing:
+    id: str
+    reaction: Reaction
+    start: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Residue:
+    """What interrupted reactions leave, coming to rest: offset and speed of each channel at a time."""
+
+    time: float
+    moving: dict[str, tuple[float, float]]
+
+    def at(self, time: float) -> dict[str, float]:
+        elapsed = time - self.time
+        return {name: settling(offset, speed, _SETTLE, elapsed) for name, (offset, speed) in self.moving.items()}
+
+    def speeds(self, time: float) -> dict[str, float]:
+        elapsed = time - self.time
+        return {name: settling_speed(offset, speed, _SETTLE, elapsed) for name, (offset, speed) in self.moving.items()}
+
+
+class Animator:
+    """One avatar's body. Times are seconds on any one clock and never go back from call to call."""
+
+    def __init__(self, seed: int = 1) -> None:
+        self._seed = seed
+        self._gaze = Gaze()
+        self._tracks: list[Track] = []
+        self._playing: _Playing | None = None
+        self._residue = _Residue(0.0, {})
+        self._outcomes: list[Outcome] = []
+
+    def look(self, time: float, x: float, y: float) -> None:
+        """Look at x (-1: the picture's left .. 1) and y (-1: down .. 1)."""
+        self._gaze.look(time, x, y)
+
+    def speak(self, time: float, track: Track) -> None:
+        """Move the mouth along a track from its own start on."""
+        self._tracks = [*(known for known in self._tracks if not known.over(time)), track][-MAX_TRACKS:]
+
+    def silence(self, time: float) -> None:
+        """Close the mouth now; tracks that have not begun are dropped."""
+        self._tracks = [track for track in self._tracks if track.start <= time]
+        for track in self._tracks:
+            track.cut(time)
+
+    def react(self, time: float, id: str, name: str) -> None:
+        """Play a reaction in place of the one that plays."""
+        reaction = REACTIONS.get(name)
+        if reaction is None:
+            self._outcomes.append(Outcome(id, "ERROR"))
+            return
+        self._interrupt(time)
+        self._playing = _Playing(id, reaction, time)
+
+    def stop(self, time: float, id: str | None = None) -> None:
+        """Stop the reaction with this id, or whichever plays."""
+        if self._playing is not None and id in (None, self._playing.id):
+            self._interrupt(time)
+
+    def outcomes(self, time: float) -> list[Outcome]:
+        """The reactions that are over since the last call."""
+        if self._playing is not None and time >= self._playing.start + self._playing.reaction.duration:
+            self._outcomes.append(Outcome(self._playing.id, "OK"))
+            self._playing = None
+        done, self._outcomes = self._outcomes, []
+        return done
+
+    def pose(self, time: float) -> Pose:
+        """The body at a time."""
+        values = dict(_REST)
+        for layer in (self._resting(time), self._looking(time), self._speaking(time), self._reacting(time), self._residue.at(time)):
+            for name, value in layer.items():
+                values[name] += value
+        for name, (low, high) in _LIMITS.items():
+            values[name] = min(max(values[name], low), high)
+        return from_channels(values)
+
+    def _resting(self, time: float) -> dict[str, float]:
+        drift, lid = idle.drift(time, self._seed), idle.blink(time, self._seed)
+        eye_yaw, eye_pitch = idle.glance(time, self._seed)
+        return {
+            "head_yaw": drift.yaw,
+            "head_pitch": drift.pitch,
+            "head_roll": drift.roll,
+            "side": drift.side,
+            # The eyes hold their aim while the head sways.
+            "gaze_yaw": eye_yaw - drift.yaw,
+            "gaze_pitch": eye_pitch - drift.pitch,
+            "lid_left": lid,
+            "lid_right": lid,
+            "breath": idle.breath(time),
+            "mouth.smile": 0.30,
+        }
+
+    def _looking(self, time: float) -> dict[str, float]:
+        looking = self._gaze.at(time)
+        return {
+            "head_yaw": looking.head_yaw,
+            "head_pitch": looking.head_pitch,
+            "head_roll": looking.head_yaw * 0.10,
+            "twist": looking.head_yaw * 0.12,
+            "gaze_yaw": looking.eye_yaw,
+            "gaze_pitch": looking.eye_pitch,
+            "lid_left": looking.lid,
+            "lid_right": looking.lid,
+        }
+
+    def _speaking(self, time: float) -> dict[str, float]:
+        playing = [track for track in self._tracks if not track.over(time)]
+        mouth = blended([track.share(time) for track in playing])
+        accent = max((track.accent(time) for track in playing), default=0.0)
+        return {
+            "mouth.jaw": mouth.jaw,
+            "mouth.wide": mouth.wide,
+            "mouth.round": mouth.round,
+            "mouth.upper": mouth.upper,
+            "mouth.lower": mouth.lower,
+            "mouth.press": mouth.press,
+            "mouth.bite": mouth.bite,
+            "mouth.tongue": mouth.tongue,
+            # A rounded or closed mouth cannot smile as much.
+            "mouth.smile": -0.20 * max(mouth.round, mouth.press, mouth.bite),
+            "head_pitch": -0.055 * accent,
+            "head_yaw": 0.02 * accent,
+            "brow_left": 0.30 * accent,
+            "brow_right": 0.30 * accent,
+        }
+
+    def _reacting(self, time: float) -> dict[str, float]:
+        return {} if self._playing is None else self._playing.reaction.at(time - self._playing.start)
+
+    def _interrupt(self, time: float) -> None:
+        """Hand what plays over to the residue, with its speed, so that nothing jumps."""
+        if self._playing is None:
+            return
+        now, next_ = self._reacting(time), self._reacting(time + _INSTANT)
+        offsets, speeds = self._residue.at(time), self._residue.speeds(time)
+        for name, value in now.items():
+            offsets[name] = offsets.get(name, 0.0) + value
+            speeds[name] = speeds.get(name, 0.0) + (next_[name] - value) / _INSTANT
+        self._residue = _Residue(time, {name: (offset, speeds[name]) for name, offset in offsets.items()})
+        self._outcomes.append(Outcome(self._playing.id, "ABORT"))
+        self._playing = None

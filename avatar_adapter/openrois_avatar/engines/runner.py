@@ -1,0 +1,208 @@
+"""The loop every embedded game engine runs in: paced pictures and sound out, commands in.
+
+Pictures belong to deadlines on CLOCK_MONOTONIC: the picture of a deadline shows the body at that moment and carries it
+as its timestamp. A loop that is late skips to the newest deadline; nothing is queued.
+"""
+
+import argparse
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final, assert_never
+
+import cv2
+
+from openrois.version import __version__
+from openrois_avatar.engines.animation.animator import Animator
+from openrois_avatar.engines.animation.pose import Pose
+from openrois_avatar.engines.animation.reactions import REACTIONS
+from openrois_avatar.engines.animation.visemes import SHAPES, Track
+from openrois_avatar.engines.settings import Available, Factory, Picture, Pixels, Renderer
+from openrois_avatar.engines.sound import PERIOD, Sound
+from openrois_avatar.link.client import LinkClient, connect_from_environment
+from openrois_avatar.link.messages import Command, Completed, Hello, LinkError, Log, Look, Quit, React, Silence, Speak, Stop, VideoShape
+from openrois_avatar.link.protocol import PixelFormat
+
+UNAVAILABLE: Final = 3
+"""Exit status of an engine that cannot run on this machine; the sentence that says why is on stderr."""
+LINK_LOST: Final = 4
+"""Exit status when the adapter could not be reached or refused the engine."""
+_DEFAULT: Final = Picture()
+_REPORT: Final = 10.0
+"""Seconds between two reports of what was dropped."""
+
+
+def main(name: str, available: Available, factory: Factory, arguments: Sequence[str]) -> int:
+    """Run an engine until its link ends, or draw one still; the exit status."""
+    options = _options(name, arguments)
+    works, hint = available()
+    if not works:
+        print(hint, file=sys.stderr)
+        return UNAVAILABLE
+    picture = Picture(options.width, options.height, options.fps)
+    if options.still:
+        return _still(factory(picture), options)
+    hello = Hello(name, __version__, VideoShape(picture.width, picture.height, picture.fps, "i420"), 1, tuple(REACTIONS))
+    renderer = factory(picture)
+    try:
+        with connect_from_environment(hello) as link:
+            Runner(link, renderer, picture).run()
+    except LinkError as error:
+        print(f"engine link: {error}", file=sys.stderr)
+        return LINK_LOST
+    return 0
+
+
+def _options(name: str, arguments: Sequence[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog=f"python -m openrois_avatar.engines.{name}", description="Renders the avatar onto the engine link.")
+    parser.add_argument("--width", type=_even, default=_DEFAULT.width)
+    parser.add_argument("--height", type=_even, default=_DEFAULT.height)
+    parser.add_argument("--fps", type=int, choices=range(1, 121), default=_DEFAULT.fps, metavar="1..120")
+    still = parser.add_argument_group("one picture instead of a stream")
+    still.add_argument("--still", metavar="FILE", help="draw one picture into this file and end")
+    still.add_argument("--reaction", choices=REACTIONS)
+    still.add_argument("--viseme", choices=SHAPES)
+    still.add_argument("--at", type=float, default=0.0, metavar="SECONDS", help="how long the reaction has played")
+    return parser.parse_args(arguments)
+
+
+def _even(text: str) -> int:
+    value = int(text)
+    if value % 2 or not 16 <= value <= 4096:
+        raise argparse.ArgumentTypeError("an even number of pixels from 16 to 4096")
+    return value
+
+
+def _still(renderer: Renderer, options: argparse.Namespace) -> int:
+    pixels = renderer.draw(still_pose(options.reaction, options.viseme, options.at))
+    if not cv2.imwrite(options.still, pixels[:, :, :3]):
+        print(f"cannot write {options.still}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def still_pose(reaction: str | None = None, viseme: str | None = None, at: float = 0.0) -> Pose:
+    """The body `at` seconds into a reaction, with the mouth in the shape of a viseme; without either, at rest."""
+    animator, start = Animator(), 10.0
+    if viseme is not None:
+        animator.speak(start - 1, Track(start - 1, [(0.0, viseme, 1.0)], at + 5.0))
+    if reaction is not None:
+        animator.react(start, "still", reaction)
+    return animator.pose(start + at)
+
+
+@dataclass(slots=True)
+class _Skips:
+    """What was left out since the last report."""
+
+    pictures: int = 0
+    blocks: int = 0
+
+
+class Runner:
+    """Serves one link with one renderer until either ends."""
+
+    def __init__(self, link: LinkClient, renderer: Renderer, picture: Picture) -> None:
+        self._link, self._renderer, self._picture = link, renderer, picture
+        self._animator, self._sound = Animator(), Sound()
+        self._skips = _Skips()
+        self._waiting: list[Command] = []
+
+    def run(self) -> None:
+        """Send pictures and sound on time until the adapter is gone or says `Quit`."""
+        start = time.monotonic()
+        pictures, blocks = _Ticks(start, 1 / self._picture.fps), _Ticks(start, PERIOD)
+        reports = _Ticks(start + _REPORT, _REPORT)
+        while self._link.connected:
+            now = time.monotonic()
+            if blocks.due <= now:
+                self._skips.blocks += blocks.catch_up(now)
+                self._send_sound(blocks.take())
+            elif pictures.due <= now:
+                self._skips.pictures += pictures.catch_up(now)
+                # On a machine where every picture is late, nothing is ever waited for: commands are taken here too.
+                if not self._wait(0.0):
+                    return
+                self._send_picture(pictures.take())
+            elif reports.due <= now:
+                reports.take()
+                self._report()
+            elif not self._wait(min(blocks.due, pictures.due) - now):
+                return
+
+    def _wait(self, seconds: float) -> bool:
+        """Take commands for so long at most; False once the engine is to quit."""
+        commands = self._link.poll_commands(seconds)
+        self._waiting += commands
+        return not any(isinstance(command, Quit) for command in commands)
+
+    def _send_sound(self, due: float) -> None:
+        self._link.send_audio(self._sound.block(due), round(due * 1e9))
+
+    def _send_picture(self, due: float) -> None:
+        for command in self._waiting:
+            self._obey(command, due)
+        self._waiting = []
+        planes = i420(self._renderer.draw(self._animator.pose(due)))
+        width, height = self._picture.width, self._picture.height
+        self._link.send_video(planes.tobytes(), width, height, width, PixelFormat.I420, round(due * 1e9))
+        for outcome in self._animator.outcomes(due):
+            self._link.send_event(Completed(outcome.id, outcome.status))
+
+    def _obey(self, command: Command, now: float) -> None:
+        match command:
+            case React():
+                self._sound.hush()
+                self._sound.cue(command.reaction, now)
+                self._animator.react(now, command.id, command.reaction)
+            case Speak():
+                visemes = [(viseme.offset_ms / 1e3, viseme.shape, viseme.weight) for viseme in command.visemes]
+                self._animator.speak(now, Track(command.start_ns / 1e9, visemes, command.duration_ms / 1e3))
+            case Silence():
+                self._animator.silence(now)
+            case Look():
+                self._animator.look(now, command.x, command.y)
+            case Stop():
+                self._sound.hush()
+                self._animator.stop(now, command.id)
+            case Quit():
+                pass
+            case _:
+                assert_never(command)
+
+    def _report(self) -> None:
+        if self._skips.pictures or self._skips.blocks:
+            text = f"late in {_REPORT:.0f} s: {self._skips.pictures} pictures and {self._skips.blocks} blocks of sound left out"
+            self._link.send_event(Log(text))
+            self._skips = _Skips()
+
+
+class _Ticks:
+    """Deadlines that repeat with a period and are never made up for."""
+
+    def __init__(self, start: float, period: float) -> None:
+        self._start, self._period, self._number = start, period, 0
+
+    @property
+    def due(self) -> float:
+        """The next deadline."""
+        return self._start + self._number * self._period
+
+    def take(self) -> float:
+        """The next deadline, which is dealt with now."""
+        due = self.due
+        self._number += 1
+        return due
+
+    def catch_up(self, now: float) -> int:
+        """Go on to the newest deadline that is not after `now`; how many were left out."""
+        newest = int((now - self._start) / self._period)
+        left_out = max(0, newest - self._number)
+        self._number += left_out
+        return left_out
+
+
+def i420(pixels: Pixels) -> Pixels:
+    """BGRA as the planes Y, U, V (limited range): a third of the bytes, so the cheaper thing to send."""
+    return cv2.cvtColor(pixels, cv2.COLOR_BGRA2YUV_I420)  # type: ignore[return-value]

@@ -1,0 +1,166 @@
+"""Neck, shoulders, jumper and collar: fields and meshes in body space."""
+
+import numpy as np
+
+from openrois_avatar.engines import palette
+from openrois_avatar.engines.animation.pose import Pose
+from openrois_avatar.engines.sculpt import paint
+from openrois_avatar.engines.sculpt.distance import Array, carve, cone, ellipsoid, gradient, join, mirrored, occlusion
+from openrois_avatar.engines.sculpt.head import smooth
+from openrois_avatar.engines.sculpt.mesh import Mesh, compact, grid_faces, grid_normals, polygonised, without
+from openrois_avatar.engines.sculpt.part import Part, Shape, State, both_ways, stepped, still, towards
+from openrois_avatar.engines.sculpt.rig import NECK, head_turn
+from openrois_avatar.engines.sculpt.shading import CLOTH, SKIN, Surface, linear
+
+SHOULDER = (1.10, 0.30, -1.90)
+"""The left shoulder joint."""
+_NECK_HOLE = ((0.0, 0.16, -1.42), (0.575, 0.56, 0.40))
+"""Centre and radii of the ellipsoid that cuts the jumper's neck opening."""
+
+
+def torso_field(points: Array) -> Array:
+    """The body under the clothes, neck included."""
+    p = mirrored(points)
+    body = ellipsoid(p, (0, 0.32, -3.00), (1.02, 0.58, 1.45))
+    body = join(body, cone(p, (0.20, 0.30, -1.80), (1.02, 0.31, -1.90), 0.32, 0.28), 0.45)
+    body = join(body, cone(p, (0.10, 0.34, -1.25), (0.80, 0.36, -1.70), 0.24, 0.15), 0.35)
+    body = join(body, ellipsoid(p, (0.40, -0.02, -2.90), (0.42, 0.32, 0.42)), 0.55)
+    neck = cone(p, (0, 0.10, -0.55), (0, 0.26, -1.75), 0.345, 0.38)
+    return join(body, neck, 0.30)
+
+
+def neck_field(points: Array) -> Array:
+    """The skin that shows between chin and neckline, with a hint of collarbones."""
+    p = mirrored(points)
+    skin = torso_field(points)
+    return join(skin, cone(p, (0.06, -0.07, -1.78), (0.80, 0.10, -1.60), 0.045, 0.05), 0.10)
+
+
+def jumper_field(points: Array) -> Array:
+    """The jumper: a layer over the body with a round neck opening."""
+    return carve(torso_field(points) - 0.045, ellipsoid(points, *_NECK_HOLE), 0.04)
+
+
+def neckline(turn: Array, out: float = 0.0) -> Array:
+    """Points (n, 3) on the jumper where its neck opening is, `out` (dm) beyond the edge; turn 0 is the front."""
+    centre, radii = (np.asarray(part) for part in _NECK_HOLE)
+    level = np.linspace(0.6, -1.1, 60)
+    aside = np.stack([np.sin(turn), -np.cos(turn)], axis=1)
+    scale = np.cos(level)[None, :, None] * (radii[:2] + out)
+    points = np.empty((len(turn), len(level), 3))
+    points[..., :2] = centre[:2] + aside[:, None] * scale
+    points[..., 2] = centre[2] + np.sin(level) * (radii[2] + out)
+    inside = torso_field(points.reshape(-1, 3)).reshape(len(turn), -1) < 0.045
+    first = np.argmax(inside, axis=1)
+    found = points[np.arange(len(turn)), first]
+    return found if out == 0.0 else _onto_jumper(found)
+
+
+def _onto_jumper(points: Array) -> Array:
+    for _ in range(4):
+        points = points - gradient(torso_field, points, 0.01) * (torso_field(points) - 0.05)[:, None]
+    return points
+
+
+def neckband(angles: int = 48, around: int = 6) -> Array:
+    """The ribbed band along the neck opening: a closed tube, grid (around + 1, angles, 3)."""
+    turn = np.arange(angles) * 2 * np.pi / angles
+    line = neckline(turn)
+    for _ in range(3):
+        line = (np.roll(line, 1, 0) + 2 * line + np.roll(line, -1, 0)) / 4
+    outward = np.stack([np.sin(turn), -np.cos(turn), 0 * turn], axis=1)
+    lift = np.asarray((0.0, 0.0, 1.0))
+    rows = []
+    for angle in np.linspace(0, 2 * np.pi, around + 1):
+        rows.append(line + outward * np.cos(angle) * 0.035 + lift * (np.sin(angle) * 0.065 + 0.03))
+    return np.stack(rows)
+
+
+def collar(side: int) -> Array:
+    """One rounded leaf of the shirt's collar lying on the jumper, (rows, columns, 3), from the throat to the nape."""
+    along = np.linspace(0, 1, 28)
+    turn = side * (0.045 + along * (np.pi - 0.045))
+    inner = neckline(turn) + np.asarray((0, 0, 0.05))
+    for _ in range(2):
+        inner[1:-1] = (inner[:-2] + 2 * inner[1:-1] + inner[2:]) / 4
+    width = 0.34 * np.sqrt(np.clip(1 - (1 - np.clip(along / 0.16, 0, 1)) ** 2, 0, 1)) * (1 - 0.55 * along**2)
+    rows = [inner + np.asarray((0, 0, 0.03))]
+    for share in (0.0, 0.15, 0.4, 0.7, 1.0):
+        aside = np.stack([np.sin(turn), -np.cos(turn), 0 * turn], axis=1)
+        flat = inner + aside * (width * share)[:, None] - np.asarray((0, 0, 0.25)) * (width * share)[:, None]
+        above = gradient(torso_field, _onto_jumper(flat), 0.01)
+        rows.append(_onto_jumper(flat) + above * (0.055 - 0.03 * share**3))
+    return np.stack(rows)
+
+
+def shoulder_lift(pose: Pose, side: int) -> float:
+    """How far a shoulder is above its rest, in dm."""
+    return 0.30 * (pose.shoulder_left if side > 0 else pose.shoulder_right)
+
+
+def parts() -> list[Part]:
+    """Neck, jumper, neckband and collar."""
+    return [_neck(), _jumper(), _band(), *(_leaf(side) for side in (1, -1))]
+
+
+def _neck() -> Part:
+    points, normals, faces = polygonised(neck_field, (-0.8, -0.6, -2.00), (0.8, 0.9, -0.55), 0.09)
+    covered = ellipsoid(points, _NECK_HOLE[0], np.asarray(_NECK_HOLE[1]) + 0.08) > 0
+    faces = without(faces, (covered & (points[:, 2] < _NECK_HOLE[0][2])) | (points[:, 1] > 0.55))
+    openness = paint.veil(occlusion(neck_field, points, normals)) * _chin_shadow(points)
+    neck = compact(Mesh(points, normals, faces, paint.neck(points), openness))
+    share = smooth((neck.vertices[:, 2] + 1.50) / 0.75)[:, None]
+
+    def shape(pose: Pose) -> Shape:
+        turned = (neck.vertices - NECK) @ head_turn(pose).T + NECK
+        return Shape(neck.vertices + (turned - neck.vertices) * share, neck.normals)
+
+    def state(pose: Pose) -> State:
+        return stepped(pose.head_yaw, pose.head_pitch, pose.head_roll)
+
+    return Part("neck", "body", neck.faces, Surface(neck.albedo, neck.openness, SKIN, 0.04), shape, state)
+
+
+def _chin_shadow(points: Array) -> Array:
+    """The head's shadow on the throat, deepest under the chin."""
+    high = smooth((points[:, 2] + 1.62) / 0.70)
+    return np.asarray(1 - 0.62 * high * np.clip(0.9 - points[:, 1], 0, 1))
+
+
+def _jumper() -> Part:
+    points, normals, faces = polygonised(jumper_field, (-1.65, -0.75, -3.9), (1.65, 1.05, -1.2), 0.105)
+    behind = (points[:, 1] > 0.75) | (points[:, 2] < -3.85)
+    cloth = compact(Mesh(points, normals, without(faces, behind), np.tile(linear(palette.JUMPER), (len(points), 1)), occlusion(jumper_field, points, normals)))
+    x, y, z = cloth.vertices.T
+    chest = np.exp(-(((z + 2.6) / 0.7) ** 2)) * np.clip(0.4 - y, 0, 1)
+    swell = np.stack([0.02 * chest * np.sign(x), -0.075 * chest, 0.03 * chest], axis=1)
+    lifted = {side: (smooth((x * side - 0.30) / 0.75) * smooth((z + 3.2) / 1.1))[:, None] * (0, 0, 1) for side in (1, -1)}
+
+    def shape(pose: Pose) -> Shape:
+        moved = cloth.vertices + pose.breath * swell
+        for side, share in lifted.items():
+            moved = moved + shoulder_lift(pose, side) * share
+        return Shape(moved, cloth.normals)
+
+    def state(pose: Pose) -> State:
+        return stepped(pose.breath, pose.shoulder_left, pose.shoulder_right)
+
+    return Part("jumper", "body", cloth.faces, Surface(cloth.albedo, cloth.openness, CLOTH), shape, state)
+
+
+def _band() -> Part:
+    grid = neckband()
+    out = grid - grid.mean(axis=0, keepdims=True)
+    normals = towards(grid_normals(grid, closed=True), out).reshape(-1, 3)
+    faces = both_ways(grid_faces(grid.shape[0], grid.shape[1], closed=True))
+    albedo = np.tile(linear(palette.JUMPER_BAND), (len(normals), 1))
+    return still("band", "body", Mesh(grid.reshape(-1, 3), normals, faces, albedo, np.full(len(normals), 0.85)), CLOTH)
+
+
+def _leaf(side: int) -> Part:
+    grid = collar(side)
+    normals = towards(grid_normals(grid, closed=False), grid - np.asarray((0, 0.19, -2.2))).reshape(-1, 3)
+    faces = both_ways(grid_faces(grid.shape[0], grid.shape[1], closed=False))
+    albedo = np.tile(linear(palette.COLLAR), (len(normals), 1))
+    openness = np.linspace(0.62, 1.0, grid.shape[0]).repeat(grid.shape[1])
+    return still("collar", "body", Mesh(grid.reshape(-1, 3), normals, faces, albedo, openness), CLOTH)

@@ -1,0 +1,147 @@
+"""The parts of the head that are skin: skull and jaw, lids, lips, ears."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from openrois_avatar.engines import palette
+from openrois_avatar.engines.animation.pose import Mouth, Pose
+from openrois_avatar.engines.sculpt import head, lids, mouth, paint
+from openrois_avatar.engines.sculpt.distance import Array, ellipsoid, occlusion
+from openrois_avatar.engines.sculpt.mesh import Mesh, compact, grid_faces, grid_normals, polygonised, without
+from openrois_avatar.engines.sculpt.part import Part, Shape, State, both_ways, mirrored_mesh, mirrored_shape, plain, sided, stepped, still, towards
+from openrois_avatar.engines.sculpt.shading import PLAIN, SKIN, Surface, linear
+
+_SKIN_GLOSS = 0.09
+_LIP_GLOSS = 0.24
+
+
+def parts(depth: head.DepthMap, shadow: paint.Shadow) -> list[Part]:
+    """Every skin part of the head; `shadow` darkens what lies under the hair."""
+    return [_skull(shadow), *_ears(), _lips(depth, shadow), *_inside_mouth(), *(_lid(depth, shadow, side) for side in (1, -1))]
+
+
+def lid_state(pose: Pose, side: int) -> tuple[float, float, float]:
+    """Lid, squint and wide of one eye, with the part of it that follows the gaze up and down."""
+    lid = pose.lid_left if side > 0 else pose.lid_right
+    follow = max(-pose.gaze_pitch, 0.0) * 0.9 - max(pose.gaze_pitch, 0.0) * 0.4
+    values = stepped(min(max(lid + (1 - lid) * follow, -0.15), 1.0), pose.squint, pose.wide)
+    return values[0], values[1], values[2]
+
+
+def _skull(shadow: paint.Shadow) -> Part:
+    points, normals, faces = polygonised(head.face_field, (-1.0, -1.2, -1.1), (1.0, 1.2, 1.3), 0.05)
+    hair_side = (points[:, 1] > 0.22) | (points[:, 2] > 0.88)
+    faces = without(without(faces, head.in_patch(points, 0.06)), hair_side)
+    openness = paint.veil(occlusion(head.face_field, points, normals)) * shadow(points)
+    skull = compact(Mesh(points, normals, faces, paint.skin(points), openness))
+    share = head.jaw_share(skull.vertices)
+    moving = np.flatnonzero(share > 1e-3)
+
+    def shape(pose: Pose) -> Shape:
+        vertices = skull.vertices.copy()
+        vertices[moving] = head.jaw_turned(vertices[moving], share[moving], mouth.JAW_ANGLE * pose.mouth.jaw)
+        return Shape(vertices, skull.normals)
+
+    surface = Surface(skull.albedo, skull.openness, SKIN, _SKIN_GLOSS)
+    return Part("skull", "head", skull.faces, surface, shape, lambda pose: stepped(pose.mouth.jaw))
+
+
+def _ears() -> list[Part]:
+    points, normals, faces = polygonised(head.ear_field, (0.62, -0.30, -0.50), (1.05, 0.35, 0.25), 0.036)
+    openness = occlusion(head.ear_field, points, normals, 0.12)
+    ear = Mesh(points, normals, faces, paint.ear(points, openness), paint.veil(openness))
+    points, normals, faces = polygonised(lambda p: ellipsoid(p, head.PEARL, (0.042,) * 3), np.asarray(head.PEARL) - 0.07, np.asarray(head.PEARL) + 0.07, 0.024)
+    pearl = Mesh(points, normals, faces, np.tile(linear(palette.PEARL), (len(points), 1)), np.ones(len(points)))
+    made = [still("ear", "head", ear, SKIN, _SKIN_GLOSS), still("pearl", "head", pearl, SKIN, 0.5)]
+    return [*made, *(still(part.name, "head", mirrored_mesh(mesh), SKIN, gloss) for part, mesh, gloss in zip(made, (ear, pearl), (_SKIN_GLOSS, 0.5), strict=True))]
+
+
+def _patched(grid: Array, skin: Array) -> Array:
+    """Normals of a patch of skin that become those of the face under its last rings."""
+    normals = -grid_normals(grid, closed=True)
+    share = head.smooth((np.arange(len(grid)) - len(grid) + 5) / 3)[:, None, None]
+    normals = normals * (1 - share) + skin * share
+    return np.asarray(normals / np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-9))
+
+
+def _openness(grid: Array, depth: head.DepthMap) -> Array:
+    """Openness of the smooth face under a patch, (n,): the same as the skull's where they meet."""
+    x, z = grid[..., 0], grid[..., 2]
+    surface = np.stack([x, depth(x, z), z], axis=-1).reshape(-1, 3)
+    return paint.veil(occlusion(head.face_field, surface, depth.normals(x, z).reshape(-1, 3)))
+
+
+def _lid(depth: head.DepthMap, shadow: paint.Shadow, side: int) -> Part:
+    model = lids.Lids(depth)
+    rest = model.grid(0.0, 0.0, 0.0)
+    flat = rest.reshape(-1, 3)
+    albedo = paint.skin(flat).reshape(rest.shape)
+    for ring, share in enumerate((0.75, 0.45, 0.28, 0.14, 0.05)):
+        albedo[ring] += (linear(palette.LID_SHADE) - albedo[ring]) * share
+    surface = Surface(albedo.reshape(-1, 3), _openness(rest, depth) * shadow(flat * (side, 1, 1)), SKIN, _SKIN_GLOSS)
+
+    def shape(pose: Pose) -> Shape:
+        grid = model.grid(*lid_state(pose, side))
+        return mirrored_shape(Shape(grid.reshape(-1, 3), _patched(grid, model.skin_normals).reshape(-1, 3)), side)
+
+    faces = sided(grid_faces(len(rest), lids.SPOKES, closed=True)[:, ::-1], side)
+    return Part("lid", "head", faces, surface, shape, lambda pose: lid_state(pose, side))
+
+
+def _mouth_state(pose: Pose) -> State:
+    shape = pose.mouth
+    return stepped(shape.jaw, shape.wide, shape.round, shape.upper, shape.lower, shape.press, shape.bite, shape.smile)
+
+
+def _lips(depth: head.DepthMap, shadow: paint.Shadow) -> Part:
+    model = mouth.Lips(depth)
+    rest = model.grid(Mouth())
+    albedo = paint.skin(rest.reshape(-1, 3)).reshape(rest.shape)
+    gloss = np.full(rest.shape[:2], _SKIN_GLOSS)
+    for ring in range(mouth.BORDER + 1):
+        share = 1.0 if ring < mouth.BORDER else 0.45
+        albedo[ring] += (linear(palette.LIPS) - albedo[ring]) * share
+        gloss[ring] += (_LIP_GLOSS - gloss[ring]) * share
+    albedo[: mouth.INSIDE + 1] *= np.asarray((0.12, 0.25, 0.5, 0.74))[:, None, None]
+    gloss[: mouth.INSIDE] = 0.0
+    surface = Surface(albedo.reshape(-1, 3), _openness(rest, depth) * shadow(rest.reshape(-1, 3)), SKIN, gloss.ravel())
+
+    def shape(pose: Pose) -> Shape:
+        grid = model.grid(pose.mouth)
+        return Shape(grid.reshape(-1, 3), _patched(grid, model.skin_normals).reshape(-1, 3))
+
+    return Part("lips", "head", grid_faces(mouth.RINGS, mouth.SPOKES, closed=True)[:, ::-1], surface, shape, _mouth_state)
+
+
+def _inside_mouth() -> list[Part]:
+    def raised(pose: Pose) -> Array:
+        return np.asarray(mouth.TONGUE_LIFT) * pose.mouth.tongue
+
+    def hidden(pose: Pose) -> Array:
+        return np.asarray(mouth.TEETH_HIDE) * pose.mouth.round
+
+    def staying(pose: Pose) -> Array:
+        return np.zeros(3)
+
+    return [
+        _jawed("upper teeth", mouth.teeth(upper=True), palette.TEETH, 0.0, 0.60, hidden),
+        _jawed("lower teeth", mouth.teeth(upper=False), palette.TEETH, 1.0, 0.30, staying),
+        _jawed("tongue", mouth.tongue(), palette.TONGUE, 0.9, 0.40, raised),
+        _jawed("cavity", mouth.cavity(), palette.MOUTH_INSIDE, 0.3, 0.0, staying, closed=True),
+    ]
+
+
+def _jawed(
+    name: str, grid: Array, colour: str, share: float, openness: float, shift: Callable[[Pose], Array], closed: bool = False
+) -> Part:
+    """Something in the mouth that follows the jaw by `share` and is shifted (dm) by the pose."""
+    normals = towards(grid_normals(grid, closed), np.asarray((0.0, -1.0, 0.0))).reshape(-1, 3)
+    shares = np.full(grid.shape[:2], share)
+
+    def shape(pose: Pose) -> Shape:
+        moved = head.jaw_turned(grid + shift(pose), shares, mouth.JAW_ANGLE * pose.mouth.jaw)
+        return Shape(moved.reshape(-1, 3), normals)
+
+    faces = both_ways(grid_faces(grid.shape[0], grid.shape[1], closed))
+    return Part(name, "head", faces, plain(colour, len(normals), PLAIN, openness), shape, lambda pose: stepped(pose.mouth.jaw, *shift(pose)))

@@ -1,0 +1,107 @@
+"""The lids and the skin around them, lashes and brows.
+
+Everything is made for the left eye (x > 0) and mirrored. Grids are (rings, spokes, 3); spokes run from the outer
+corner over the upper lid to the inner corner and back along the lower lid.
+"""
+
+import numpy as np
+
+from openrois_avatar.engines.sculpt.distance import Array
+from openrois_avatar.engines.sculpt.head import EYE, EYE_PATCH, EYE_RADIUS, DepthMap, smooth
+
+SPOKES = 48
+HALF_WIDTH, _UPPER, _LOWER = 0.246, 0.150, 0.112
+_RINGS = np.asarray([0.0, 0.07, 0.16, 0.26, 0.34, 0.42, 0.55, 0.70, 0.85, 1.0])
+_ANGLE = np.arange(SPOKES) * 2 * np.pi / SPOKES
+_ACROSS, _HEIGHT = np.cos(_ANGLE), np.sin(_ANGLE)
+_IS_UPPER = _HEIGHT >= 0
+
+
+def lid_line(lid: float, squint: float, wide: float) -> tuple[Array, Array]:
+    """The opening between the lids as (x, z) offsets from the eye's centre, one per spoke; lid 0 open .. 1 closed."""
+    x = HALF_WIDTH * _ACROSS
+    corner = 0.022 * _ACROSS
+    arch = np.abs(_HEIGHT) ** 0.85
+    upper = corner + (_UPPER + 0.035 * wide) * arch * (1 - 0.10 * _ACROSS)
+    lower = corner - _LOWER * arch * (1 + 0.16 * _ACROSS)
+    closing = corner - 0.62 * _LOWER * arch
+    upper = upper + (closing - upper) * lid
+    lower = lower + (closing - lower) * max(lid**2, 0.55 * squint)
+    return x, np.where(_IS_UPPER, upper, np.minimum(lower, upper))
+
+
+class Lids:
+    """The skin around the left eye: ring 0 is the inside of the lid's edge, the last ring lies on the face."""
+
+    def __init__(self, depth: DepthMap) -> None:
+        self._depth = depth
+        self._outer_x = np.where(_ACROSS > 0, EYE_PATCH[0], EYE_PATCH[1]) * _ACROSS
+        self._outer_z = EYE_PATCH[2] * _HEIGHT
+        self._rest_y = depth(EYE[0] + self._outer_x, EYE[2] + self._outer_z)
+        rest = self.grid(0.0, 0.0, 0.0)
+        self.skin_normals = depth.normals(rest[..., 0], rest[..., 2])
+        """Normals of the face under every vertex with open lids, (rings + 1, SPOKES, 3)."""
+
+    def grid(self, lid: float, squint: float, wide: float) -> Array:
+        """Vertices (rings + 1, SPOKES, 3) in head space, left eye."""
+        line_x, line_z = lid_line(lid, squint, wide)
+        share = _RINGS[:, None]
+        x = line_x + (self._outer_x - line_x) * share
+        z = line_z + (self._outer_z - line_z) * share
+        thick = 0.037 + 0.008 * _HEIGHT
+        sunk = 0.05 * share * (1 - _HEIGHT)
+        ball = EYE[1] - np.maximum(on_ball(x, z, EYE_RADIUS + thick) - sunk, on_ball(x, z, EYE_RADIUS + 0.012))
+        face = self._depth(EYE[0] + x, EYE[2] + z)
+        y = _nearer(ball, face, 0.05)
+        crease = np.exp(-(((share - 0.30) / 0.10) ** 2)) * np.where(_IS_UPPER, np.abs(_HEIGHT) ** 0.6, 0.0)
+        y = y + crease * (0.045 * (1 - lid) + 0.008)
+        y[-1] = self._rest_y
+        inner_y = EYE[1] - on_ball(line_x, line_z, EYE_RADIUS - 0.005)
+        rows = [np.stack([line_x * 0.985, inner_y, line_z * 0.985], axis=1)[None], np.stack([x, y, z], axis=2)]
+        grid = np.concatenate(rows)
+        grid[:, :, 0] += EYE[0]
+        grid[:, :, 2] += EYE[2]
+        return grid
+
+
+def lashes(lid: float, squint: float, wide: float) -> Array:
+    """The upper lash line as a thin crest along the lid's edge: (3, n, 3), left eye."""
+    line_x, line_z = lid_line(lid, squint, wide)
+    half = SPOKES // 2 + 1
+    x, z, across = line_x[:half], line_z[:half], _ACROSS[:half]
+    outward = np.clip((across + 1) / 2, 0, 1)
+    thick = 0.012 + 0.022 * smooth(np.asarray(outward * 1.15))
+    thick[-1] = 0.004
+    wing = np.clip((across - 0.72) / 0.28, 0, 1) ** 1.5
+    droop = 1 - 1.7 * lid
+    rows = []
+    for depth, rise in ((0.040, -0.25), (0.062, 0.45), (0.050, 1.0)):
+        px = x + wing * 0.055 * max(rise, 0.0)
+        pz = z + thick * rise * (0.35 + 0.65 * max(droop, -0.2)) + wing * 0.035 * max(rise, 0.0)
+        rows.append(np.stack([EYE[0] + px, EYE[1] - on_ball(x, z, EYE_RADIUS + depth), EYE[2] + pz], axis=1))
+    return np.stack(rows)
+
+
+def brow(depth: DepthMap, lift: float, frown: float) -> Array:
+    """A brow that hugs the forehead: (5, n, 3), left eye; lift -1..1, frown 0..1 draws it in and down."""
+    along = np.linspace(0, 1, 15)
+    x = 0.150 + 0.455 * along - 0.035 * frown * (1 - along)
+    z = 0.235 + 0.125 * np.sin(np.pi * (0.16 + 0.66 * along)) - 0.055 * along**2
+    z = z + lift * 0.085 * (0.75 + 0.25 * np.sin(np.pi * along)) - frown * 0.085 * (1 - along) ** 1.5
+    thick = 0.033 * np.sqrt(np.clip(1.12 - along, 0, 1)) * smooth(np.asarray(0.35 + along * 6))
+    rows = []
+    for rise, bulge in ((-1.0, -0.004), (-0.55, 0.020), (0.0, 0.028), (0.55, 0.020), (1.0, -0.004)):
+        pz = z + rise * thick
+        rows.append(np.stack([x, depth(x, pz) - bulge, pz], axis=1))
+    return np.stack(rows)
+
+
+def on_ball(x: Array, z: Array, radius: float | Array) -> Array:
+    """How far in front of the eye's centre a ball's surface is at (x, z); past its edge it falls away quickly."""
+    inside = radius**2 - x**2 - z**2
+    return np.asarray(np.where(inside > 1e-4, np.sqrt(np.maximum(inside, 1e-4)), 0.01 + inside * 4))
+
+
+def _nearer(first: Array, second: Array, softness: float) -> Array:
+    bridge = np.maximum(softness - np.abs(first - second), 0.0) / softness
+    return np.asarray(np.minimum(first, second) - bridge * bridge * softness * 0.25)

@@ -1,0 +1,32 @@
+"""What the runner and the renderers agree on."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from openrois_avatar.engines.animation.pose import Pose
+
+Pixels = npt.NDArray[np.uint8]
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """Size in pixels, both even, and pictures per second."""
+
+    width: int = 640
+    height: int = 360
+    fps: int = 30
+
+
+class Renderer(Protocol):
+    """Draws poses."""
+
+    def draw(self, pose: Pose) -> Pixels:
+        """The avatar in this pose as BGRA, (height, width, 4), top row first; the array may be reused by the next call."""
+
+
+Available = Callable[[], tuple[bool, str]]
+Factory = Callable[[Picture], Renderer]
