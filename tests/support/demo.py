@@ -30,9 +30,12 @@ def free_port() -> int:
 
 
 def start(*arguments: str, log: IO[str] | int = subprocess.PIPE) -> subprocess.Popen[str]:
-    """Start `openrois` with `arguments` in a process group of its own, as a terminal does."""
+    """Start `openrois` with `arguments` in a process group of its own, as a terminal does.
+
+    It does not survive this process, nor the thread that calls this.
+    """
     return subprocess.Popen(
-        [sys.executable, "-m", "openrois.cli", *arguments],
+        [sys.executable, "-m", "openrois_avatar.launch", str(os.getpid()), "openrois.cli", *arguments],
         stdin=subprocess.DEVNULL,
         stdout=subprocess.PIPE,
         stderr=log,

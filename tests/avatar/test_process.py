@@ -1,0 +1,109 @@
+import asyncio
+import logging
+import signal
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager, suppress
+
+import psutil  # type: ignore[import-untyped]
+import pytest
+from openrois_avatar import process
+from openrois_avatar.process import Program, ProgramFailed
+
+from tests.support.streaming import settle
+
+GATEWAY = ("gateway", "--port", "0")
+
+
+class Pauses:
+    """Stands in for `asyncio.sleep`: records the pauses, and lets a test hold them."""
+
+    def __init__(self) -> None:
+        self.lengths: list[float] = []
+        self.begun = asyncio.Event()
+        self.may_end = asyncio.Event()
+
+    async def __call__(self, seconds: float) -> None:
+        self.lengths.append(seconds)
+        self.begun.set()
+        await self.may_end.wait()
+        self.may_end.clear()
+
+
+@asynccontextmanager
+async def running(program: Program, pauses: Pauses) -> AsyncIterator[asyncio.Task[None]]:
+    task = asyncio.create_task(program.keep_running(pauses))
+    try:
+        yield task
+    finally:
+        task.cancel()
+        with suppress(asyncio.CancelledError):
+            await task
+
+
+def children() -> list[psutil.Process]:
+    found: list[psutil.Process] = psutil.Process().children()
+    return found
+
+
+@pytest.fixture(autouse=True)
+def no_child_is_left() -> Iterator[None]:
+    yield
+    assert not children()
+
+
+async def test_a_program_that_cannot_start_is_not_tried_again() -> None:
+    with pytest.raises(ProgramFailed, match="nonsense ended with status 2 before it was ready"):
+        await Program(("nonsense",), announces="ready ").keep_running(Pauses())
+
+
+async def test_a_program_that_ends_is_started_again_after_growing_pauses() -> None:
+    program, pauses = Program(("--version",), announces="openrois "), Pauses()
+    async with running(program, pauses), asyncio.timeout(10):
+        await pauses.begun.wait()
+        assert program.ready.is_set()
+        pauses.begun.clear()
+        pauses.may_end.set()
+        await pauses.begun.wait()
+    assert pauses.lengths[0] == 0.5
+    assert pauses.lengths[1] > 0.5
+
+
+async def test_a_program_that_is_killed_is_started_again_and_ends_when_it_is_told_to(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    program, pauses = Program(GATEWAY, announces="listening "), Pauses()
+    async with running(program, pauses), asyncio.timeout(10):
+        await program.ready.wait()
+        [first] = children()
+        assert first.cmdline()[-3:] == list(GATEWAY)
+        first.kill()
+        await pauses.begun.wait()
+        assert not children()
+        program.ready.clear()
+        pauses.may_end.set()
+        await program.ready.wait()
+        [second] = children()
+        assert second != first
+    assert [record.message for record in caplog.records if record.name == process.__name__] == [
+        "gateway ended with status -9 and is started again"
+    ]
+
+
+async def test_a_program_that_does_not_end_by_itself_is_killed(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(process, "STOP_TIMEOUT", 0.05)
+    program = Program(GATEWAY, announces="listening ")
+    with caplog.at_level(logging.WARNING):
+        async with running(program, Pauses()), asyncio.timeout(10):
+            await program.ready.wait()
+            children()[0].send_signal(signal.SIGSTOP)
+    assert "gateway did not end within 0.1 s and is killed" in caplog.messages
+
+
+async def test_a_program_that_is_told_to_end_before_it_is_ready_ends() -> None:
+    program = Program(GATEWAY, announces="never said ")
+    async with running(program, Pauses()):
+        await settle()
+        assert children()
+    assert not program.ready.is_set()
