@@ -192,5 +192,6 @@ async def _farewell(connection: EngineConnection, process: Process) -> None:
 async def _stop(task: asyncio.Task[None]) -> None:
     task.cancel()
     await asyncio.wait({task})
-    if not task.cancelled():
-        task.result()
+    error = None if task.cancelled() else task.exception()
+    if error is not None and not isinstance(error, LinkError):  # that one was raised on entering
+        _log.error("%s failed", task.get_name(), exc_info=error)

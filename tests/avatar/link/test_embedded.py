@@ -8,6 +8,7 @@ from asyncio.subprocess import PIPE
 
 import pytest
 import uvloop
+from openrois_avatar.link import embedded
 from openrois_avatar.link.embedded import LONGEST_DELAY, STALL_TIMEOUT, EmbeddedEngine
 from openrois_avatar.link.messages import Completed, Event, Hello, LinkError, Log, React, Silence
 from openrois_streaming.source import RawAudio
@@ -137,6 +138,24 @@ async def test_an_engine_that_refuses_to_end_is_killed_in_time() -> None:
     assert loop.time() - leaving < 2.0
 
 
+async def test_a_fault_of_our_own_is_not_swallowed(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    def fail(*_arguments: object, **_options: object) -> None:
+        raise ZeroDivisionError
+
+    witness, clock = Witness(), VirtualClock()
+    async with asyncio.timeout(20), witness.engine("good", clock=clock) as engine:
+        monkeypatch.setattr(embedded, "child_process", fail)
+        engine.send(React("1", "crash"))
+        await witness.lost.get()
+        while not clock.sleepers:
+            await settle()
+        await clock.advance(1)
+    assert f"engine {FAKE} failed" in caplog.text
+    assert "ZeroDivisionError" in caplog.text
+
+
 async def test_an_engine_that_cannot_start_says_why() -> None:
     expected = f"{FAKE} did not greet (status 1): first line / no graphics pipe is available"
     with pytest.raises(LinkError) as refused:
@@ -159,6 +178,7 @@ async def test_entering_can_be_given_up() -> None:
 
 ADAPTER = f"""
 import asyncio
+from openrois_avatar.link import embedded
 from openrois_avatar.link.embedded import LONGEST_DELAY, STALL_TIMEOUT, EmbeddedEngine
 async def main():
     async with EmbeddedEngine("{FAKE}", "stubborn") as engine:
