@@ -1,4 +1,6 @@
 import socket
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -201,3 +203,13 @@ def test_the_adapter_that_started_us_says_where_it_is() -> None:
 def test_an_engine_started_by_hand_is_told_what_is_missing() -> None:
     with pytest.raises(LinkError, match="OPENROIS_LINK_ADDRESS is not set: start the engine from the adapter"):
         connect_from_environment(HELLO, environ={})
+
+
+@pytest.mark.engine
+def test_it_needs_nothing_but_the_standard_library_and_numpy() -> None:
+    program = "import sys, openrois_avatar.link.client; print(*{name.partition('.')[0] for name in sys.modules})"
+    loaded = set(
+        subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True).stdout.split()
+    )
+    assert "numpy" in loaded
+    assert not loaded & {"asyncio", "pydantic", "openrois", "openrois_streaming", "openrois_signaling", "av", "cv2"}
