@@ -130,6 +130,27 @@ class Visit:
                 await self._arrival.wait()
         return found[-1]
 
+    async def outcome(self, component_ref: str, command_type: str) -> str:
+        """How the command ended that the page executed last on a component, as the wire said it."""
+        units = [
+            unit
+            for message in self.sent
+            if message["method"] == "rois.command.execute"
+            for unit in message["params"]["command_unit_list"]
+            if (unit["component_ref"], unit["command_type"]) == (component_ref, command_type)
+        ]
+        completed = await self.until_told("rois.command.completed", command_id=units[-1]["command_id"])
+        return str(completed["status"])
+
+    async def watch(self, name: str, left: float, top: float, width: float, height: float) -> None:
+        """Watch a part of the picture from now on; places and sizes are fractions of the picture's."""
+        await self.page.evaluate(f"probe.watch('{name}', {left}, {top}, {width}, {height})")
+
+    async def seen(self, name: str) -> list[dict[str, float]]:
+        """What `watch` has seen: how much each frame differed from the one before (`step`) and the first (`away`)."""
+        samples: list[dict[str, float]] = await self.read(f"probe.watched.{name}")
+        return samples
+
     async def listen(self) -> None:
         """Touch the page, so that it may sound, and listen from then on."""
         await self.page.get_by_role("heading", name="OpenRoIS").click()
