@@ -75,6 +75,7 @@ class RemoteProxy:
         self._commands: dict[str, _Ended] = {}
         self._subscriptions = SharedSubscriptions(self._subscribe, self._unsubscribe, self._drop_subscription)
         self._misfits = Tally(_log, "events that do not fit their subscription")
+        self._plain = False
         self._lost = False
 
     def notifications(self) -> dict[str, NotificationHandler]:
@@ -87,11 +88,11 @@ class RemoteProxy:
         }
 
     async def discover(self) -> Directory:
-        """Read the other side's profile, and at the first time ask whether it speaks the extensions."""
+        """Read the other side's profile, and ask which extensions it speaks unless it has said that it speaks none."""
         result = await self._ask("rois.system.get_profile", {"condition": ""}, ProfileResult)
         if result.profile is None:
             raise ComponentFailed("the engine has no profile")
-        if self._directory is None:
+        if not self._plain:
             await self._hello()
         self._directory = Directory(result.profile, result.component_profiles)
         self._subscriptions.keep_only(result.component_profiles, SubscriptionLost("the component is gone"))
@@ -102,13 +103,13 @@ class RemoteProxy:
         try:
             result = await self._ask("openrois.hello", params, HelloResult)
         except Unsupported:
-            return
+            self._plain = True
         except ComponentFailed as error:
-            if isinstance(error.__cause__, RpcError) and error.__cause__.code == protocol.METHOD_NOT_FOUND:
-                return
-            raise
-        if "rois.stream" in result.extensions:
-            self.extension = self._remote_extension
+            self._plain = isinstance(error.__cause__, RpcError) and error.__cause__.code == protocol.METHOD_NOT_FOUND
+            if not self._plain:
+                raise
+        else:
+            self.extension = self._remote_extension if "rois.stream" in result.extensions else None
 
     async def query(self, component_ref: str, query_type: str) -> tuple[Result, ...]:
         """Ask a component."""

@@ -14,7 +14,14 @@ from openrois.remote.extension import CLIENT_GONE, EXTENSION_METHODS
 from openrois.transport.stream import MessageStream, StreamClosed
 from openrois.types.codes import StreamStatus
 from openrois.types.references import engine_of
-from openrois.types.streams import STREAM_METHODS, HelloParams, HelloResult, StreamStatusNotification, subject_of
+from openrois.types.streams import (
+    EXTENSIONS,
+    STREAM_METHODS,
+    HelloParams,
+    HelloResult,
+    StreamStatusNotification,
+    subject_of,
+)
 
 __all__ = ["serve_engine"]
 
@@ -60,7 +67,7 @@ class _ServedExtension:
         """Return `openrois.hello` and the extension methods."""
 
         async def hello(_params: HelloParams) -> HelloResult:
-            return HelloResult()
+            return HelloResult(extensions=EXTENSIONS if self._host.engine.extensions() else ())
 
         return {"openrois.hello": method(HelloParams, hello), **{m: self._calling(m) for m in EXTENSION_METHODS}}
 

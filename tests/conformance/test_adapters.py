@@ -9,7 +9,12 @@ import pytest
 from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed
 
+from openrois.application import EngineHost
+from openrois.dialer import serve_parent
+from openrois.engine import Engine
 from openrois.gateway.server import Gateway
+from openrois.registry import LocalRegistry
+from openrois.tasks import TaskScope
 from tests.support import deployment
 from tests.support.components import Lamp
 from tests.support.deployment import Adapter, Application
@@ -20,6 +25,10 @@ TOY = "plain/toy"
 
 async def attached(gateway: Gateway, engine_id: str = "plain") -> None:
     await deployment.until(gateway.engine, lambda ids: engine_id in ids)
+
+
+def gateway_url(gateway: Gateway) -> str:
+    return gateway.url.replace("http", "ws") + "adapter"
 
 
 async def refusal(adapter: PlainAdapter) -> tuple[int, str]:
@@ -91,7 +100,7 @@ class TestProfiles:
             assert (await refusal(broken))[0] == 1008
 
     async def test_one_that_leaves_at_once(self, gateway: Gateway) -> None:
-        async with connect(gateway.url.replace("http", "ws") + "adapter") as socket:
+        async with connect(gateway_url(gateway)) as socket:
             await socket.recv()
         async with plain_adapter(gateway):
             await attached(gateway)
@@ -356,7 +365,7 @@ class TestMisbehaviour:
         assert plain.refusals == [-32700, -32600]
 
     async def test_one_cannot_reach_the_applications_methods(self, gateway: Gateway) -> None:
-        async with connect(gateway.url.replace("http", "ws") + "adapter") as socket:
+        async with connect(gateway_url(gateway)) as socket:
             asked = json.loads(await socket.recv())
             await socket.send(json.dumps({"jsonrpc": "2.0", "id": asked["id"], "result": profile_result("toy")}))
             await socket.recv()
@@ -366,10 +375,19 @@ class TestMisbehaviour:
             assert answer["error"]["code"] == -32601
 
     async def test_twins_cannot_both_be_here(self, gateway: Gateway, adapter: Adapter, app: Application) -> None:
-        lamp = Lamp()
-        with pytest.raises(TimeoutError):
-            async with asyncio.timeout(0.2), deployment.adapter(gateway, lamp, engine_id="robot") as twin:
-                await twin.stop()
+        waiting = asyncio.Event()
+
+        async def sleep(_seconds: float) -> None:
+            waiting.set()
+            await asyncio.Event().wait()
+
+        async with TaskScope() as tasks:
+            twin = Engine("robot")
+            await twin.attach(LocalRegistry("robot", [Lamp()]))
+            dialling = tasks.start(serve_parent(EngineHost(twin, tasks), gateway_url(gateway), sleep=sleep))
+            async with deployment.patience():
+                await waiting.wait()
+            dialling.cancel()
         assert await app.code("rois.command.bind", component_ref="robot/lamp") == "OK"
 
     async def test_the_gateway_closes_with_going_away(self) -> None:

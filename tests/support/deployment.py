@@ -198,7 +198,8 @@ class Application:
 
 @asynccontextmanager
 async def application(gateway: Gateway, path: str = "", **options: Any) -> AsyncIterator[Application]:
-    async with connect(gateway.url.replace("http", "ws") + path, **options) as socket:
+    # What a test does not read yet may not keep the connection from being closed.
+    async with connect(gateway.url.replace("http", "ws") + path, max_queue=None, **options) as socket:
         yield Application(socket)
 
 
