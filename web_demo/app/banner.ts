@@ -23,8 +23,9 @@ export class Banner {
     const { retryAt } = trouble ?? {};
     this.#action.hidden = retryAt === undefined;
     // Outside the alert's words: a countdown that is read aloud every second is a nuisance.
-    const wait = retryAt === undefined ? "" : `Trying again in ${secondsUntil(retryAt, Date.now())} s`;
+    const seconds = retryAt === undefined ? 0 : secondsUntil(retryAt, Date.now());
+    const wait = seconds === 0 ? "Trying now" : `Trying again in ${seconds} s`;
     this.#wait.setAttribute("aria-hidden", "true");
-    setText(this.#wait, wait);
+    setText(this.#wait, retryAt === undefined ? "" : wait);
   }
 }

@@ -34,7 +34,7 @@ export interface Trouble {
     | "stalled";
   readonly title: string;
   readonly text: string;
-  /** When the next try starts by itself, in milliseconds since the epoch. */
+  /** When the next try starts by itself, in milliseconds since the epoch; 0 while it runs. */
   readonly retryAt?: number;
 }
 
@@ -56,12 +56,12 @@ function connectionTrouble({ canStream, connection, streaming }: Situation): Tro
       text: "Live pictures need it. Use a current Chrome, Edge, Firefox or Safari, or allow WebRTC in the settings.",
     };
   }
-  if (connection.name === "waiting") {
+  if (connection.name === "waiting" || (connection.name === "connecting" && connection.attempt > 0)) {
     return {
       kind: "no-gateway",
       title: "The gateway does not answer",
       text: "Start it with “openrois demo”, or look at the terminal where it ran. The page connects by itself.",
-      retryAt: connection.retryAt,
+      retryAt: connection.name === "waiting" ? connection.retryAt : 0,
     };
   }
   if (connection.name === "connected" && !streaming) {

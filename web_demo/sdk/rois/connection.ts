@@ -8,7 +8,8 @@ import { Backoff } from "./backoff.ts";
 import type { BackoffOptions } from "./backoff.ts";
 
 export type ConnectionState =
-  | { readonly name: "connecting" }
+  /** `attempt` counts the failures since the connection was last good; 0 at the first try. */
+  | { readonly name: "connecting"; readonly attempt: number }
   | { readonly name: "connected" }
   /** The next attempt starts at `retryAt`, in milliseconds since the epoch. */
   | { readonly name: "waiting"; readonly retryAt: number; readonly attempt: number; readonly reason: string }
@@ -91,7 +92,7 @@ export class Connection {
   #dial(): void {
     const attempt = ++this.#attempt;
     clearTimeout(this.#timer);
-    this.#enter({ name: "connecting" });
+    this.#enter({ name: "connecting", attempt: this.#backoff.failures });
     let socket: SocketLike;
     try {
       socket = this.#createSocket();

@@ -17,7 +17,10 @@ const situation = ({ video, ...change }: Change): Situation => ({
 describe("findTrouble", () => {
   it.each<[string, Change]>([
     ["all runs", {}],
-    ["the page has just begun", { connection: { name: "connecting" }, avatar: null, streaming: false }],
+    [
+      "the page has just begun",
+      { connection: { name: "connecting", attempt: 0 }, avatar: null, streaming: false },
+    ],
     ["the profile has not been read", { avatar: null }],
     ["no frame was shown yet", { video: { frameAge: null } }],
     ["the stream is suspended", { video: { status: "STREAMING_SUSPENDED", frameAge: 1e6 } }],
@@ -30,6 +33,7 @@ describe("findTrouble", () => {
   it.each<[string, Change]>([
     ["no-webrtc", { canStream: false }],
     ["no-gateway", { connection: { name: "waiting", retryAt: 5, attempt: 1, reason: "" } }],
+    ["no-gateway", { connection: { name: "connecting", attempt: 3 } }],
     ["no-streaming", { streaming: false }],
     ["no-adapter", { avatar: "none" }],
     ["adapter-gone", { avatar: { name: "avatar", present: false } }],
