@@ -3,6 +3,7 @@
 RoIS words end here: below it is about sessions, peer connections and tracks.
 """
 
+import itertools
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -24,10 +25,12 @@ from openrois.types.codes import ReturnCode, StreamStatus
 from openrois.types.messages import Parameter
 from openrois.types.model import Model
 from openrois.types.references import new_id
-from openrois.types.streams import ConnectStreamParams, StreamParams, StreamStatusNotification
+from openrois.types.streams import STREAM_METHODS, ConnectStreamParams, StreamParams, StreamStatusNotification
 from openrois.types.values import date_time
 
 __all__ = ["AvatarStreams", "Published"]
+
+_CONNECT: Final = STREAM_METHODS["connect_stream"]
 
 _STATUS: Final = {
     state.StreamStatus.NOT_CONNECTED: StreamStatus.STREAMING_NOT_CONNECTED,
@@ -91,10 +94,18 @@ class AvatarStreams:
         self._published = published
         self._clock = clock
         self._clients: dict[str, Client] = {}
+        self._numbers = itertools.count(1)
         self.sessions = StreamSessions(self._make_session)
 
     async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
-        """Do what an application asks; the reply always comes before the notifications that it causes."""
+        """Do what an application asks; the reply always comes before the notifications that it causes.
+
+        An application that comes over a new connection of the parent is another `Client`, with a session of its own:
+        the one it had plays on until the grace of the old connection is over, and is forgotten first.
+        """
+        if method == _CONNECT and not self._session_name(client):
+            # Noted whatever comes of it: each that tries to connect is forgotten once.
+            self._clients[f"{client.client_id[:8]}-{next(self._numbers)}"] = client
         try:
             more = await self._handle(method, params, client)
         except ValidationError as error:
@@ -130,19 +141,19 @@ class AvatarStreams:
         match method:
             case Answer.method:
                 answer = Answer.model_validate(params)
-                await self.sessions.with_peer(client.client_id, answer.peer_id).answer(answer)
+                await self.sessions.with_peer(self._session_name(client), answer.peer_id).answer(answer)
             case Candidate.method:
                 candidate = Candidate.model_validate(params)
-                await self.sessions.with_peer(client.client_id, candidate.peer_id).candidate(candidate)
+                await self.sessions.with_peer(self._session_name(client), candidate.peer_id).candidate(candidate)
             case Restart.method:
                 peer_id = Restart.model_validate(params).peer_id
-                self.sessions.with_peer(client.client_id, peer_id).restart(peer_id)
+                self.sessions.with_peer(self._session_name(client), peer_id).restart(peer_id)
             case _:
                 raise Unsupported(f"there is no method {method}")
 
     def _stream(self, params: Mapping[str, Any], client: Client) -> tuple[StreamSession, str]:
         stream_id = StreamParams.model_validate(params).stream_id
-        return self.sessions.with_stream(client.client_id, stream_id), stream_id
+        return self.sessions.with_stream(self._session_name(client), stream_id), stream_id
 
     def _connect(self, params: _ConnectFromGateway, client: Client) -> dict[str, Any]:
         published = self._published.get(params.component_ref)
@@ -152,15 +163,18 @@ class AvatarStreams:
         transport = _parameter(params.parameters, "transport_parameters", _TransportParameters)
         if transport.direction != "recvonly":
             raise Unsupported(f"streams of direction {transport.direction!r} are not supported")
-        self._clients[client.client_id] = client
-        session = self.sessions.open(client.client_id)
+        session = self.sessions.open(self._session_name(client))
         session.ice_servers = params.ice_servers
         stream_id = new_id(self._engine_id)
         session.connect(stream_id, params.component_ref, published.publisher, published.kind, encoding.codecs)
         return {"stream_id": stream_id}
 
-    def _make_session(self, client_id: str) -> StreamSession:
-        client = self._clients[client_id]
+    def _session_name(self, client: Client) -> str:
+        """The name of a client's session; empty for one that never tried to connect."""
+        return next((name for name, known in self._clients.items() if known is client), "")
+
+    def _make_session(self, session_name: str) -> StreamSession:
+        client = self._clients[session_name]
 
         def send(message: Offer | Bye) -> None:
             client.notify(message.method, message.wire())
@@ -173,7 +187,7 @@ class AvatarStreams:
             send=send,
             on_change=changed,
             clock=self._clock,
-            name=f"session {client_id[:8]}",
+            name=f"session {session_name}",
         )
 
     @staticmethod
@@ -192,9 +206,12 @@ class AvatarStreams:
             client.notify(notice.method, notice.model_dump(mode="json"))
 
     async def forget(self, client_id: str) -> None:
-        """End the streams of an application that is gone."""
-        self._clients.pop(client_id, None)
-        await self.sessions.close(client_id, "the application is gone")
+        """End the streams of an application that is gone; the oldest, if it came more than once."""
+        found = (name for name, client in self._clients.items() if client.client_id == client_id)
+        session_name = next(found, None)
+        if session_name is not None:
+            del self._clients[session_name]
+            await self.sessions.close(session_name, "the application is gone")
 
 
 def _parameter(parameters: tuple[Parameter, ...], name: str, model: type[Read]) -> Read:

@@ -8,6 +8,7 @@ import pytest
 
 from tests.support.black_box import AUDIO, H264, VIDEO, Application, application
 from tests.support.demo import Demo, running_demo
+from tests.support.house import house
 
 pytestmark = [pytest.mark.media, pytest.mark.timeout(40)]
 
@@ -63,6 +64,29 @@ async def test_media_outlives_a_killed_gateway_and_ends_after_the_grace(fragile:
             assert 9 < last.at - killed < 12, "nobody can command it any more, so it ends after 10 s"
             assert await app.pictures(new, 10)
             assert app.statuses(new) == ["NOT_RUNNING", "RUNNING"]
+
+
+async def test_a_cut_between_adapter_and_gateway_costs_streams_but_not_the_application() -> None:
+    async with house() as home:
+        app = await home.guest()
+        old = await app.play(VIDEO, H264)
+        await home.disconnect()
+        await app.until_status(old, "NOT_CONNECTED")
+        assert await app.act("suspend", old) == "UNSUPPORTED"
+        await home.connect()
+        await attached(app)
+
+        new = await app.play(VIDEO, H264)
+        assert new != old
+        assert app.peer_of(new) is not app.peer_of(old)
+        assert await app.pictures(old, 5), "until the grace is over nothing is taken from anybody"
+        assert home.figures("video/H264").viewers == 2
+
+        home.grace.set()
+        await app.news.until(lambda: app.media(old).ended)
+        assert await app.pictures(new, 10)
+        assert app.statuses(new) == ["NOT_RUNNING", "RUNNING"]
+        assert home.figures("video/H264").viewers == 1
 
 
 async def attached(app: Application) -> None:

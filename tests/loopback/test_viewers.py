@@ -5,20 +5,14 @@ import itertools
 import signal
 import time
 from collections.abc import AsyncIterator
-from contextlib import AsyncExitStack
-from dataclasses import dataclass
 
 import pytest
-from openrois_avatar.adapter import Avatar, run_avatar
-from openrois_avatar.settings import AvatarSettings
-from openrois_streaming.rendition import RenditionFigures
 
-from openrois.dialer import serve_parent
-from openrois.gateway.server import run_gateway
-from openrois.gateway.settings import GatewaySettings
-from tests.support.black_box import H264, VIDEO, VP8, Application, application
+from tests.support.black_box import H264, VIDEO, VP8, Application
 from tests.support.black_box_media import Picture
 from tests.support.demo import Watcher
+from tests.support.house import House
+from tests.support.house import house as running_house
 
 pytestmark = [pytest.mark.media, pytest.mark.timeout(40)]
 
@@ -26,42 +20,14 @@ LONGEST_GAP = 0.7
 """Seconds between two pictures at most, on a machine that does other things as well; a viewer waits 0.033."""
 
 
-@dataclass(frozen=True)
-class House:
-    """A gateway and an avatar in this process, over real sockets."""
-
-    avatar: Avatar
-    url: str
-    viewers: AsyncExitStack
-
-    def figures(self, codec: str) -> RenditionFigures:
-        return self.avatar.video.rendition(codec).figures()
-
-    async def viewer(self) -> Application:
-        """One more application; it leaves when the test ends."""
-        app = await self.viewers.enter_async_context(application(self.url))
-        await app.hello()
-        return app
-
-
 @pytest.fixture
 async def house() -> AsyncIterator[House]:
-    async with run_gateway(GatewaySettings(port=0)) as gateway:
-        url = gateway.url.replace("http", "ws", 1)
-        settings = AvatarSettings(f"{url}adapter", engine="synthetic")
-        attached = asyncio.Event()
-        gateway.engine.on_change(attached.set)
-        async with run_avatar(settings) as avatar, asyncio.TaskGroup() as tasks:
-            serving = tasks.create_task(serve_parent(avatar.host, settings.gateway))
-            async with asyncio.timeout(5):
-                await attached.wait()
-            async with AsyncExitStack() as viewers:
-                yield House(avatar, url, viewers)
-            serving.cancel()
+    async with running_house() as built:
+        yield built
 
 
 async def test_three_viewers_share_one_encoder_and_a_fourth_of_another_codec_has_its_own(house: House) -> None:
-    apps = [await house.viewer() for _ in range(3)]
+    apps = [await house.guest() for _ in range(3)]
     streams = await asyncio.gather(*(app.play(VIDEO, H264) for app in apps))
     await asyncio.gather(*(app.pictures(stream, 30) for app, stream in zip(apps, streams, strict=True)))
     assert house.avatar.video.running_encoders == 1
@@ -71,7 +37,7 @@ async def test_three_viewers_share_one_encoder_and_a_fourth_of_another_codec_has
     assert len(numbers[0] & numbers[1] & numbers[2]) >= 20, "they see the same pictures"
     assert figures.encoded < 2 * len(numbers[0]), "and each was encoded once"
 
-    fourth = await house.viewer()
+    fourth = await house.guest()
     fourth.candidates_first = True
     last = await fourth.play(VIDEO, VP8)
     await fourth.pictures(last, 10)
@@ -96,7 +62,7 @@ async def test_three_viewers_share_one_encoder_and_a_fourth_of_another_codec_has
 async def test_a_viewer_that_stops_is_gone_soon_and_the_others_never_notice(
     house: House, ending: signal.Signals, within: float
 ) -> None:
-    staying = await house.viewer()
+    staying = await house.guest()
     stream = await staying.play(VIDEO, H264)
     watcher = await asyncio.to_thread(Watcher, house.url, "video/VP8")
     try:

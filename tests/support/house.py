@@ -1,35 +1,81 @@
-"""Gateway and avatar adapter in this process, so that a test sees what runs behind a page."""
+"""A gateway and a synthetic avatar in the process of the test, connected over real sockets."""
 
 import asyncio
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager, suppress
+from contextlib import AsyncExitStack, asynccontextmanager
 
 from openrois_avatar.adapter import Avatar, run_avatar
 from openrois_avatar.settings import AvatarSettings
+from openrois_streaming.rendition import RenditionFigures
 
 from openrois.dialer import serve_parent
 from openrois.gateway.server import Gateway, run_gateway
 from openrois.gateway.settings import GatewaySettings
+from tests.support.black_box import Application, application
 
-__all__ = ["running_avatar", "running_gateway"]
+_PATIENCE = 10.0
+
+
+class House:
+    """What runs, and who visits.
+
+    Attributes:
+        avatar: the adapter, with all that a test may want to count.
+        url: where applications connect.
+        grace: to be set when the grace of lost control connections is over.
+    """
+
+    def __init__(self, avatar: Avatar, gateway: Gateway, guests: AsyncExitStack) -> None:
+        self.avatar = avatar
+        self.url = gateway.url.replace("http", "ws", 1)
+        self.grace = asyncio.Event()
+        self._gateway = gateway
+        self._guests = guests
+        self._changed = asyncio.Event()
+        self._serving: asyncio.Task[None] | None = None
+        gateway.engine.on_change(self._changed.set)
+        avatar.host.sleep = self._wait_for_the_end_of_the_grace
+
+    async def _wait_for_the_end_of_the_grace(self, _seconds: float) -> None:
+        await self.grace.wait()
+
+    async def connect(self) -> None:
+        """Connect the adapter to the gateway."""
+        self._changed.clear()
+        self._serving = asyncio.create_task(serve_parent(self.avatar.host, f"{self.url}adapter"))
+        async with asyncio.timeout(_PATIENCE):
+            await self._changed.wait()
+
+    async def disconnect(self) -> None:
+        """Cut the control connection between adapter and gateway."""
+        assert self._serving is not None
+        self._changed.clear()
+        self._serving.cancel()
+        async with asyncio.timeout(_PATIENCE):
+            await asyncio.wait({self._serving})
+            await self._changed.wait()
+
+    async def guest(self) -> Application:
+        """One more application; it leaves when the test ends."""
+        app = await self._guests.enter_async_context(application(self.url))
+        await app.hello()
+        return app
+
+    def figures(self, codec: str) -> RenditionFigures:
+        """What the encoder of the picture in `codec` has done."""
+        return self.avatar.video.rendition(codec).figures()
 
 
 @asynccontextmanager
-async def running_gateway() -> AsyncIterator[Gateway]:
-    """A gateway on a free port."""
-    async with run_gateway(GatewaySettings(port=0)) as gateway:
-        yield gateway
-
-
-@asynccontextmanager
-async def running_avatar(gateway: Gateway) -> AsyncIterator[Avatar]:
-    """An adapter with colour bars and a tone, attached to `gateway`."""
-    url = gateway.url.replace("http", "ws", 1) + "adapter"
-    async with run_avatar(AvatarSettings(gateway=url, engine="synthetic")) as avatar:
-        serving = asyncio.create_task(serve_parent(avatar.host, url))
-        try:
-            yield avatar
-        finally:
-            serving.cancel()
-            with suppress(asyncio.CancelledError):
-                await serving
+async def house() -> AsyncIterator[House]:
+    """Run all of it for as long as the block does."""
+    async with (
+        run_gateway(GatewaySettings(port=0)) as gateway,
+        run_avatar(AvatarSettings(engine="synthetic")) as avatar,
+    ):
+        async with AsyncExitStack() as guests:
+            built = House(avatar, gateway, guests)
+            await built.connect()
+            yield built
+        await built.disconnect()
+        built.grace.set()
