@@ -1,0 +1,286 @@
+import json
+from collections.abc import AsyncIterator, Mapping
+from typing import Any
+
+import pytest
+from openrois_avatar.streams import AvatarStreams, Published
+from openrois_signaling.messages import IceServer
+from openrois_streaming import peer as peer_module
+from openrois_streaming.sessions import SESSIONS_LIMIT
+
+from openrois.contract import Client
+from openrois.errors import BadParameter, OutOfResources, RoISError, Unsupported
+from tests.support.streaming import VirtualClock, settle
+from tests.support.viewing import FedPublisher, WirelessConnection
+
+VIDEO = "avatar/VideoStreaming"
+VP8 = json.dumps({"codecs": ["video/VP8"]})
+OK = {"return_code": "OK"}
+
+
+class Stage:
+    """The streams of an avatar whose pictures are given by hand, on a clock that stands still."""
+
+    def __init__(self) -> None:
+        self.clock = VirtualClock()
+        self.publisher = FedPublisher()
+        self.streams = AvatarStreams("avatar", {VIDEO: Published(self.publisher, "video")}, self.clock)
+        self._reports = 0
+
+    async def play(self) -> None:
+        """Let frames flow to the newest viewer for half a second."""
+        for number in range(5):
+            await self.publisher.rendition("video/VP8").play(keyframe=number == 0)
+            await WirelessConnection.made[-1].take()
+            self._reports += 1
+            WirelessConnection.made[-1].report(self._reports)
+            await self.clock.advance(0.1)
+
+
+class Caller:
+    """An application, as the parent's connection brings it."""
+
+    def __init__(self, stage: Stage, client_id: str = "alice") -> None:
+        self.told: list[tuple[str, Mapping[str, Any]]] = []
+        self._streams = stage.streams
+        self._client = Client(client_id, lambda name, params: self.told.append((name, params)))
+
+    async def ask(self, method: str, **params: Any) -> dict[str, Any]:
+        return await self._streams.call(method, params, self._client)
+
+    async def connect(self, encoding: str = VP8, component_ref: str = VIDEO, **more: Any) -> str:
+        parameters = [{"name": "encoding_parameters", "data_type_ref": "String", "value": encoding}]
+        answer = await self.ask(
+            "rois.stream.connect_stream", component_ref=component_ref, parameters=parameters, **more
+        )
+        assert answer["return_code"] == "OK"
+        stream_id = answer["stream_id"]
+        assert isinstance(stream_id, str)
+        return stream_id
+
+    async def answer(self) -> Mapping[str, Any]:
+        """Answer the newest offer and let the connection come up; returns the offer."""
+        await settle()
+        offer = self.all("signaling.offer")[-1]
+        about = {"peer_id": offer["peer_id"], "generation": offer["generation"]}
+        assert await self.ask("signaling.answer", **about, sdp="answer") == OK
+        WirelessConnection.made[-1].answers_questions = True
+        WirelessConnection.made[-1].become("connected")
+        await settle()
+        return offer
+
+    def all(self, method: str) -> list[Mapping[str, Any]]:
+        return [params for name, params in self.told if name == method]
+
+    def statuses(self) -> list[str]:
+        return [params["status"] for params in self.all("rois.stream.notify_stream_status")]
+
+
+@pytest.fixture
+async def stage(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Stage]:
+    monkeypatch.setattr(peer_module, "BundledConnection", WirelessConnection)
+    WirelessConnection.made = []
+    stage = Stage()
+    async with stage.streams.sessions:
+        yield stage
+    assert all(connection.closed for connection in WirelessConnection.made)
+
+
+@pytest.fixture
+def alice(stage: Stage) -> Caller:
+    return Caller(stage)
+
+
+async def test_a_stream_is_offered_after_the_reply_and_named_in_the_terms_of_the_wire(alice: Caller) -> None:
+    stream_id = await alice.connect()
+    assert stream_id.startswith("avatar/")
+    assert alice.told == []
+    await settle()
+    [offer] = alice.all("signaling.offer")
+    section = {"mid": "0", "stream_id": stream_id, "component_ref": VIDEO, "kind": "video", "direction": "recvonly"}
+    assert offer == {"peer_id": offer["peer_id"], "generation": 1, "sdp": "offer 1", "streams": [section]}
+    assert offer["peer_id"].startswith("avatar/")
+    status = await alice.ask("rois.stream.query_stream_status", stream_id=stream_id)
+    assert status == {**OK, "status": "STREAMING_NOT_CONNECTED"}
+
+
+async def test_every_change_is_told_with_the_names_of_rois(stage: Stage, alice: Caller) -> None:
+    stream_id = await alice.connect()
+    await alice.answer()
+    await stage.play()
+    about = {"stream_id": stream_id}
+    assert await alice.ask("rois.stream.suspend_stream", **about) == OK
+    assert alice.statuses() == ["STREAMING_NOT_RUNNING", "STREAMING_RUNNING"]
+    await settle()
+    suspended = await alice.ask("rois.stream.query_stream_status", **about)
+    assert suspended == {**OK, "status": "STREAMING_SUSPENDED"}
+    assert await alice.ask("rois.stream.resume_stream", **about) == OK
+    await stage.play()
+    assert await alice.ask("rois.stream.disconnect_stream", **about) == OK
+    await settle()
+    assert alice.statuses() == [
+        "STREAMING_NOT_RUNNING",
+        "STREAMING_RUNNING",
+        "STREAMING_SUSPENDED",
+        "STREAMING_RESUMED",
+        "STREAMING_RUNNING",
+        "STREAMING_NOT_CONNECTED",
+    ]
+    for notice in alice.all("rois.stream.notify_stream_status"):
+        assert notice == {**about, "component_ref": VIDEO, "status": notice["status"], "timestamp": notice["timestamp"]}
+        assert notice["timestamp"].startswith("2027-01-15T08:00:")
+
+
+async def test_a_restart_is_an_offer_that_replaces(alice: Caller) -> None:
+    await alice.connect()
+    old = await alice.answer()
+    assert await alice.ask("signaling.restart", peer_id=old["peer_id"]) == OK
+    await settle()
+    assert alice.all("signaling.offer")[-1]["replaces"] == old["peer_id"]
+
+
+async def test_candidates_and_answers_reach_their_peer_connection_and_old_ones_are_dropped(alice: Caller) -> None:
+    await alice.connect()
+    offer = await alice.answer()
+    about = {"peer_id": offer["peer_id"], "generation": 1}
+    assert await alice.ask("signaling.candidate", **about, candidate="candidate:1", sdp_mid="0") == OK
+    assert WirelessConnection.made[0].candidates == ["candidate:1"]
+    assert await alice.ask("signaling.answer", **about, sdp="answer") == OK
+    with pytest.raises(BadParameter):
+        await alice.ask("signaling.candidate", **about, candidate="garbage", sdp_mid="0")
+
+
+async def test_an_answer_that_cannot_be_used_is_refused_and_ends_the_stream(alice: Caller) -> None:
+    await alice.connect()
+    await settle()
+    [offer] = alice.all("signaling.offer")
+    with pytest.raises(BadParameter):
+        await alice.ask("signaling.answer", peer_id=offer["peer_id"], generation=1, sdp="garbage")
+    await settle()
+    [bye] = alice.all("signaling.bye")
+    assert bye == {"peer_id": offer["peer_id"], "reason": bye["reason"]}
+
+
+async def test_ice_servers_of_the_gateway_are_used(alice: Caller) -> None:
+    await alice.connect(ice_servers=[{"urls": ["stun:192.0.2.1:3478"]}])
+    assert list(WirelessConnection.made[0].ice_servers) == [IceServer(urls=("stun:192.0.2.1:3478",))]
+
+
+@pytest.mark.parametrize(
+    ("encoding", "refusal"),
+    [
+        ("H264", BadParameter),
+        ("null", BadParameter),
+        ("[" * 20_000, BadParameter),
+        ('{"codecs": "video/H264"}', BadParameter),
+        ('{"codecs": [1]}', BadParameter),
+        (json.dumps({"codecs": ["x"] * 33}), BadParameter),
+        ('{"codecs": []}', Unsupported),
+        ('{"codecs": ["video/AV1"]}', Unsupported),
+    ],
+)
+async def test_an_encoding_that_cannot_be_is_refused(alice: Caller, encoding: str, refusal: type[RoISError]) -> None:
+    with pytest.raises(refusal):
+        await alice.connect(encoding)
+    assert WirelessConnection.made == []
+
+
+@pytest.mark.parametrize("encoding", ["", "{}", '{"codecs": null, "bitrate": 1}'])
+async def test_without_a_list_of_codecs_all_are_offered(alice: Caller, encoding: str) -> None:
+    assert await alice.connect(encoding)
+
+
+@pytest.mark.parametrize(
+    ("transport", "refusal"),
+    [('{"direction": "sendonly"}', Unsupported), ('{"direction": 1}', BadParameter), ("recvonly", BadParameter)],
+)
+async def test_only_streams_towards_the_application_are_served(
+    alice: Caller, transport: str, refusal: type[RoISError]
+) -> None:
+    parameter = {"name": "transport_parameters", "data_type_ref": "String", "value": transport}
+    with pytest.raises(refusal):
+        await alice.ask("rois.stream.connect_stream", component_ref=VIDEO, parameters=[parameter])
+
+
+async def test_what_is_not_there_is_not_supported(alice: Caller) -> None:
+    await alice.connect()
+    for method, params in (
+        ("rois.stream.connect_stream", {"component_ref": "avatar/SpeechSynthesis"}),
+        ("rois.stream.suspend_stream", {"stream_id": "avatar/1"}),
+        ("rois.stream.rewind_stream", {"stream_id": "avatar/1"}),
+        ("signaling.restart", {"peer_id": "avatar/1"}),
+    ):
+        with pytest.raises(Unsupported):
+            await alice.ask(method, **params)
+
+
+@pytest.mark.parametrize(
+    ("method", "params"),
+    [
+        ("rois.stream.connect_stream", {"component_ref": VIDEO, "codec": "H264"}),
+        ("rois.stream.suspend_stream", {}),
+        ("signaling.answer", {"peer_id": "avatar/1", "generation": 0, "sdp": "answer"}),
+    ],
+)
+async def test_params_that_do_not_fit_are_refused(alice: Caller, method: str, params: dict[str, Any]) -> None:
+    with pytest.raises(BadParameter):
+        await alice.ask(method, **params)
+
+
+async def test_nobody_reaches_what_another_has(stage: Stage, alice: Caller) -> None:
+    stream_id = await alice.connect()
+    offer = await alice.answer()
+    mallory = Caller(stage, "mallory")
+    await mallory.connect()
+    about = {"peer_id": offer["peer_id"], "generation": 1}
+    for verb in ("suspend_stream", "resume_stream", "disconnect_stream", "query_stream_status"):
+        with pytest.raises(Unsupported):
+            await mallory.ask(f"rois.stream.{verb}", stream_id=stream_id)
+    for method, params in (
+        ("signaling.answer", {**about, "sdp": "answer"}),
+        ("signaling.candidate", {**about, "candidate": "candidate:1", "sdp_mid": "0"}),
+        ("signaling.restart", {"peer_id": offer["peer_id"]}),
+    ):
+        with pytest.raises(Unsupported):
+            await mallory.ask(method, **params)
+
+
+async def test_the_number_of_applications_and_sections_is_bounded(stage: Stage, alice: Caller) -> None:
+    await alice.connect()
+    WirelessConnection.made[0].room = 1
+    with pytest.raises(OutOfResources):
+        await alice.connect()
+    for number in range(SESSIONS_LIMIT - 1):
+        await Caller(stage, f"client {number}").connect()
+    with pytest.raises(OutOfResources):
+        await Caller(stage, "one too many").connect()
+
+
+async def test_an_application_that_is_gone_is_forgotten_with_all_it_had(stage: Stage, alice: Caller) -> None:
+    await alice.connect()
+    await alice.answer()
+    await stage.streams.forget("alice")
+    await stage.streams.forget("alice")
+    await stage.streams.forget("somebody else")
+    assert alice.all("signaling.bye")
+    assert len(stage.streams.sessions) == 0
+
+
+async def test_over_a_new_connection_an_application_starts_anew_and_the_old_session_is_forgotten_first(
+    stage: Stage, alice: Caller
+) -> None:
+    old = await alice.connect()
+    await alice.answer()
+    later = Caller(stage)
+    with pytest.raises(Unsupported):
+        await later.ask("rois.stream.suspend_stream", stream_id=old)
+    new = await later.connect()
+    offer = await later.answer()
+    assert [section["stream_id"] for section in offer["streams"]] == [new]
+
+    await stage.streams.forget("alice")
+    assert WirelessConnection.made[0].closed
+    assert not WirelessConnection.made[1].closed
+    assert await later.ask("rois.stream.suspend_stream", stream_id=new) == OK
+    await stage.streams.forget("alice")
+    assert len(stage.streams.sessions) == 0
