@@ -13,7 +13,6 @@ import ipaddress
 import logging
 import secrets
 import socket
-import tempfile
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 from pathlib import Path
@@ -26,6 +25,7 @@ from openrois_avatar.link.address import Address, TcpAddress, UnixAddress, parse
 from openrois_avatar.link.connection import FAREWELL_TIMEOUT, EngineConnection, Receivers
 from openrois_avatar.link.inlet import EngineVideo
 from openrois_avatar.link.messages import Event, LinkError
+from openrois_avatar.link.private import private_path
 
 GREETING_TIMEOUT: Final = 5.0
 """Seconds from the connection to its HELLO."""
@@ -84,8 +84,8 @@ class LinkServer:
         clock = clock or SystemClock()
         receivers = Receivers(clock, EngineVideo(clock), on_audio, on_event)
         server = cls(secret or secrets.token_urlsafe(32), receivers, greeting_timeout)
-        with tempfile.TemporaryDirectory(prefix="openrois-", ignore_cleanup_errors=True) as private:
-            place = parse_address(address or f"unix:{Path(private, 'engine')}")
+        with private_path() as private:
+            place = parse_address(address or f"unix:{private}")
             with _listen(place) as listener:
                 server.address = _address_of(place, listener)
                 accepting = asyncio.create_task(server._accept_all(listener), name="engine link")
