@@ -1,0 +1,50 @@
+"""What a gateway can be told, and what is refused in a sentence."""
+
+from typing import Any
+
+import pytest
+
+from openrois.gateway.loopback import is_loopback
+from openrois.gateway.settings import GatewaySettings
+
+
+@pytest.mark.parametrize("host", ["localhost", "127.0.0.1", "127.9.8.7", "::1"])
+def test_this_machine(host: str) -> None:
+    assert is_loopback(host)
+    assert GatewaySettings(host=host).host == host
+
+
+@pytest.mark.parametrize(
+    "host", ["", "0.0.0.0", "::", "192.168.0.1", "example.org", "localhost.example.org", "127.1", "127.0.0.1.nip.io"]
+)
+def test_not_this_machine(host: str) -> None:
+    assert not is_loopback(host)
+    with pytest.raises(ValueError, match="loopback"):
+        GatewaySettings(host=host)
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"port": -1}, "TCP port"),
+        ({"port": 65536}, "TCP port"),
+        ({"engine_id": ""}, "engine id"),
+        ({"engine_id": "a/b"}, "engine id"),
+        ({"ice_servers": ("stun.example.org",)}, "STUN"),
+        ({"ice_servers": ("turn:x",)}, "STUN"),
+        ({"ice_servers": ("stun:" + "x" * 512,)}, "STUN"),
+        ({"adapter_timeout": 0}, "seconds"),
+        ({"adapter_timeout": float("nan")}, "seconds"),
+        ({"adapter_timeout": float("inf")}, "seconds"),
+    ],
+)
+def test_what_is_refused(settings: dict[str, Any], words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        GatewaySettings(**settings)
+
+
+def test_what_is_fine() -> None:
+    settings = GatewaySettings(
+        port=0, engine_id="fleet", ice_servers=("stun:stun.example.org:3478",), adapter_timeout=1
+    )
+    assert settings.port == 0

@@ -1,0 +1,96 @@
+"""Dialling a gateway, again and again, on a clock that the test turns."""
+
+import asyncio
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+import pytest
+from websockets.asyncio.server import ServerConnection, serve
+from websockets.exceptions import InvalidURI
+
+from openrois.application import EngineHost
+from openrois.dialer import serve_parent
+from openrois.engine import Engine
+from tests.support.wire import hosted
+
+
+class Time:
+    """Delays are noted and pass at once, until there were `enough` of them."""
+
+    def __init__(self, enough: int) -> None:
+        self.now = 0.0
+        self.delays: list[float] = []
+        self.enough = asyncio.Event()
+        self._count = enough
+
+    async def sleep(self, seconds: float) -> None:
+        self.delays.append(seconds)
+        self.now += seconds
+        if len(self.delays) >= self._count:
+            self.enough.set()
+            await asyncio.Event().wait()
+        await asyncio.sleep(0)
+
+    def clock(self) -> float:
+        return self.now
+
+
+@asynccontextmanager
+async def dialling(host: EngineHost, url: str, time: Time) -> AsyncIterator[None]:
+    running = asyncio.ensure_future(serve_parent(host, url, sleep=time.sleep, clock=time.clock))
+    try:
+        async with asyncio.timeout(5):
+            await time.enough.wait()
+        yield
+    finally:
+        running.cancel()
+        await asyncio.wait({running})
+
+
+@pytest.fixture
+async def host() -> AsyncIterator[EngineHost]:
+    async with hosted(Engine("robot")) as made:
+        yield made
+
+
+async def test_nobody_listens(host: EngineHost) -> None:
+    async def never(_far: ServerConnection) -> None:
+        raise AssertionError
+
+    async with serve(never, "127.0.0.1", 0) as server:
+        port = server.sockets[0].getsockname()[1]
+    time = Time(enough=4)
+    async with dialling(host, f"ws://127.0.0.1:{port}/adapter", time):
+        assert time.delays == [1, 1.5, 2.25, 3.375]
+
+
+async def test_something_else_listens(host: EngineHost) -> None:
+    async def not_a_websocket(_reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        writer.write(b"nonsense\r\n\r\n")
+        writer.close()
+
+    async with await asyncio.start_server(not_a_websocket, "127.0.0.1", 0) as server:
+        time = Time(enough=2)
+        async with dialling(host, f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}/adapter", time):
+            assert time.delays == [1, 1.5]
+
+
+async def test_a_refusal_counts_as_a_failure_and_a_lasting_connection_as_success(host: EngineHost) -> None:
+    time = Time(enough=4)
+    lasts = iter([0, 0, 10, 0])
+
+    async def refuse(far: ServerConnection) -> None:
+        await far.send('{"jsonrpc":"2.0","id":1,"method":"rois.system.connect"}')
+        await far.recv()
+        time.now += next(lasts)
+        await far.close(1008, "no")
+
+    async with serve(refuse, "127.0.0.1", 0) as server:
+        url = f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}/adapter"
+        async with dialling(host, url, time):
+            assert time.delays == [1, 1.5, 1, 1.5]
+
+
+async def test_an_address_that_is_none_is_a_mistake(host: EngineHost) -> None:
+    with pytest.raises(InvalidURI):
+        await serve_parent(host, "http://127.0.0.1/adapter")

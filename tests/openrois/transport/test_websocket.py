@@ -1,0 +1,110 @@
+"""The dialling side, against a plain WebSocket server."""
+
+import asyncio
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager
+
+import pytest
+from websockets.asyncio.server import ServerConnection, serve
+from websockets.exceptions import InvalidHandshake, InvalidURI
+
+from openrois.transport.stream import StreamClosed
+from openrois.transport.websocket import dial
+
+
+@asynccontextmanager
+async def serving(handle: Callable[[ServerConnection], Awaitable[None]]) -> AsyncIterator[str]:
+    async with serve(handle, "127.0.0.1", 0, close_timeout=1) as server:
+        yield f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}/"
+
+
+async def echo(far: ServerConnection) -> None:
+    async for message in far:
+        await far.send(message)
+
+
+async def test_messages_there_and_back() -> None:
+    async with serving(echo) as url, dial(url) as near:
+        for text in ("a", "日本", "x" * 1_000_000):
+            await near.send(text)
+            assert await near.receive() == text
+
+
+async def test_the_other_side_closes() -> None:
+    async def refuse(far: ServerConnection) -> None:
+        await far.close(1008, "no")
+
+    async with serving(refuse) as url, dial(url) as near:
+        with pytest.raises(StreamClosed) as raised:
+            await near.receive()
+        assert (raised.value.code, raised.value.reason) == (1008, "no")
+        with pytest.raises(StreamClosed):
+            await near.send("x")
+
+
+async def test_the_other_side_breaks_off() -> None:
+    async def break_off(far: ServerConnection) -> None:
+        far.transport.abort()
+
+    async with serving(break_off) as url, dial(url) as near:
+        with pytest.raises(StreamClosed) as raised:
+            await near.receive()
+        assert raised.value.code == 1006
+
+
+async def test_we_close_with_a_reason_that_fits() -> None:
+    closed: asyncio.Future[tuple[int | None, str | None]] = asyncio.get_running_loop().create_future()
+
+    async def wait(far: ServerConnection) -> None:
+        await far.wait_closed()
+        closed.set_result((far.close_code, far.close_reason))
+
+    async with serving(wait) as url, dial(url) as near:
+        await near.close(1001, "日" * 100)
+        assert await closed == (1001, "日" * 41)
+
+
+async def test_we_break_off() -> None:
+    closed: asyncio.Future[int | None] = asyncio.get_running_loop().create_future()
+
+    async def wait(far: ServerConnection) -> None:
+        await far.wait_closed()
+        closed.set_result(far.close_code)
+
+    async with serving(wait) as url, dial(url) as near:
+        near.abort()
+        assert await closed == 1006
+        with pytest.raises(StreamClosed):
+            await near.receive()
+
+
+async def test_binary_messages_are_refused() -> None:
+    async def binary(far: ServerConnection) -> None:
+        await far.send(b"x")
+        await far.wait_closed()
+
+    async with serving(binary) as url, dial(url) as near:
+        with pytest.raises(StreamClosed) as raised:
+            await near.receive()
+        assert raised.value.code == 1003
+
+
+async def test_what_cannot_be_dialled() -> None:
+    async with serving(echo) as url:
+        free = url
+    with pytest.raises(OSError):
+        async with dial(free):
+            raise AssertionError("nothing listens here")
+    with pytest.raises(InvalidURI):
+        async with dial("http://127.0.0.1:1/"):
+            raise AssertionError("no WebSocket address")
+
+    async def not_http(_reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        writer.write(b"HTTP/1.1 200 OK\r\nContent-Length: 0\r\n\r\n")
+        writer.close()
+
+    async with await asyncio.start_server(not_http, "127.0.0.1", 0) as server:
+        port = server.sockets[0].getsockname()[1]
+        with pytest.raises(InvalidHandshake):
+            async with dial(f"ws://127.0.0.1:{port}/"):
+                raise AssertionError("no WebSocket server")
