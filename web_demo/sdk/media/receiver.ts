@@ -125,10 +125,12 @@ export class MediaReceiver {
   #relocate(stream: RemoteStream): void {
     const { streamId } = stream;
     if (streamId !== null) {
-      for (const { peer, leaving } of this.#peers.values()) {
-        const receiver = peer.receiver(streamId);
-        if (receiver && !leaving) stream.arrival.attach({ peer, receiver });
-      }
+      const carriers = [...this.#peers.values()].map(({ peer }) => ({
+        peer,
+        receiver: peer.receiver(streamId),
+      }));
+      const newest = carriers.findLast(({ receiver }) => receiver !== undefined);
+      if (newest?.receiver) stream.arrival.attach({ peer: newest.peer, receiver: newest.receiver });
     }
     this.#closeEmptyPeers();
     this.#scheduleTick();

@@ -276,6 +276,15 @@ describe("suspend, resume, disconnect", () => {
     expect(gateway.called("rois.stream.suspend_stream").at(-1)).toEqual({ stream_id: "avatar/s2" });
   });
 
+  it("are not sent twice", async () => {
+    const connecting = video.connect();
+    video.retryNow();
+    void video.connect();
+    await connecting;
+    await pass(0);
+    expect(gateway.called("rois.stream.connect_stream")).toHaveLength(1);
+  });
+
   it("may change their mind while a verb is under way", async () => {
     const connecting = video.connect();
     void video.disconnect();
@@ -318,6 +327,9 @@ describe("recovery", () => {
     expect(video).toMatchObject({ streamId: null, status: null });
     expect(video.track).not.toBeNull();
     await flow(1000, old);
+    const candidates = gateway.called("signaling.candidate").length;
+    old?.onicecandidate?.({ candidate: { candidate: "late" } });
+    expect(gateway.called("signaling.candidate")).toHaveLength(candidates);
     offer("p2", 1, [["0", video]]);
     await pass(500);
     expect(tracks).toEqual([]);
@@ -343,6 +355,25 @@ describe("recovery", () => {
     expect(video.streamId).toBe("avatar/s1");
     gateway.notify("signaling.bye", { peer_id: "p1", reason: "replaced" });
     expect(video.streamId).toBe("avatar/s1");
+  });
+
+  it("keeps a stream whose old peer ends before the new one has a frame", async () => {
+    await running();
+    await pass(5000);
+    offer("p2", 1, [["0", video]], { replaces: "p1" });
+    await pass(1);
+    gateway.notify("signaling.bye", { peer_id: "p1", reason: "replaced" });
+    expect(video.streamId).toBe("avatar/s1");
+    expect(video.track).toBe(peer().receivers.get("0")?.track);
+  });
+
+  it("says so when frames came before the engine was restarted, and none come now", async () => {
+    await running();
+    status(video, "STREAMING_NOT_CONNECTED");
+    await pass(500);
+    offer("p2", 1, [["0", video]]);
+    await pass(12_000);
+    expect(video.problem?.kind).toBe("no-media");
   });
 
   it("moves a suspended stream when the new path stands", async () => {
