@@ -1,16 +1,14 @@
 """The avatar of `openrois demo` lives: it moves, speaks with its mouth, reacts, looks, and stops when it is told to."""
 
 import re
-from collections.abc import AsyncIterator, Iterator
 from statistics import mean
 from typing import Final
 
 import pytest
-import pytest_asyncio
 from playwright.async_api import Browser, expect
 
-from tests.support.browser import Visit, visiting
-from tests.support.demo import Demo, running_demo
+from tests.support.browser import Visit, meet, visiting
+from tests.support.demo import Demo
 
 pytestmark = [
     pytest.mark.browser,
@@ -18,6 +16,8 @@ pytestmark = [
     pytest.mark.timeout(90),
     pytest.mark.asyncio(loop_scope="session"),
 ]
+
+ENGINE: Final = "panda3d"
 
 _PICTURE: Final = (0.0, 0.0, 1.0, 0.94)
 _MOUTH: Final = (0.44, 0.44, 0.15, 0.14)
@@ -34,129 +34,109 @@ _SAYING: Final = "document.querySelector('[data-testid=say-state]').dataset.stat
 _LOUD: Final = 0.02
 
 
-@pytest.fixture(scope="module")
-def avatar(panda3d: None, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Demo]:
-    """A demo with the avatar that a person sees first, for the tests of this module."""
-    with running_demo(tmp_path_factory.mktemp("avatar"), "panda3d") as running:
-        yield running
-        assert "Traceback" not in running.log(), running.log()
+async def _say(guest: Visit, text: str) -> None:
+    await guest.item("say-text").fill(text)
+    await guest.item("say-text").press("Enter")
 
 
-@pytest_asyncio.fixture(loop_scope="session")
-async def visit(browser: Browser, avatar: Demo) -> AsyncIterator[Visit]:
-    async with visiting(browser, avatar.page) as visit:
-        await _meet(visit)
-        yield visit
-
-
-async def _meet(visit: Visit) -> None:
-    await visit.plays()
-    await expect(visit.item("say-text")).to_be_enabled()
-
-
-async def _say(visit: Visit, text: str) -> None:
-    await visit.item("say-text").fill(text)
-    await visit.item("say-text").press("Enter")
-
-
-async def _aloud(visit: Visit) -> None:
+async def _aloud(guest: Visit) -> None:
     """Wait until a voice is heard that was not heard before."""
-    now = await visit.read("performance.now()")
-    await visit.until(f"probe.sound.some(({{ at, rms }}) => at > {now} && rms > {_LOUD})")
+    now = await guest.read("performance.now()")
+    await guest.until(f"probe.sound.some(({{ at, rms }}) => at > {now} && rms > {_LOUD})")
 
 
-async def test_it_is_alive_without_being_asked(visit: Visit) -> None:
-    await visit.watch("picture", *_PICTURE)
-    assert await visit.until(f"probe.watched.picture.filter(({{ away }}) => away > {_ALIVE}).length > 10")
-    await visit.no_banner()
+async def test_it_is_alive_without_being_asked(guest: Visit) -> None:
+    await guest.watch("picture", *_PICTURE)
+    assert await guest.until(f"probe.watched.picture.filter(({{ away }}) => away > {_ALIVE}).length > 10")
+    await guest.no_banner()
 
 
-async def test_it_speaks_a_sentence_and_its_mouth_moves_with_the_sound(visit: Visit) -> None:
-    await visit.listen()
-    await visit.watch("mouth", *_MOUTH)
-    await visit.plays(30)
-    began = await visit.read("performance.now()")
-    await _say(visit, _SENTENCE)
-    await _aloud(visit)
-    await visit.until(f"{_SAYING} === 'done'")
-    ended = await visit.read("performance.now()")
-    await expect(visit.item("say-state")).to_have_text(re.compile(r"^Completed OK after [2-5]\.\d s$"))
-    assert await visit.outcome(_VOICE, "start") == "OK"
+async def test_it_speaks_a_sentence_and_its_mouth_moves_with_the_sound(guest: Visit) -> None:
+    await guest.listen()
+    await guest.watch("mouth", *_MOUTH)
+    await guest.plays(30)
+    began = await guest.read("performance.now()")
+    await _say(guest, _SENTENCE)
+    await _aloud(guest)
+    await guest.until(f"{_SAYING} === 'done'")
+    ended = await guest.read("performance.now()")
+    await expect(guest.item("say-state")).to_have_text(re.compile(r"^Completed OK after [2-5]\.\d s$"))
+    assert await guest.outcome(_VOICE, "start") == "OK"
 
-    mouth = await visit.seen("mouth")
+    mouth = await guest.seen("mouth")
     still = mean(each["step"] for each in mouth if each["at"] < began)
     speaking = mean(each["step"] for each in mouth if began < each["at"] < ended)
     assert speaking > 2 * still, (speaking, still)
-    sound = await visit.read("probe.sound")
+    sound = await guest.read("probe.sound")
     assert not any(each["rms"] > _LOUD for each in sound if each["at"] < began)
     heard = [each["at"] for each in sound if began < each["at"] and each["rms"] > _LOUD]
     assert 1500 < heard[-1] - heard[0] < 5000
 
 
-async def test_it_stops_in_the_middle_of_a_word(visit: Visit) -> None:
-    await visit.listen()
-    await _say(visit, _STORY)
-    await _aloud(visit)
-    await visit.press("say-stop")
-    await visit.until(f"{_SAYING} === 'stopped'", within=2)
-    assert await visit.outcome(_VOICE, "start") == "ABORT"
-    await visit.until("probe.sound.slice(-20).every(({ rms }) => rms < 0.001)", within=2)
+async def test_it_stops_in_the_middle_of_a_word(guest: Visit) -> None:
+    await guest.listen()
+    await _say(guest, _STORY)
+    await _aloud(guest)
+    await guest.press("say-stop")
+    await guest.until(f"{_SAYING} === 'stopped'", within=2)
+    assert await guest.outcome(_VOICE, "start") == "ABORT"
+    await guest.until("probe.sound.slice(-20).every(({ rms }) => rms < 0.001)", within=2)
 
 
-async def test_a_second_sentence_cuts_the_first_one_short(visit: Visit) -> None:
-    await visit.listen()
-    await _say(visit, _STORY)
-    await _aloud(visit)
-    await _say(visit, "Never mind.")
-    await visit.until(f"{_SAYING} === 'done'")
-    statuses = [each["status"] for each in visit.told("rois.command.completed")]
+async def test_a_second_sentence_cuts_the_first_one_short(guest: Visit) -> None:
+    await guest.listen()
+    await _say(guest, _STORY)
+    await _aloud(guest)
+    await _say(guest, "Never mind.")
+    await guest.until(f"{_SAYING} === 'done'")
+    statuses = [each["status"] for each in guest.told("rois.command.completed")]
     assert statuses == ["OK", "OK", "ABORT", "OK"]  # set_parameter and start, twice
 
 
-async def test_two_people_cannot_speak_through_it_at_once(browser: Browser, avatar: Demo, visit: Visit) -> None:
+async def test_two_people_cannot_speak_through_it_at_once(browser: Browser, avatar: Demo, guest: Visit) -> None:
     async with visiting(browser, avatar.page) as other:
-        await _meet(other)
-        await _say(visit, _STORY)
-        await visit.until(f"{_SAYING} === 'speaking'")
+        await meet(other)
+        await _say(guest, _STORY)
+        await guest.until(f"{_SAYING} === 'speaking'")
         await _say(other, "And now me!")
         await expect(other.item("say-state")).to_have_text(re.compile("^Somebody else is speaking"))
-        assert await visit.read(_SAYING) == "speaking"
-        await visit.press("say-stop")
-        await visit.until(f"{_SAYING} === 'stopped'")
+        assert await guest.read(_SAYING) == "speaking"
+        await guest.press("say-stop")
+        await guest.until(f"{_SAYING} === 'stopped'")
 
 
-async def test_every_reaction_is_seen_and_completed(visit: Visit) -> None:
-    buttons = visit.page.locator("button.reaction")
+async def test_every_reaction_is_seen_and_completed(guest: Visit) -> None:
+    buttons = guest.page.locator("button.reaction")
     await expect(buttons).to_have_count(12)
     for number in range(12):
-        await visit.watch("picture", *_PICTURE)
+        await guest.watch("picture", *_PICTURE)
         await buttons.nth(number).click()
         name = await buttons.nth(number).locator("span").inner_text()
-        await expect(visit.item("reaction-state")).to_have_text(
+        await expect(guest.item("reaction-state")).to_have_text(
             re.compile(rf"^{name}: completed OK after \d\.\d s$"), timeout=15_000
         )
-        assert max(each["away"] for each in await visit.seen("picture")) > _MOVED, name
-        assert await visit.outcome("avatar/Reaction", "start") == "OK"
+        assert max(each["away"] for each in await guest.seen("picture")) > _MOVED, name
+        assert await guest.outcome("avatar/Reaction", "start") == "OK"
 
 
-async def test_it_looks_where_the_picture_is_clicked(visit: Visit) -> None:
-    stage = visit.item("stage")
+async def test_it_looks_where_the_picture_is_clicked(guest: Visit) -> None:
+    stage = guest.item("stage")
     box = await stage.bounding_box()
     assert box is not None
-    await visit.watch("eyes", *_EYES)
+    await guest.watch("eyes", *_EYES)
     await stage.click(position={"x": box["width"] * 0.9, "y": box["height"] * 0.5})
-    assert await visit.outcome("avatar/Gaze", "look") == "OK"
-    assert await visit.until(f"probe.watched.eyes.filter(({{ away }}) => away > {_MOVED}).length > 10")
+    assert await guest.outcome("avatar/Gaze", "look") == "OK"
+    assert await guest.until(f"probe.watched.eyes.filter(({{ away }}) => away > {_MOVED}).length > 10")
 
 
-async def test_a_crashed_game_engine_leaves_its_picture_and_comes_back(visit: Visit, avatar: Demo) -> None:
-    await visit.status("video", "RUNNING")
-    stream_id = await visit.stream_id("video")
-    async with visit.watched() as seen:
+async def test_a_crashed_game_engine_leaves_its_picture_and_comes_back(guest: Visit, avatar: Demo) -> None:
+    await guest.status("video", "RUNNING")
+    stream_id = await guest.stream_id("video")
+    async with guest.watched() as seen:
         avatar.program("openrois_avatar.engines.panda3d").kill()
-        await visit.status("video", "NOT_RUNNING")
-        await visit.status("video", "RUNNING")
-        await visit.plays()
+        await guest.status("video", "NOT_RUNNING")
+        await guest.status("video", "RUNNING")
+        await guest.plays()
     assert not any(each.black for each in seen), seen
-    assert await visit.stream_id("video") == stream_id
-    await expect(visit.page.locator("button.reaction").first).to_be_enabled(timeout=15_000)
+    assert await guest.stream_id("video") == stream_id
+    await expect(guest.page.locator("button.reaction").first).to_be_enabled(timeout=15_000)

@@ -12,7 +12,7 @@ from playwright.async_api import Browser
 from openrois.gateway.server import Gateway
 from tests.support.black_box import H264, VIDEO, application
 from tests.support.browser import visiting
-from tests.support.house import running_avatar, running_gateway
+from tests.support.premises import running_avatar, running_gateway
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(60), pytest.mark.asyncio(loop_scope="session")]
 

@@ -10,7 +10,7 @@ from playwright.async_api import Browser
 
 from openrois.gateway.server import Gateway
 from tests.support.browser import GATEWAY_AWAY, running_browser, visiting
-from tests.support.house import running_avatar, running_gateway
+from tests.support.premises import running_avatar, running_gateway
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(60), pytest.mark.asyncio(loop_scope="session")]
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from playwright.async_api import Browser, ConsoleMessage, Error, Locator, Page, WebSocket, async_playwright, expect
 
-__all__ = ["GATEWAY_AWAY", "Seen", "Visit", "running_browser", "visiting"]
+__all__ = ["GATEWAY_AWAY", "Seen", "Visit", "meet", "running_browser", "visiting"]
 
 Message = dict[str, Any]
 
@@ -205,6 +205,13 @@ class Visit:
         """Take a complaint, unless it is tolerated."""
         if not any(re.search(pattern, text) for pattern in self.tolerated):
             self.complaints.append(text)
+
+
+async def meet(visit: Visit) -> None:
+    """Wait until the avatar is seen and can be operated."""
+    await visit.plays()
+    await expect(visit.item("say-text")).to_be_enabled(timeout=PATIENCE * 1000)
+    await expect(visit.page.locator("button.reaction").first).to_be_enabled(timeout=PATIENCE * 1000)
 
 
 @asynccontextmanager

@@ -1,0 +1,119 @@
+"""The page as such: with the keyboard alone, on a small screen, in light and dark, and for eyes that need contrast."""
+
+from pathlib import Path
+from typing import Final
+
+import pytest
+from playwright.async_api import Browser, Page, expect
+
+from tests.support.browser import Visit, meet, visiting
+from tests.support.demo import Demo
+
+pytestmark = [
+    pytest.mark.browser,
+    pytest.mark.engine,
+    pytest.mark.timeout(60),
+    pytest.mark.asyncio(loop_scope="session"),
+]
+
+ENGINE: Final = "panda3d"
+
+_CONTRAST: Final = Path(__file__).with_name("contrast.js")
+_READABLE: Final = 4.5
+_FOCUS: Final = """(() => {
+    const { dataset, className } = document.activeElement;
+    const { outlineStyle, outlineWidth } = getComputedStyle(document.activeElement);
+    const shown = outlineStyle !== "none" && parseFloat(outlineWidth) >= 2;
+    return { name: dataset.testid ?? dataset.role ?? className, shown };
+})()"""
+_BEYOND: Final = """[...document.querySelectorAll("body *")].filter((each) =>
+    each.checkVisibility() && each.getBoundingClientRect().right > innerWidth + 0.5
+).map(({ outerHTML }) => outerHTML.slice(0, 100))"""
+
+
+async def _tab(page: Page, count: int) -> list[str]:
+    """Press Tab so many times; returns where the focus went, and sees to it that it can be seen there."""
+    stops = []
+    for _ in range(count):
+        await page.keyboard.press("Tab")
+        focus = await page.evaluate(_FOCUS)
+        assert focus["shown"], focus
+        stops.append(focus["name"])
+    return stops
+
+
+async def test_the_tab_key_goes_everywhere_in_the_order_in_which_one_reads(guest: Visit) -> None:
+    buttons = guest.page.locator("button.reaction")
+    reactions = await buttons.evaluate_all("all => all.map((each) => each.dataset.testid)")
+    assert len(reactions) >= 10
+    sound = "sound-on" if await guest.item("sound-on").is_visible() else "sound-off"
+    order = [
+        *("skip", "help-open", "theme-toggle", "stage", sound, "fullscreen"),
+        *("say-text", "say-language", "say-send"),
+        *reactions,
+        *("video-suspend", "video-disconnect", "audio-suspend", "audio-disconnect"),
+        *("log-filter", "log-pause", "log-clear", "log"),
+    ]
+    assert await _tab(guest.page, len(order)) == order
+
+
+async def test_all_is_done_without_a_mouse(guest: Visit) -> None:
+    keyboard = guest.page.keyboard
+    await keyboard.press("Tab")
+    await keyboard.press("Enter")  # the first stop skips to the text
+    await expect(guest.item("say-text")).to_be_focused()
+    await keyboard.type("Hello.")
+    await keyboard.press("Enter")
+    await expect(guest.item("say-state")).to_contain_text("ompleted OK")
+    assert await guest.outcome("avatar/SpeechSynthesis", "start") == "OK"
+    await expect(guest.item("say-text")).to_have_value("")
+
+    await keyboard.press("Escape")  # leaves the text, so that keys are shortcuts
+    await keyboard.press("1")
+    await expect(guest.item("reaction-state")).to_contain_text("completed OK", timeout=15_000)
+    await keyboard.press("s")
+    await guest.status("video", "SUSPENDED")
+    await keyboard.press("s")
+    await guest.status("video", "RUNNING")
+
+    await guest.item("video-disconnect").focus()
+    await keyboard.press("Enter")
+    await guest.status("video", "NOT_CONNECTED")
+    await expect(guest.item("video-connect")).to_be_focused()
+    await keyboard.press("Enter")
+    await guest.status("video", "RUNNING")
+
+    await keyboard.press("?")
+    await expect(guest.page.get_by_role("dialog")).to_be_visible()
+    await keyboard.press("Escape")
+    await expect(guest.page.get_by_role("dialog")).to_be_hidden()
+
+
+async def test_the_smallest_screen_shows_all_without_scrolling_sideways(browser: Browser, avatar: Demo) -> None:
+    async with visiting(browser, avatar.page, viewport={"width": 360, "height": 740}) as visit:
+        await meet(visit)
+        assert await visit.read("document.documentElement.scrollWidth") == 360
+        assert await visit.read(_BEYOND) == []
+        stage = await visit.item("stage").bounding_box()
+        assert stage is not None
+        assert stage["width"] > 300
+        await expect(visit.item("say-send")).to_be_in_viewport()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+async def test_every_text_can_be_read(browser: Browser, avatar: Demo, scheme: str) -> None:
+    async with visiting(browser, avatar.page, color_scheme=scheme) as visit:
+        await meet(visit)
+        await visit.status("video", "RUNNING")
+        found = await visit.page.evaluate(_CONTRAST.read_text())
+        assert len(found) > 50
+        assert [each for each in found if each["ratio"] < _READABLE] == []
+
+
+async def test_light_and_dark_are_remembered(guest: Visit) -> None:
+    background = "getComputedStyle(document.body).backgroundColor"
+    light = await guest.read(background)
+    await guest.press("theme-toggle")
+    await guest.until(f"{background} !== '{light}'")
+    await guest.page.reload()
+    assert await guest.read(background) != light
