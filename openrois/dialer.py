@@ -43,7 +43,7 @@ async def serve_parent(
                 _log.info("connected to %s", url)
                 started = clock()
                 closed = await serve_engine(host, stream)
-                _log.warning("the gateway is gone: %s", closed)
+                _log.info("the gateway is gone: %s", closed)
         except (OSError, TimeoutError, InvalidHandshake) as error:
             _log.info("no gateway at %s: %s", url, error)
         delay = backoff.after(clock() - started)
