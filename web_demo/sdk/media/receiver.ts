@@ -64,6 +64,7 @@ export class MediaReceiver {
   readonly #peers = new Map<string, OpenPeer>();
   readonly #stopListening: (() => void)[];
   #timer: ReturnType<typeof setTimeout> | undefined;
+  #closed = false;
 
   constructor(link: MediaLink, options: ReceiverOptions = {}) {
     this.#link = link;
@@ -93,6 +94,7 @@ export class MediaReceiver {
 
   /** Ends every stream and every peer connection. */
   async close(): Promise<void> {
+    this.#closed = true;
     clearTimeout(this.#timer);
     await Promise.all([...this.#streams.values()].map((stream) => stream.disconnect()));
     for (const stop of this.#stopListening) stop();
@@ -267,6 +269,7 @@ export class MediaReceiver {
 
   #scheduleTick(): void {
     clearTimeout(this.#timer);
+    if (this.#closed) return;
     const quick = [...this.#streams.values()].some((stream) => stream.arrival.next !== null);
     this.#timer = setTimeout(() => void this.#tick(), quick ? QUICK_TICK : TICK);
   }
@@ -300,7 +303,7 @@ export class MediaReceiver {
   /** The user should know that there is no offer; and an engine that does not give the stream back is asked to. */
   #missOffer(stream: RemoteStream): void {
     const { streamId } = stream;
-    if (streamId === null || !stream.expectsMedia || stream.arrival.newest) return;
+    if (streamId === null || !stream.expectsMedia || stream.arrival.located) return;
     const waited = performance.now() - stream.connectedAt;
     if (waited >= FIRST_FRAME_WITHIN && !stream.problem) {
       stream.fail({ kind: "no-media", detail: "the engine made no offer" });
@@ -311,7 +314,9 @@ export class MediaReceiver {
   }
 
   #judge(open: OpenPeer, samples: ReadonlyMap<string, Sample>): void {
-    const carried = [...this.#streams.values()].filter(({ arrival }) => arrival.newest?.peer === open.peer);
+    const carried = [...this.#streams.values()].filter(
+      ({ arrival }) => arrival.located && arrival.newest?.peer === open.peer,
+    );
     const flows = carried.map((stream) => ({
       streamId: stream.streamId ?? "",
       expected: stream.expectsMedia,

@@ -175,7 +175,7 @@ export class RemoteStream {
   /** The stream is no longer connected; null says that nobody knows. @internal */
   lost(status: StreamStatus | null): void {
     this.#status = status;
-    if (this.#reconciler.lost()) this.arrival.forgetNext();
+    if (this.#reconciler.lost()) this.arrival.forget();
     this.#changed();
   }
 
@@ -197,6 +197,7 @@ export class StreamArrival {
   #current: Attachment | null = null;
   #next: Attachment | null = null;
   #sample: Sample | null = null;
+  #located = false;
 
   constructor(events: Emitter<StreamEvents>) {
     this.#events = events;
@@ -214,14 +215,20 @@ export class StreamArrival {
     return this.#next ?? this.#current;
   }
 
+  /** The present connection of the stream has a place; what is shown may still come from the one before. */
+  get located(): boolean {
+    return this.#located;
+  }
+
   /** Something has arrived at the newest place. */
   get flowed(): boolean {
-    return this.#next === null && this.#sample !== null && this.#sample.units > 0;
+    return this.#located && this.#next === null && this.#sample !== null && this.#sample.units > 0;
   }
 
   /** The stream arrives here too. It is shown from here at once if it was shown nowhere. */
   attach(attachment: Attachment): void {
     const { newest } = this;
+    this.#located = true;
     if (newest?.peer === attachment.peer && newest.receiver === attachment.receiver) return;
     this.#next = attachment;
     if (!this.#current) this.promote();
@@ -244,13 +251,15 @@ export class StreamArrival {
     this.promote();
   }
 
-  forgetNext(): void {
+  /** The connection of the stream has ended. What is shown stays. */
+  forget(): void {
     this.#next = null;
+    this.#located = false;
   }
 
   /** The stream is not wanted any more. */
   drop(): void {
-    this.#next = null;
+    this.forget();
     if (this.#current) this.#interrupt();
   }
 

@@ -423,14 +423,22 @@ describe("recovery", () => {
     silent.mockRestore();
   });
 
+  it("tells a lack of offers also while the last picture of an earlier connection is shown", async () => {
+    await running();
+    status(video, "STREAMING_NOT_CONNECTED");
+    await pass(11_500);
+    expect(video.track).not.toBeNull();
+    expect(video.problem?.detail).toBe("the engine made no offer");
+  });
+
   it("closes everything", async () => {
     await running();
     await receiver.close();
+    await client.close();
     await pass(150);
+    expect(vi.getTimerCount()).toBe(0);
     expect(peer().connectionState).toBe("closed");
     expect(video.streamId).toBeNull();
-    offer("p9", 1, [["0", video]]);
-    expect(FakePeerConnection.all).toHaveLength(1);
   });
 });
 
