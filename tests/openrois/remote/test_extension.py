@@ -1,0 +1,116 @@
+"""Extension calls of many applications over one connection, seen from the parent."""
+
+import logging
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import pytest
+
+from openrois.contract import Client
+from openrois.errors import ComponentFailed
+from openrois.remote.extension import EXTENSION_NOTIFICATIONS, RemoteExtension
+
+OFFER = "signaling.offer"
+
+
+class OtherSide:
+    def __init__(self) -> None:
+        self.asked: list[tuple[str, dict[str, Any]]] = []
+        self.posted: list[tuple[str, dict[str, Any]]] = []
+        self.told: list[tuple[str, dict[str, Any]]] = []
+        self.answer: Any = {"return_code": "OK"}
+        self.too_late: Callable[[Any], None] = lambda _result: None
+        self.extension = RemoteExtension(
+            self._ask,
+            lambda name, params: self.posted.append((name, dict(params))),
+            lambda name, params: self.told.append((name, dict(params))),
+            lambda reference: reference.startswith("robot/"),
+        )
+
+    async def _ask(self, name: str, params: Mapping[str, Any], too_late: Callable[[Any], None]) -> Any:
+        self.asked.append((name, dict(params)))
+        self.too_late = too_late
+        return self.answer
+
+    def tell(self, name: str, **params: Any) -> None:
+        self.extension.notifications()[name](params)
+
+
+class Heard(list[tuple[str, dict[str, Any]]]):
+    def client(self, client_id: str) -> Client:
+        return Client(client_id, lambda name, params: self.append((name, dict(params))))
+
+
+@pytest.fixture
+def other() -> OtherSide:
+    return OtherSide()
+
+
+async def test_a_call_carries_its_client_and_brings_what_is_told_it(other: OtherSide) -> None:
+    ann, bob = Heard(), Heard()
+    other.tell(OFFER, client_id="ann", peer_id="robot/0")
+    assert await other.extension.call("m", {"x": 1}, ann.client("ann")) == {"return_code": "OK"}
+    await other.extension.call("m", {}, bob.client("bob"))
+    assert other.asked == [("m", {"x": 1, "client_id": "ann"}), ("m", {"client_id": "bob"})]
+    for name in EXTENSION_NOTIFICATIONS:
+        other.tell(name, client_id="ann", peer_id="robot/1")
+    other.tell(OFFER, client_id="nobody", peer_id="robot/1")
+    other.tell(OFFER, peer_id="robot/1")
+    other.tell(OFFER, client_id=["ann"], peer_id="robot/1")
+    assert ann == [(name, {"peer_id": "robot/1"}) for name in EXTENSION_NOTIFICATIONS]
+    assert bob == []
+
+
+@pytest.mark.parametrize("answer", [None, [], "OK", 5])
+async def test_an_answer_that_is_no_object(other: OtherSide, answer: Any) -> None:
+    other.answer = answer
+    with pytest.raises(ComponentFailed):
+        await other.extension.call("m", {}, Heard().client("ann"))
+
+
+async def test_the_other_side_speaks_for_its_own_alone(other: OtherSide, caplog: pytest.LogCaptureFixture) -> None:
+    heard = Heard()
+    await other.extension.call("m", {}, heard.client("ann"))
+    with caplog.at_level(logging.INFO):
+        for key in ("component_ref", "stream_id", "peer_id"):
+            for value in ("other/1", "", 5, None):
+                other.tell(OFFER, client_id="ann", **{key: value})
+    assert heard == []
+    assert len(caplog.records) == 4
+
+
+async def test_a_client_that_is_gone_is_named_once_and_hears_no_more(other: OtherSide) -> None:
+    heard = Heard()
+    await other.extension.forget("ann")
+    assert other.told == []
+    await other.extension.call("m", {}, heard.client("ann"))
+    await other.extension.forget("ann")
+    await other.extension.forget("ann")
+    other.tell(OFFER, client_id="ann", peer_id="robot/1")
+    assert other.told == [("openrois.client_gone", {"client_id": "ann"})]
+    assert heard == []
+
+
+async def test_when_the_other_side_is_gone_nobody_is_named(other: OtherSide) -> None:
+    await other.extension.call("m", {}, Heard().client("ann"))
+    other.extension.lost()
+    await other.extension.forget("ann")
+    assert other.told == []
+
+
+@pytest.mark.parametrize(
+    ("result", "ended"),
+    [
+        ({"return_code": "OK", "stream_id": "robot/1"}, ["robot/1"]),
+        ({"return_code": "OK", "stream_id": ""}, []),
+        ({"return_code": "OK", "stream_id": 5}, []),
+        ({"return_code": "OK"}, []),
+        (None, []),
+    ],
+)
+async def test_a_stream_that_comes_too_late_is_ended(other: OtherSide, result: Any, ended: list[str]) -> None:
+    await other.extension.call("rois.stream.connect_stream", {}, Heard().client("ann"))
+    other.too_late(result)
+    assert other.posted == [
+        ("rois.stream.disconnect_stream", {"stream_id": stream_id, "client_id": "ann"}) for stream_id in ended
+    ]

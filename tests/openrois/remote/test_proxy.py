@@ -1,0 +1,223 @@
+"""The proxy of a remote engine, against a session whose other end is played by hand."""
+
+import asyncio
+import gc
+import json
+from collections.abc import AsyncIterator
+from typing import Any
+
+import pytest
+
+from openrois.contract import Event, SubscriptionLost
+from openrois.errors import Aborted, ComponentFailed, EngineUnreachable, TimedOut
+from openrois.jsonrpc.session import RpcSession
+from openrois.remote.proxy import RemoteProxy
+from openrois.transport.memory import MemoryStream, memory_pair
+from tests.support.plain import profile_result
+
+TOY = "plain/toy"
+
+
+class Far:
+    """The remote engine, by hand: reads a request, answers it as told."""
+
+    def __init__(self, stream: MemoryStream, proxy: RemoteProxy, session: RpcSession) -> None:
+        self.stream = stream
+        self.proxy = proxy
+        self.session = session
+        self.changes = 0
+
+    async def asked(self, method: str) -> dict[str, Any]:
+        async with asyncio.timeout(5):
+            request: dict[str, Any] = json.loads(await self.stream.receive())
+        assert request["method"] == method
+        return request
+
+    async def answer(self, request: dict[str, Any], **result: Any) -> None:
+        message = {"jsonrpc": "2.0", "id": request["id"], "result": {"return_code": "OK", **result}}
+        await self.stream.send(json.dumps(message))
+
+    async def tell(self, method: str, **params: Any) -> None:
+        await self.stream.send(json.dumps({"jsonrpc": "2.0", "method": method, "params": params}))
+
+    async def introduce(self, *, plain: bool = False, extensions: tuple[str, ...] = ("rois.stream",)) -> None:
+        """Answer what `discover` asks."""
+        discovering = asyncio.ensure_future(self.proxy.discover())
+        await self.answer(await self.asked("rois.system.get_profile"), **profile_result("toy"))
+        if plain:
+            error = {"code": -32601, "message": "Method not found"}
+            request = await self.asked("openrois.hello")
+            await self.stream.send(json.dumps({"jsonrpc": "2.0", "id": request["id"], "error": error}))
+        else:
+            hello = {"version": "1", "extensions": list(extensions), "client_id": ""}
+            await self.answer(await self.asked("openrois.hello"), **hello)
+        await discovering
+
+
+@pytest.fixture
+async def far() -> AsyncIterator[Far]:
+    near, stream = memory_pair()
+    session = RpcSession(near)
+    made: Far
+
+    def changed() -> None:
+        made.changes += 1
+
+    proxy = RemoteProxy(session, changed)
+    made = Far(stream, proxy, session)
+    session.notifications = proxy.notifications()
+    running = asyncio.ensure_future(session.run())
+    running.add_done_callback(lambda _task: proxy.lost("gone"))
+    yield made
+    stream.abort()
+    await running
+
+
+class TestDiscover:
+    async def test_an_engine_that_speaks_extensions_is_asked_each_time(self, far: Far) -> None:
+        for extensions, has_streams in ((("rois.stream", "x"), True), ((), False), (("rois.stream",), True)):
+            await far.introduce(extensions=extensions)
+            assert (far.proxy.extension is not None) == has_streams
+
+    async def test_one_that_speaks_none_is_asked_once(self, far: Far) -> None:
+        await far.introduce(plain=True)
+        assert far.proxy.extension is None
+        discovering = asyncio.ensure_future(far.proxy.discover())
+        await far.answer(await far.asked("rois.system.get_profile"), **profile_result("toy"))
+        assert (await discovering).profile.engine_ids() == ("plain",)
+
+    async def test_one_that_fails_to_say(self, far: Far) -> None:
+        discovering = asyncio.ensure_future(far.proxy.discover())
+        await far.answer(await far.asked("rois.system.get_profile"), **profile_result("toy"))
+        request = await far.asked("openrois.hello")
+        error = {"code": -32603, "message": "Internal error"}
+        await far.stream.send(json.dumps({"jsonrpc": "2.0", "id": request["id"], "error": error}))
+        with pytest.raises(ComponentFailed):
+            await discovering
+
+    async def test_a_change_is_passed_on(self, far: Far) -> None:
+        await far.tell("rois.system.profile_changed")
+        await far.introduce()
+        assert far.changes == 1
+
+
+class TestInvoke:
+    async def test_completed_may_come_before_the_reply(self, far: Far) -> None:
+        await far.introduce()
+        invoking = asyncio.ensure_future(far.proxy.invoke(TOY, "start"))
+        request = await far.asked("rois.command.execute")
+        command_id = request["params"]["command_unit_list"][0]["command_id"]
+        await far.tell("rois.command.completed", command_id=command_id, status="ABORT")
+        await far.answer(request)
+        with pytest.raises(Aborted):
+            await invoking
+
+    async def test_lost_while_it_runs(self, far: Far) -> None:
+        await far.introduce()
+        invoking = asyncio.ensure_future(far.proxy.invoke(TOY, "start"))
+        await far.answer(await far.asked("rois.command.execute"))
+        far.stream.abort()
+        with pytest.raises(EngineUnreachable):
+            await invoking
+        with pytest.raises(EngineUnreachable):
+            await far.proxy.invoke(TOY, "start")
+
+    async def test_lost_before_the_reply_leaves_no_failure_behind(
+        self, far: Far, caplog: pytest.LogCaptureFixture
+    ) -> None:
+        await far.introduce()
+        invoking = asyncio.ensure_future(far.proxy.invoke(TOY, "start"))
+        await far.asked("rois.command.execute")
+        far.stream.abort()
+        with pytest.raises(EngineUnreachable):
+            await invoking
+        del invoking
+        gc.collect()
+        assert not caplog.records
+
+    async def test_a_command_that_is_cancelled_is_forgotten(self, far: Far) -> None:
+        await far.introduce()
+        invoking = asyncio.ensure_future(far.proxy.invoke(TOY, "start"))
+        request = await far.asked("rois.command.execute")
+        await far.answer(request)
+        invoking.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await invoking
+        command_id = request["params"]["command_unit_list"][0]["command_id"]
+        await far.tell("rois.command.completed", command_id=command_id, status="OK")
+        await far.introduce()
+
+    async def test_results_are_asked_for_where_there_are_some(self, far: Far) -> None:
+        await far.introduce()
+        for command, results in (("start", ()), ("unheard of", ()), ("say", ("fine",))):
+            invoking = asyncio.ensure_future(far.proxy.invoke(TOY, command))
+            request = await far.asked("rois.command.execute")
+            command_id = request["params"]["command_unit_list"][0]["command_id"]
+            await far.answer(request)
+            await far.tell("rois.command.completed", command_id=command_id, status="OK")
+            if results:
+                text = {"name": "text", "data_type_ref": "string", "value": "fine"}
+                request = await far.asked("rois.command.get_command_result")
+                assert request["params"] == {"command_id": command_id, "condition": ""}
+                await far.answer(request, results=[text])
+            assert tuple(result.value for result in await invoking) == results
+
+    async def test_an_engine_that_was_never_asked_who_it_is_cannot_mint(self, far: Far) -> None:
+        invoking = asyncio.ensure_future(far.proxy.invoke(TOY, "set_parameter"))
+        await far.answer(await far.asked("rois.command.set_parameter"), command_id="plain/1")
+        with pytest.raises(ComponentFailed):
+            await invoking
+
+
+class TestSubscribe:
+    async def test_an_event_right_behind_the_reply_is_heard(self, far: Far) -> None:
+        await far.introduce()
+        heard: asyncio.Queue[Event | SubscriptionLost] = asyncio.Queue()
+        subscribing = asyncio.ensure_future(far.proxy.subscribe(TOY, "laughed", heard.put_nowait))
+        await far.answer(await far.asked("rois.event.subscribe"), subscribe_id="plain/s")
+        event = {"event_id": "plain/e", "event_type": "laughed", "subscribe_id": "plain/s", "results": []}
+        await far.tell("rois.event.notify_event", **event)
+        await subscribing
+        await far.introduce()
+        told = heard.get_nowait()
+        assert isinstance(told, Event)
+        assert told.event_id == "plain/e"
+        far.stream.abort()
+        async with asyncio.timeout(5):
+            assert await heard.get() == SubscriptionLost("gone")
+
+    @pytest.mark.parametrize("how", ["timeout", "cancelled"])
+    async def test_a_late_one_is_ended(self, far: Far, how: str) -> None:
+        await far.introduce()
+        far.session.call_timeout = 0 if how == "timeout" else 60
+        subscribing = asyncio.ensure_future(far.proxy.subscribe(TOY, "laughed", lambda _item: None))
+        request = await far.asked("rois.event.subscribe")
+        subscribing.cancel()
+        with pytest.raises((TimedOut, asyncio.CancelledError)):
+            await subscribing
+        await far.answer(request, subscribe_id="plain/late")
+        assert (await far.asked("rois.event.unsubscribe"))["params"] == {"subscribe_id": "plain/late"}
+
+    async def test_a_late_refusal_needs_nothing(self, far: Far) -> None:
+        await far.introduce()
+        far.session.call_timeout = 0
+        with pytest.raises(TimedOut):
+            await far.proxy.subscribe(TOY, "laughed", lambda _item: None)
+        far.session.call_timeout = 60
+        request = await far.asked("rois.event.subscribe")
+        message = {"return_code": "UNSUPPORTED", "subscribe_id": ""}
+        await far.stream.send(json.dumps({"jsonrpc": "2.0", "id": request["id"], "result": message}))
+        await far.introduce()
+
+    async def test_after_the_end_nothing_can_be_asked_or_ended(self, far: Far) -> None:
+        await far.introduce()
+        subscribing = asyncio.ensure_future(far.proxy.subscribe(TOY, "laughed", lambda _item: None))
+        await far.answer(await far.asked("rois.event.subscribe"), subscribe_id="plain/s")
+        subscribe_id = await subscribing
+        far.proxy.lost("gone")
+        await far.proxy.unsubscribe(subscribe_id)
+        for asking in (far.proxy.query(TOY, "mood"), far.proxy.discover()):
+            with pytest.raises(EngineUnreachable):
+                await asking
+        with pytest.raises(EngineUnreachable):
+            await far.proxy.subscribe(TOY, "laughed", lambda _item: None)

@@ -1,0 +1,244 @@
+"""What a sub-engine says to its parent, message by message."""
+
+import asyncio
+import json
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from typing import Any
+
+import pytest
+
+from openrois.application import EngineHost
+from openrois.engine import Engine
+from openrois.registry import LocalRegistry
+from openrois.remote.serve import STREAM_GRACE, serve_engine
+from openrois.tasks import TaskScope
+from openrois.transport.memory import MemoryStream, memory_pair
+from openrois.types.codes import StreamStatus
+from tests.support.components import Bell, Lamp
+from tests.support.streams import Camera, FakeStreams
+
+CAMERA = "robot/camera"
+
+
+class Parent:
+    """The other end, by hand."""
+
+    def __init__(self, stream: MemoryStream) -> None:
+        self.stream = stream
+        self.last_id = 0
+
+    async def send(self, method: str, **params: Any) -> int:
+        self.last_id += 1
+        request = {"jsonrpc": "2.0", "id": self.last_id, "method": method, "params": params}
+        await self.stream.send(json.dumps(request))
+        return self.last_id
+
+    async def hear(self) -> dict[str, Any]:
+        async with asyncio.timeout(5):
+            message: dict[str, Any] = json.loads(await self.stream.receive())
+        return message
+
+    async def ask(self, method: str, **params: Any) -> Any:
+        await self.send(method, **params)
+        return (await self.hear())["result"]
+
+    async def tell(self, method: str, **params: Any) -> None:
+        await self.stream.send(json.dumps({"jsonrpc": "2.0", "method": method, "params": params}))
+
+
+class Child:
+    """The engine that is served, and the time that it spends."""
+
+    def __init__(self) -> None:
+        self.streams = FakeStreams()
+        self.registry = LocalRegistry("robot", [Lamp(), Bell(), Camera()], extension=self.streams)
+        self.engine = Engine("robot")
+        self.slept: list[float] = []
+        self.grace_ends = asyncio.Event()
+
+    async def sleep(self, seconds: float) -> None:
+        self.slept.append(seconds)
+        await self.grace_ends.wait()
+
+    @asynccontextmanager
+    async def served(self) -> AsyncIterator[Parent]:
+        near, far = memory_pair()
+        async with TaskScope() as tasks:
+            host = EngineHost(self.engine, tasks, sleep=self.sleep, wall_clock=lambda: 0.0)
+            serving = asyncio.ensure_future(serve_engine(host, near))
+            yield Parent(far)
+            await far.close()
+            await serving
+            self.grace_ends.set()
+
+
+@pytest.fixture
+async def child() -> Child:
+    made = Child()
+    await made.engine.attach(made.registry)
+    return made
+
+
+@pytest.fixture
+async def parent(child: Child) -> AsyncIterator[Parent]:
+    async with child.served() as made:
+        yield made
+
+
+async def settle() -> None:
+    for _ in range(20):
+        await asyncio.sleep(0)
+
+
+class TestHello:
+    async def test_an_engine_with_streams(self, parent: Parent) -> None:
+        answer = await parent.ask("openrois.hello", version="1", extensions=["rois.stream"])
+        assert answer == {
+            "return_code": "OK",
+            "version": "1",
+            "extensions": ["rois.stream", "signaling"],
+            "client_id": "",
+        }
+
+    async def test_an_engine_without(self, child: Child, parent: Parent) -> None:
+        child.registry.extension = None
+        assert (await parent.ask("openrois.hello", version="1"))["extensions"] == []
+
+
+class TestTrust:
+    async def test_the_parent_needs_no_reservation_and_may_use_any_id(self, parent: Parent) -> None:
+        unit = {"component_ref": "robot/lamp", "command_type": "switch", "command_id": "robot/1"}
+        assert await parent.ask("rois.command.execute", command_unit_list=[unit]) == {"return_code": "OK"}
+        assert (await parent.hear())["params"] == {"command_id": "robot/1", "status": "OK"}
+
+
+class TestExtensionCalls:
+    async def test_reply_before_what_it_causes_and_everything_with_its_client(
+        self, child: Child, parent: Parent
+    ) -> None:
+        for client_id in ("ann", "bob"):
+            await parent.send("rois.stream.connect_stream", component_ref=CAMERA, client_id=client_id)
+            reply, status, offer = await parent.hear(), await parent.hear(), await parent.hear()
+            assert reply["id"] == parent.last_id
+            stream_id = reply["result"]["stream_id"]
+            assert (status["method"], status["params"]["stream_id"]) == (
+                "rois.stream.notify_stream_status",
+                stream_id,
+            )
+            assert offer["method"] == "signaling.offer"
+            assert {status["params"]["client_id"], offer["params"]["client_id"]} == {client_id}
+        assert child.streams.calls[0] == ("rois.stream.connect_stream", {"component_ref": CAMERA}, "ann")
+
+    async def test_one_client_does_not_wait_for_another(self, child: Child, parent: Parent) -> None:
+        stream_id = (await parent.ask("rois.stream.connect_stream", component_ref=CAMERA, client_id="ann"))["stream_id"]
+        await parent.hear()
+        await parent.hear()
+        child.streams.may_answer.clear()
+        await parent.send("rois.stream.connect_stream", component_ref=CAMERA, client_id="bob")
+        await settle()
+        child.streams.announce(stream_id, StreamStatus.STREAMING_RUNNING)
+        assert (await parent.hear())["params"]["client_id"] == "ann"
+
+    @pytest.mark.parametrize("client_id", [None, "", 5, {}])
+    async def test_without_a_client(self, parent: Parent, client_id: Any) -> None:
+        await parent.send("rois.stream.connect_stream", component_ref=CAMERA, client_id=client_id)
+        error = (await parent.hear())["error"]
+        assert (error["code"], error["data"][0]["path"]) == (-32602, "client_id")
+
+    async def test_a_refusal(self, parent: Parent) -> None:
+        answer = await parent.ask("rois.stream.suspend_stream", stream_id="robot/1", client_id="ann")
+        assert answer == {"return_code": "UNSUPPORTED"}
+
+    async def test_a_bug_is_answered_and_holds_nothing_back(
+        self, child: Child, parent: Parent, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        stream_id = (await parent.ask("rois.stream.connect_stream", component_ref=CAMERA, client_id="ann"))["stream_id"]
+        await parent.hear()
+        await parent.hear()
+        monkeypatch.setattr(child.streams, "_own", lambda *_asked: 1 / 0)
+        await parent.send("rois.stream.suspend_stream", stream_id=stream_id, client_id="ann")
+        assert (await parent.hear())["error"]["code"] == -32603
+        child.streams.announce(stream_id, StreamStatus.STREAMING_RUNNING)
+        assert (await parent.hear())["params"]["status"] == "STREAMING_RUNNING"
+
+
+class TestClientGone:
+    async def test_its_streams_end(self, child: Child, parent: Parent) -> None:
+        await parent.ask("rois.stream.connect_stream", component_ref=CAMERA, client_id="ann")
+        await parent.tell("openrois.client_gone", client_id="ann")
+        await parent.tell("openrois.client_gone", client_id="ann")
+        await parent.tell("openrois.client_gone", client_id="nobody")
+        await parent.tell("openrois.client_gone")
+        await settle()
+        assert (child.streams.forgotten, child.streams.streams) == (["ann"], {})
+
+    async def test_while_its_stream_is_made(self, child: Child, parent: Parent) -> None:
+        child.streams.may_answer.clear()
+        request_id = await parent.send("rois.stream.connect_stream", component_ref=CAMERA, client_id="ann")
+        await settle()
+        await parent.tell("openrois.client_gone", client_id="ann")
+        await settle()
+        child.streams.may_answer.set()
+        answer = await parent.hear()
+        assert (answer["id"], answer["result"]["return_code"]) == (request_id, "ERROR")
+        assert child.streams.streams == {}
+
+    async def test_a_late_disconnect_brings_nobody_back(self, child: Child, parent: Parent) -> None:
+        await parent.ask("rois.stream.disconnect_stream", stream_id="robot/1", client_id="ann")
+        await parent.tell("openrois.client_gone", client_id="ann")
+        await settle()
+        assert child.streams.forgotten == []
+
+
+class TestLostBelow:
+    async def test_the_end_of_streams_is_announced_to_their_clients(self, child: Child, parent: Parent) -> None:
+        stream_ids = []
+        for client_id in ("ann", "bob", "cid", "dan"):
+            answer = await parent.ask("rois.stream.connect_stream", component_ref=CAMERA, client_id=client_id)
+            stream_ids.append(answer["stream_id"])
+            await parent.hear()
+            await parent.hear()
+        await parent.ask("rois.stream.disconnect_stream", stream_id=stream_ids[1], client_id="bob")
+        await parent.hear()
+        child.streams.end(stream_ids[2])
+        await parent.hear()
+        await parent.tell("openrois.client_gone", client_id="dan")
+        await settle()
+        child.engine.detach(child.registry)
+        heard = [await parent.hear(), await parent.hear()]
+        notices = {message["method"]: message["params"] for message in heard}
+        assert notices == {
+            "rois.system.profile_changed": {},
+            "rois.stream.notify_stream_status": {
+                "stream_id": stream_ids[0],
+                "component_ref": CAMERA,
+                "status": "STREAMING_NOT_CONNECTED",
+                "timestamp": "1970-01-01T00:00:00.000000+00:00",
+                "client_id": "ann",
+            },
+        }
+        await child.engine.attach(child.registry)
+        assert (await parent.hear())["method"] == "rois.system.profile_changed"
+
+
+class TestEnd:
+    async def test_streams_go_on_for_the_grace(self, child: Child) -> None:
+        async with child.served() as parent:
+            await parent.ask("rois.stream.connect_stream", component_ref=CAMERA, client_id="ann")
+            parent.stream.abort()
+            await settle()
+            assert (child.slept, len(child.streams.streams)) == ([STREAM_GRACE], 1)
+            child.engine.detach(child.registry)
+            await child.engine.attach(child.registry)
+            child.grace_ends.set()
+            await settle()
+            assert "ann" in child.streams.forgotten
+            assert child.streams.streams == {}
+
+    async def test_subscriptions_end_at_once(self, child: Child) -> None:
+        async with child.served() as parent:
+            await parent.ask("rois.event.subscribe", event_type="rang")
+            parent.stream.abort()
+            await settle()
+            assert not child.registry._subscriptions
