@@ -60,6 +60,7 @@ class BundledConnection:
         self._wall_offset = wall_offset
         self._on_rtcp = on_rtcp
         self._offered: tuple[OfferedSection, ...] = ()
+        self._closing: asyncio.Future[None] | None = None
         # With any other policy a later section would get a transport of its own, which disturbs the first.
         self._connection = RTCPeerConnection(
             RTCConfiguration(iceServers=usable_servers(ice_servers), bundlePolicy=RTCBundlePolicy.MAX_BUNDLE)
@@ -138,10 +139,12 @@ class BundledConnection:
 
     async def close(self) -> None:
         """Close it, within `CLOSE_TIMEOUT`."""
-        try:
-            async with asyncio.timeout(CLOSE_TIMEOUT):
-                await self._connection.close()
-        except TimeoutError:
+        # aiortc may be closing by itself, and a waiter that is cancelled would break that; so this is only waited for.
+        closing = self._closing = asyncio.ensure_future(self._connection.close())
+        done, _ = await asyncio.wait({closing}, timeout=CLOSE_TIMEOUT)
+        if done:
+            closing.result()
+        else:
             _log.error("a peer connection is not closed after %.0f s", CLOSE_TIMEOUT)
 
 
