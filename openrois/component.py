@@ -1,7 +1,9 @@
 """A component in this process: messages as methods, a parameter store, a status, and the commands of RoIS_Common."""
 
 import asyncio
-from collections.abc import Awaitable, Callable
+import logging
+from collections.abc import Awaitable, Callable, Iterator
+from contextlib import contextmanager
 from typing import Any, ClassVar, Final, TypeVar
 
 from openrois.errors import Aborted, BadParameter, ComponentFailed, RoISError, TimedOut, Unsupported
@@ -24,6 +26,8 @@ __all__ = [
     "parameter_profile",
     "query",
 ]
+
+_log = logging.getLogger(__name__)
 
 Arguments = dict[str, str]
 CommandFunction = Callable[[Any, Arguments], Awaitable[tuple[Result, ...]]]
@@ -124,8 +128,9 @@ class Component:
         if query_type == "component_status" and query_type not in self._queries:
             return (Result(name="status", data_type_ref="Component_Status", value=self.status.value),)
         self._require_usable()
-        answer: tuple[Result, ...] = await getattr(self, self._queries[query_type])()
-        return answer
+        function: Callable[[], Awaitable[tuple[Result, ...]]] = getattr(self, self._queries[query_type])
+        with self._containing_bugs(query_type):
+            return await function()
 
     async def run(self, command_type: str, arguments: tuple[Argument, ...]) -> tuple[Result, ...]:
         """Run a command to its end.
@@ -193,12 +198,19 @@ class Component:
             # Only `stop` needs no method of its own: ending `start` is all there is to it.
             return ()
         function: Callable[[Arguments], Awaitable[tuple[Result, ...]]] = getattr(self, name)
-        try:
+        with self._containing_bugs(command_type):
             return await function(values)
-        except (RoISError, asyncio.CancelledError):
+
+    @contextmanager
+    def _containing_bugs(self, message: str) -> Iterator[None]:
+        try:
+            yield
+        except RoISError:
             raise
         except Exception as error:
-            raise ComponentFailed(f"{self.profile.name}: {command_type} failed: {error}") from error
+            # Whoever asked learns that it failed; only the log of this process can tell where.
+            _log.exception("%s: %s failed", self.profile.name, message)
+            raise ComponentFailed(f"{self.profile.name}: {message} failed: {error}") from error
 
     def _require_usable(self) -> None:
         status = self.status

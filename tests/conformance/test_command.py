@@ -270,6 +270,14 @@ class TestSequences:
         assert await app.settled() == []
 
 
+async def test_a_bug_in_between_still_completes(
+    app: Application, gateway: Gateway, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(gateway.engine, "invoke", lambda *_asked: 1 / 0)
+    assert await execute(app, unit("o", "open", DOOR), unit("p", "open", DOOR)) == "OK"
+    assert await app.completed("o", "p") == {"o": "ERROR", "p": "ABORT"}
+
+
 class TestResults:
     async def test_what_is_refused(self, app: Application, other: Application) -> None:
         assert await execute(other, unit("theirs", "open", DOOR)) == "OK"

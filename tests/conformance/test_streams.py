@@ -10,6 +10,7 @@ from openrois_signaling.messages import CANDIDATES_LIMIT, SDP_LIMIT
 from openrois_signaling.relay import BURST, PEERS_PER_OWNER
 
 from openrois.engine import Engine
+from openrois.errors import BadParameter
 from openrois.gateway.server import Gateway
 from openrois.interfaces.stream import MAX_STREAMS
 from openrois.registry import LocalRegistry
@@ -375,6 +376,26 @@ class TestSignaling:
         assert codes[0] == "OK"
         assert codes[-1] == "OUT_OF_RESOURCES"
         assert len(robot.streams.calls) < CANDIDATES_LIMIT + int(BURST)
+
+    async def test_the_engines_refusal_is_the_answer(
+        self, app: Application, robot: Robot, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        await stream_of(app)
+        peer_id = await peer_of(app)
+
+        async def refuse(*_asked: object) -> None:
+            raise BadParameter("garbage")
+
+        monkeypatch.setattr(robot.streams, "call", refuse)
+        assert await app.code("signaling.answer", peer_id=peer_id, generation=1, sdp="garbage") == "BAD_PARAMETER"
+
+    async def test_a_peer_whose_engine_was_lost_just_now(
+        self, app: Application, gateway: Gateway, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        await stream_of(app)
+        peer_id = await peer_of(app)
+        monkeypatch.setattr(gateway.engine, "_routes", {})
+        assert await app.code("signaling.restart", peer_id=peer_id) == "UNSUPPORTED"
 
     async def test_an_ended_peer_is_unknown(self, app: Application, robot: Robot) -> None:
         stream_id = await stream_of(app)

@@ -8,6 +8,7 @@ import pytest
 
 from openrois.application import ApplicationSession, EngineHost
 from openrois.engine import Engine
+from openrois.errors import Aborted
 from openrois.interfaces.stream import connect_stream
 from openrois.registry import LocalRegistry
 from openrois.types.codes import CompletedStatus, StreamStatus
@@ -117,6 +118,22 @@ async def test_leaving_gives_everything_back(host: EngineHost, registry: LocalRe
     await app.close()
     await host.engine.attach(LocalRegistry("third", []))
     assert told.methods == ["rois.system.profile_changed"]
+
+
+async def test_a_stream_that_is_made_for_who_has_left_is_ended(app: ApplicationSession, streams: FakeStreams) -> None:
+    streams.may_answer.clear()
+    connecting = asyncio.ensure_future(connect_stream(app, CAMERA, ()))
+    await asyncio.sleep(0)
+    await app.leave()
+    streams.may_answer.set()
+    with pytest.raises(Aborted):
+        await connecting
+    assert (streams.streams, app.streams) == ({}, {})
+    await connect_stream(app, CAMERA, ())
+    await app.close()
+    with pytest.raises(Aborted):
+        await connect_stream(app, CAMERA, ())
+    assert streams.streams == {}
 
 
 async def test_streams_of_an_engine_that_is_gone_are_announced(

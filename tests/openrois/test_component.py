@@ -206,6 +206,28 @@ class TestCommands:
         with pytest.raises(ComponentFailed, match="of something else"):
             await Slow().run("suspend", ())
 
+    async def test_a_bug_is_the_components_failure(self) -> None:
+        with pytest.raises(ComponentFailed, match="crash"):
+            await Lamp().run("crash", ())
+
+        class Broken(Thing):
+            async def shape(self) -> tuple[Result, ...]:
+                raise ZeroDivisionError("a bug")
+
+        with pytest.raises(ComponentFailed, match="shape"):
+            await Broken().ask("shape")
+
+    async def test_a_failure_keeps_its_kind(self) -> None:
+        with pytest.raises(TimedOut):
+            await Lamp().run("time_out", ())
+
+        class Refusing(Thing):
+            async def shape(self) -> tuple[Result, ...]:
+                raise BadParameter("no")
+
+        with pytest.raises(BadParameter):
+            await Refusing().ask("shape")
+
     async def test_an_unknown_command_or_query(self, thing: Thing) -> None:
         with pytest.raises(Unsupported):
             await thing.run("fly", ())
