@@ -1,4 +1,8 @@
-"""`openrois bench fanout`: what a further viewer costs the sender, beside aiortc alone."""
+"""`openrois bench fanout`: what a further viewer costs the sender, beside aiortc alone.
+
+All viewers of all senders are connected before the first run, so that a run is short and its encoders are warm. Those
+that do not play cost their sender what an idle session costs.
+"""
 
 import asyncio
 from collections.abc import Callable, Mapping

@@ -66,11 +66,11 @@ async def run_latency(settings: LatencySettings, progress: Callable[[str], None]
                 runs=settings.runs,
             )
             progress(f"{width}x{height}: aiortc")
-            observations.append(Observation.of("aiortc", H264, await _watch_in_aiortc(order)))
+            observations.append(_sum_up("aiortc", await _watch_in_aiortc(order)))
             if settings.chromium is not None:
                 progress(f"{width}x{height}: Chromium")
                 seen = await watch_in_chromium(settings.chromium, order, patience=_patience(order))
-                observations.append(Observation.of("Chromium", H264, seen))
+                observations.append(_sum_up("Chromium", seen))
     return LatencyReport(
         seconds=settings.seconds,
         runs=settings.runs,
@@ -82,7 +82,14 @@ async def run_latency(settings: LatencySettings, progress: Callable[[str], None]
 async def _watch_in_aiortc(order: Order) -> Sightings:
     async with partner("openrois_avatar.bench.viewer") as viewer:
         told = await viewer.ask("watch", order.model_dump(mode="json"), within=_patience(order))
-    return Sightings.model_validate(told, strict=False)
+    return Sightings.model_validate(told)
+
+
+def _sum_up(viewer: str, seen: Sightings) -> Observation:
+    try:
+        return Observation.of(viewer, H264, seen)
+    except ValueError as error:
+        raise BenchFailed(f"{viewer}, {len(seen.numbers)} pictures, {seen.unreadable} unreadable: {error}") from error
 
 
 def _patience(order: Order) -> float:

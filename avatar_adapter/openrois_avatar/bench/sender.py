@@ -76,17 +76,17 @@ class SharingSender:
 
     async def offer(self) -> str:
         """Open a session with one stream, which is suspended until it is to play."""
-        said: asyncio.Queue[Offer | Bye] = asyncio.Queue()
+        first: asyncio.Future[Offer | Bye] = asyncio.get_running_loop().create_future()
         session = StreamSession(
             mint=lambda: f"peer {next(self._ids)}",
-            send=said.put_nowait,
+            send=lambda message: None if first.done() else first.set_result(message),
             on_change=lambda _change: None,
             clock=self._clock,
         )
         await self._stack.enter_async_context(session)
         session.connect(_STREAM, "bench", self._publisher, "video", [self._codec])
         session.suspend(_STREAM)
-        offer = await said.get()
+        offer = await first
         assert isinstance(offer, Offer), "a session's first message is an offer"
         self._sessions.append(session)
         self._offers.append(offer)
@@ -135,7 +135,7 @@ class _LatestPicture(VideoStreamTrack):
 class PlainSender:
     """aiortc alone: a track and an encoder for each viewer, all fed from one source."""
 
-    def __init__(self, codec: str, stack: AsyncExitStack) -> None:
+    def __init__(self, codec: str, stack: AsyncExitStack, tasks: asyncio.TaskGroup) -> None:
         self.encoders = 0
         """How many viewers play: aiortc has an encoder for each."""
         self._codec = codec
@@ -143,8 +143,7 @@ class PlainSender:
         self._tracks: list[_LatestPicture] = []
         self._connections: list[RTCPeerConnection] = []
         _pin_bitrate()
-        pulling = asyncio.create_task(self._pull())
-        stack.callback(pulling.cancel)
+        stack.callback(tasks.create_task(self._pull()).cancel)
 
     async def _pull(self) -> None:
         async with Grain(WIDTH, HEIGHT, clock=SystemClock()).open() as pictures:
@@ -188,8 +187,8 @@ def _pin_bitrate() -> None:
 
 @asynccontextmanager
 async def _role(way: str, codec: str) -> AsyncIterator[Mapping[str, Handler]]:
-    async with AsyncExitStack() as stack:
-        sender: Sender = (SharingSender if way == OPENROIS else PlainSender)(codec, stack)
+    async with asyncio.TaskGroup() as tasks, AsyncExitStack() as stack:
+        sender: Sender = SharingSender(codec, stack) if way == OPENROIS else PlainSender(codec, stack, tasks)
 
         async def offer(_params: dict[str, Any]) -> str:
             return await sender.offer()
