@@ -59,6 +59,8 @@ function avatarChanged(): void {
   const avatar = directory.chosen;
   if (avatar && avatar.engineId !== shown?.engineId) show(avatar);
   const present = directory.present && client.state.name === "connected" ? avatar : null;
+  say.offered = avatar?.speech !== null;
+  reactions.offered = avatar?.reaction !== null;
   say.setComponent(present?.speech ?? null);
   reactions.setComponent(present?.reaction ?? null);
   gaze.setComponent(present?.gaze ?? null);

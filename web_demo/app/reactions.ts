@@ -28,6 +28,11 @@ export class Reactions {
     });
   }
 
+  /** Whether the avatar has reactions at all, now or when it is back. */
+  set offered(offered: boolean) {
+    this.#section.hidden = !offered || this.#buttons.length === 0;
+  }
+
   /** @param componentRef the Reaction component; null when the avatar has none or is away */
   setComponent(componentRef: string | null): void {
     if (componentRef !== null && this.#actuator?.componentRef !== componentRef) {

@@ -42,6 +42,11 @@ export class SayLine {
     this.#render();
   }
 
+  /** Whether the avatar can speak at all, now or when it is back. */
+  set offered(offered: boolean) {
+    this.#form.hidden = !offered;
+  }
+
   /** @param componentRef the SpeechSynthesis component; null when the avatar has none or is away */
   setComponent(componentRef: string | null): void {
     if (componentRef !== null && this.#actuator?.componentRef !== componentRef) {
