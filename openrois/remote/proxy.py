@@ -3,10 +3,8 @@
 import asyncio
 import logging
 import secrets
-from collections.abc import Callable, Mapping
-from typing import Any, Final, TypeVar
-
-from pydantic import ValidationError
+from collections.abc import Callable
+from typing import Any, Final
 
 from openrois.contract import Directory, Event, Extension, Sink, SubscriptionLost
 from openrois.errors import (
@@ -17,14 +15,15 @@ from openrois.errors import (
     RoISError,
     TimedOut,
     Unsupported,
-    error_for,
 )
 from openrois.jsonrpc import protocol
-from openrois.jsonrpc.session import NotificationHandler, RpcError, RpcSession, SessionClosed
+from openrois.jsonrpc.session import NotificationHandler, RpcError, RpcSession
 from openrois.logs import Tally
+from openrois.remote.asking import Asking, read_result
+from openrois.remote.claims import Claims
 from openrois.remote.extension import RemoteExtension
 from openrois.remote.subscriptions import SharedSubscriptions
-from openrois.types.codes import CompletedStatus, ReturnCode
+from openrois.types.codes import CompletedStatus
 from openrois.types.messages import (
     Argument,
     CommandUnit,
@@ -39,14 +38,11 @@ from openrois.types.messages import (
     SetParameterResult,
     SubscribeResult,
 )
-from openrois.types.references import engine_of
 from openrois.types.streams import EXTENSION_VERSION, EXTENSIONS, HelloResult
 
 __all__ = ["RemoteProxy"]
 
 _log = logging.getLogger(__name__)
-
-Outcome = TypeVar("Outcome", bound=ReturnResult)
 
 _Ended = asyncio.Future[CompletedStatus | None]
 """How a command ended; None where the engine went away first."""
@@ -70,13 +66,15 @@ class RemoteProxy:
         self.extension: Extension | None = None
         self._session = session
         self._profile_changed = profile_changed
-        self._remote_extension = RemoteExtension(self._ask_for, session.post, session.notify, self._is_theirs)
-        self._directory: Directory | None = None
+        self._asking = Asking(session)
+        self._claims = Claims()
+        self._remote_extension = RemoteExtension(
+            self._asking.ask_unread, session.post, session.notify, self._claims.is_own
+        )
         self._commands: dict[str, _Ended] = {}
         self._subscriptions = SharedSubscriptions(self._subscribe, self._unsubscribe, self._drop_subscription)
-        self._misfits = Tally(_log, "events that do not fit their subscription")
+        self._strays = Tally(_log, "events that do not fit their subscription")
         self._plain = False
-        self._lost = False
 
     def notifications(self) -> dict[str, NotificationHandler]:
         """Return what has to be done with the notifications that come over the connection."""
@@ -89,19 +87,19 @@ class RemoteProxy:
 
     async def discover(self) -> Directory:
         """Read the other side's profile, and ask which extensions it speaks unless it has said that it speaks none."""
-        result = await self._ask("rois.system.get_profile", {"condition": ""}, ProfileResult)
+        result = await self._asking.ask("rois.system.get_profile", {"condition": ""}, ProfileResult)
         if result.profile is None:
             raise ComponentFailed("the engine has no profile")
         if not self._plain:
             await self._hello()
-        self._directory = Directory(result.profile, result.component_profiles)
+        self._claims.directory = Directory(result.profile, result.component_profiles)
         self._subscriptions.keep_only(result.component_profiles, SubscriptionLost("the component is gone"))
-        return self._directory
+        return self._claims.directory
 
     async def _hello(self) -> None:
         params = {"version": EXTENSION_VERSION, "extensions": list(EXTENSIONS)}
         try:
-            result = await self._ask("openrois.hello", params, HelloResult)
+            result = await self._asking.ask("openrois.hello", params, HelloResult)
         except Unsupported:
             self._plain = True
         except ComponentFailed as error:
@@ -115,9 +113,11 @@ class RemoteProxy:
         """Ask a component."""
         if query_type == "get_parameter":
             params: dict[str, Any] = {"component_ref": component_ref}
-            return (await self._ask("rois.command.get_parameter", params, ParametersResult)).parameters
+            return (await self._asking.ask("rois.command.get_parameter", params, ParametersResult)).parameters
         params = {"query_type": query_type, "condition": _only(component_ref)}
-        return (await self._ask("rois.query.query", params, ResultsResult)).results
+        results = (await self._asking.ask("rois.query.query", params, ResultsResult)).results
+        self._claims.note(component_ref, query_type, results)
+        return results
 
     async def invoke(
         self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = ()
@@ -136,7 +136,7 @@ class RemoteProxy:
                     command_id=command_id,
                     arguments=arguments,
                 )
-                await self._ask(
+                await self._asking.ask(
                     "rois.command.execute",
                     ExecuteParams(command_unit_list=(unit,)).model_dump(mode="json"),
                     ReturnResult,
@@ -153,7 +153,7 @@ class RemoteProxy:
     async def _set_parameter(self, component_ref: str, arguments: tuple[Argument, ...], ended: _Ended) -> str:
         def accepted(result: SetParameterResult) -> None:
             # The id is the other side's: it is known from here on, before its `completed` can be looked at.
-            self._check_id(result.command_id)
+            self._claims.require_own(result.command_id)
             if result.command_id in self._commands:
                 raise ComponentFailed(f"the engine minted the id {result.command_id[:200]!r} twice")
             self._commands[result.command_id] = ended
@@ -162,21 +162,22 @@ class RemoteProxy:
             "component_ref": component_ref,
             "parameters": [argument.model_dump(mode="json") for argument in arguments],
         }
-        result = await self._ask("rois.command.set_parameter", params, SetParameterResult, accepted)
+        result = await self._asking.ask("rois.command.set_parameter", params, SetParameterResult, accepted)
         return result.command_id
 
     async def _command_results(self, component_ref: str, command_type: str, command_id: str) -> tuple[Result, ...]:
-        directory = self._directory
-        profile = directory.component_profiles.get(component_ref) if directory is not None else None
+        profile = self._claims.profile(component_ref)
         command = profile.command(command_type) if profile is not None else None
         if command is None or not command.results:
             return ()
         params = {"command_id": command_id, "condition": ""}
-        return (await self._ask("rois.command.get_command_result", params, ResultsResult)).results
+        results = (await self._asking.ask("rois.command.get_command_result", params, ResultsResult)).results
+        self._claims.note(component_ref, command_type, results)
+        return results
 
     async def subscribe(self, component_ref: str, event_type: str, sink: Sink) -> str:
         """Listen to a component; several subscriptions to one event share one on the other side."""
-        self._require_connected()
+        self._asking.require_connected()
         return await self._subscriptions.add((component_ref, event_type), sink)
 
     async def unsubscribe(self, subscribe_id: str) -> None:
@@ -187,18 +188,18 @@ class RemoteProxy:
         component_ref, event_type = key
 
         def accepted(result: SubscribeResult) -> None:
-            self._check_id(result.subscribe_id)
+            self._claims.require_own(result.subscribe_id)
             register(result.subscribe_id)
 
         def too_late(result: Any) -> None:
-            self._drop_subscription(_read("rois.event.subscribe", result, SubscribeResult).subscribe_id)
+            self._drop_subscription(read_result("rois.event.subscribe", result, SubscribeResult).subscribe_id)
 
         params = {"event_type": event_type, "condition": _only(component_ref)}
-        await self._ask("rois.event.subscribe", params, SubscribeResult, accepted, too_late)
+        await self._asking.ask("rois.event.subscribe", params, SubscribeResult, accepted, too_late)
 
     async def _unsubscribe(self, remote_id: str) -> None:
-        if not self._lost:
-            await self._ask("rois.event.unsubscribe", {"subscribe_id": remote_id}, ReturnResult)
+        if not self._asking.lost:
+            await self._asking.ask("rois.event.unsubscribe", {"subscribe_id": remote_id}, ReturnResult)
 
     def _drop_subscription(self, remote_id: str) -> None:
         if remote_id:
@@ -206,25 +207,13 @@ class RemoteProxy:
 
     def lost(self, reason: str) -> None:
         """Say that the connection has ended: whatever waits fails, and every subscriber is told, once."""
-        self._lost = True
+        self._asking.lost = True
         self.extension = None
         for ended in self._commands.values():
             if not ended.done():
                 ended.set_result(None)
         self._subscriptions.lost(SubscriptionLost(reason))
         self._remote_extension.lost()
-
-    def _require_connected(self) -> None:
-        if self._lost:
-            raise EngineUnreachable("the connection to the engine has ended")
-
-    def _check_id(self, minted: str) -> None:
-        if not self._is_theirs(minted):
-            raise ComponentFailed(f"the engine minted the id {minted[:200]!r}, which does not begin with its own")
-
-    def _is_theirs(self, reference: str) -> bool:
-        known = self._directory.profile.engine_ids() if self._directory is not None else ()
-        return engine_of(reference) in known
 
     def _take_profile_changed(self, _params: dict[str, Any]) -> None:
         self._subscriptions.tree_changed()
@@ -242,58 +231,12 @@ class RemoteProxy:
         if key is None:
             return
         component_ref, event_type = key
-        if told.event_type != event_type or not self._is_theirs(told.event_id):
-            self._misfits.note(f"one of type {told.event_type[:80]!r} for a subscription to {event_type!r}")
+        if told.event_type != event_type or not self._claims.is_own(told.event_id):
+            self._strays.note(f"one of type {told.event_type[:80]!r} for a subscription to {event_type!r}")
             return
+        self._claims.note(component_ref, event_type, told.results)
         event = Event(told.event_id, event_type, component_ref, told.expire, told.results)
         self._subscriptions.emit(key, event)
-
-    async def _ask(
-        self,
-        name: str,
-        params: Mapping[str, Any],
-        model: type[Outcome],
-        accepted: Callable[[Outcome], None] | None = None,
-        too_late: Callable[[Any], None] | None = None,
-    ) -> Outcome:
-        """Ask, check the answer, and raise what its return code stands for."""
-
-        def on_result(result: Any) -> None:
-            checked = _read(name, result, model)
-            if accepted is not None and checked.return_code is ReturnCode.OK:
-                accepted(checked)
-
-        checked = _read(name, await self._ask_raw(name, params, on_result, too_late), model)
-        if checked.return_code is not ReturnCode.OK:
-            raise error_for(checked.return_code, f"the engine answered {name} with {checked.return_code}")
-        return checked
-
-    async def _ask_for(self, name: str, params: Mapping[str, Any], too_late: Callable[[Any], None]) -> Any:
-        return await self._ask_raw(name, params, None, too_late)
-
-    async def _ask_raw(
-        self,
-        name: str,
-        params: Mapping[str, Any],
-        on_result: Callable[[Any], None] | None,
-        too_late: Callable[[Any], None] | None,
-    ) -> Any:
-        self._require_connected()
-        try:
-            return await self._session.call(name, params, on_result=on_result, on_late=too_late)
-        except TimeoutError:
-            raise TimedOut(f"the engine did not answer {name} in time") from None
-        except SessionClosed as closed:
-            raise EngineUnreachable(str(closed)) from closed
-        except RpcError as refused:
-            raise ComponentFailed(f"the engine refused {name}: {refused}") from refused
-
-
-def _read(name: str, result: Any, model: type[Outcome]) -> Outcome:
-    try:
-        return model.model_validate(result)
-    except ValidationError as error:
-        raise ComponentFailed(f"the engine's answer to {name} is malformed: {error}") from error
 
 
 def _failure(status: CompletedStatus, message: str) -> RoISError:

@@ -1,0 +1,96 @@
+"""Questions to a remote engine: the wire's answers become values or `RoISError`."""
+
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar
+
+from pydantic import ValidationError
+
+from openrois.errors import ComponentFailed, EngineUnreachable, TimedOut, error_for
+from openrois.jsonrpc.session import RpcError, RpcSession, SessionClosed
+from openrois.types.codes import ReturnCode
+from openrois.types.messages import ReturnResult
+
+__all__ = ["Asking", "read_result"]
+
+Outcome = TypeVar("Outcome", bound=ReturnResult)
+
+
+class Asking:
+    """Asks over a session until it is told that the other side is lost."""
+
+    def __init__(self, session: RpcSession) -> None:
+        self._session = session
+        self.lost = False
+
+    def require_connected(self) -> None:
+        """Raise `EngineUnreachable` once the other side is lost."""
+        if self.lost:
+            raise EngineUnreachable("the connection to the engine has ended")
+
+    async def ask(
+        self,
+        name: str,
+        params: Mapping[str, Any],
+        model: type[Outcome],
+        accepted: Callable[[Outcome], None] | None = None,
+        too_late: Callable[[Any], None] | None = None,
+    ) -> Outcome:
+        """Ask, check the answer, and raise what its return code stands for.
+
+        Args:
+            name: the method.
+            params: its params.
+            model: of its result.
+            accepted: called with a result whose code is OK before any later message is looked at.
+            too_late: called with a result, as it came, that arrives when nobody waits for it any more.
+
+        Raises:
+            RoISError: the other side refused, did not answer in time or properly, or is gone.
+        """
+
+        def on_result(result: Any) -> None:
+            checked = read_result(name, result, model)
+            if accepted is not None and checked.return_code is ReturnCode.OK:
+                accepted(checked)
+
+        checked = read_result(name, await self._ask(name, params, on_result, too_late), model)
+        if checked.return_code is not ReturnCode.OK:
+            raise error_for(checked.return_code, f"the engine answered {name} with {checked.return_code}")
+        return checked
+
+    async def ask_unread(self, name: str, params: Mapping[str, Any], too_late: Callable[[Any], None]) -> Any:
+        """Ask and return the result as it came.
+
+        Raises:
+            RoISError: as `ask`.
+        """
+        return await self._ask(name, params, None, too_late)
+
+    async def _ask(
+        self,
+        name: str,
+        params: Mapping[str, Any],
+        on_result: Callable[[Any], None] | None,
+        too_late: Callable[[Any], None] | None,
+    ) -> Any:
+        self.require_connected()
+        try:
+            return await self._session.call(name, params, on_result=on_result, on_late=too_late)
+        except TimeoutError:
+            raise TimedOut(f"the engine did not answer {name} in time") from None
+        except SessionClosed as closed:
+            raise EngineUnreachable(str(closed)) from closed
+        except RpcError as refused:
+            raise ComponentFailed(f"the engine refused {name}: {refused}") from refused
+
+
+def read_result(name: str, result: Any, model: type[Outcome]) -> Outcome:
+    """Return the result of `name` as its model.
+
+    Raises:
+        ComponentFailed: it is none.
+    """
+    try:
+        return model.model_validate(result)
+    except ValidationError as error:
+        raise ComponentFailed(f"the engine's answer to {name} is malformed: {error}") from error

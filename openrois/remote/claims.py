@@ -1,0 +1,63 @@
+"""What a remote engine says it is, and whether what it does is that."""
+
+import logging
+
+from openrois.contract import Directory
+from openrois.errors import ComponentFailed
+from openrois.logs import Tally
+from openrois.types.messages import Result
+from openrois.types.profiles import HRIComponentProfile, ParameterProfile
+from openrois.types.references import engine_of
+from openrois.types.values import check_value
+
+__all__ = ["Claims", "first_misfit"]
+
+_log = logging.getLogger(__name__)
+
+
+class Claims:
+    """The latest profile of a remote engine. Ids of other engines are refused; results that do not fit are counted."""
+
+    def __init__(self) -> None:
+        self.directory: Directory | None = None
+        self._misfits = Tally(_log, "results that do not fit their component's profile")
+
+    def is_own(self, reference: str) -> bool:
+        """Tell whether a reference or id is led by the engine or one below it."""
+        return self.directory is not None and engine_of(reference) in self.directory.profile.engine_ids()
+
+    def require_own(self, minted: str) -> None:
+        """Raise `ComponentFailed` where the engine minted an id that is led by another."""
+        if not self.is_own(minted):
+            raise ComponentFailed(f"the engine minted the id {minted[:200]!r}, which does not begin with its own")
+
+    def profile(self, component_ref: str) -> HRIComponentProfile | None:
+        """Return the profile of a component, or None where it has none."""
+        return self.directory.component_profiles.get(component_ref) if self.directory is not None else None
+
+    def note(self, component_ref: str, message: str, results: tuple[Result, ...]) -> None:
+        """Count results of a message that are not what the component's profile promised."""
+        profile = self.profile(component_ref)
+        if profile is not None and (misfit := first_misfit(profile, message, results)) is not None:
+            self._misfits.note(f"{component_ref} {message}: {misfit}")
+
+
+def first_misfit(profile: HRIComponentProfile, message: str, results: tuple[Result, ...]) -> str | None:
+    """Return what is wrong with the first of a message's results that does not fit, or None; one may be missing."""
+    types = {promised.name: promised.data_type_ref.code for promised in _promised(profile, message)}
+    for result in results:
+        if result.name not in types:
+            return f"a result {result.name[:80]!r} that the profile does not name"
+        try:
+            check_value(types[result.name], result.value)
+        except ValueError as error:
+            return f"{result.name[:80]}: {error}"
+    return None
+
+
+def _promised(profile: HRIComponentProfile, message: str) -> tuple[ParameterProfile, ...]:
+    for kind in (profile.command_profiles, profile.query_profiles, profile.event_profiles):
+        for entry in kind:
+            if entry.name == message:
+                return entry.results
+    return ()

@@ -1,0 +1,52 @@
+"""What a remote engine gives, against the profile that promised it."""
+
+import pytest
+
+from openrois.component import parameter_profile
+from openrois.remote.claims import first_misfit
+from openrois.types.messages import Result
+from openrois.types.profiles import (
+    CommandMessageProfile,
+    EventMessageProfile,
+    HRIComponentProfile,
+    QueryMessageProfile,
+    RoISIdentifier,
+)
+
+PROMISED = (parameter_profile("level", "int"), parameter_profile("note", "string"))
+PROFILE = HRIComponentProfile(
+    identifier=RoISIdentifier(code="urn"),
+    name="lamp",
+    command_profiles=(CommandMessageProfile(name="switch", results=PROMISED),),
+    query_profiles=(QueryMessageProfile(name="look", results=PROMISED),),
+    event_profiles=(EventMessageProfile(name="switched", results=PROMISED),),
+)
+
+
+def result(name: str, value: str) -> Result:
+    return Result(name=name, data_type_ref="whatever", value=value)
+
+
+@pytest.mark.parametrize(
+    "results", [(), (result("level", "5"),), (result("note", "x"), result("level", "-1"), result("note", ""))]
+)
+def test_what_fits(results: tuple[Result, ...]) -> None:
+    for message in ("switch", "look", "switched"):
+        assert first_misfit(PROFILE, message, results) is None
+
+
+@pytest.mark.parametrize(
+    ("results", "words"),
+    [
+        ((result("level", "much"),), "level: 'much' is not of type int"),
+        ((result("note", "x"), result("shape", "round")), "'shape'"),
+    ],
+)
+def test_what_does_not(results: tuple[Result, ...], words: str) -> None:
+    for message in ("switch", "look", "switched"):
+        assert words in (first_misfit(PROFILE, message, results) or "")
+
+
+def test_a_message_that_was_never_promised() -> None:
+    assert first_misfit(PROFILE, "explode", ()) is None
+    assert first_misfit(PROFILE, "explode", (result("level", "5"),)) is not None
