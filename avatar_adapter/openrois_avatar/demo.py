@@ -5,13 +5,13 @@ import asyncio
 import signal
 import socket
 import sys
-from collections.abc import Sequence
+from collections.abc import Awaitable, Sequence
 from typing import Final
 
 from openrois.jsonrpc.session import RpcSession
 from openrois.logs import set_up_logging
 from openrois.transport.websocket import dial
-from openrois_avatar.process import Program
+from openrois_avatar.process import Program, ProgramFailed
 from openrois_avatar.settings import ENGINES
 
 __all__ = ["main"]
@@ -64,8 +64,11 @@ async def _run(port: int, engine: str, more: tuple[str, ...]) -> int:
         await running
     except asyncio.CancelledError:
         return 0
-    except ExceptionGroup as failed:
-        print(f"openrois demo: {failed.exceptions[0]}", file=sys.stderr)
+    except ExceptionGroup as group:
+        failure: Exception = group
+        while isinstance(failure, ExceptionGroup):
+            failure = failure.exceptions[0]
+        print(f"openrois demo: {failure}", file=sys.stderr)
     return 1
 
 
@@ -73,11 +76,17 @@ async def _keep_running(gateway: Program, avatar: Program, url: str) -> None:
     async with asyncio.TaskGroup() as tasks:
         for program in (gateway, avatar):
             tasks.create_task(program.keep_running())
-            async with asyncio.timeout(_START_TIMEOUT):
-                await program.ready.wait()
-        async with asyncio.timeout(_START_TIMEOUT):
-            await _until_attached(url)
+            await _in_time(program.ready.wait(), f"{program.name} is not ready")
+        await _in_time(_until_attached(url), "no avatar has come to the gateway")
         print(f"ready {url}", flush=True)
+
+
+async def _in_time(step: Awaitable[object], complaint: str) -> None:
+    try:
+        async with asyncio.timeout(_START_TIMEOUT):
+            await step
+    except TimeoutError:
+        raise ProgramFailed(f"{complaint} after {_START_TIMEOUT:.0f} s") from None
 
 
 async def _until_attached(url: str) -> None:

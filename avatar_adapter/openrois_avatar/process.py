@@ -16,12 +16,12 @@ __all__ = ["Program", "ProgramFailed"]
 
 _log = logging.getLogger(__name__)
 
-STOP_TIMEOUT: Final = 2.2
+STOP_TIMEOUT: Final = 2.0
 """Seconds that a program has to end by itself before it is killed, with whatever it started."""
 
 
 class ProgramFailed(Exception):
-    """The program ended before it was ready."""
+    """A program did not become ready; the text says how."""
 
 
 class Program:

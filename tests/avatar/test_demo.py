@@ -1,5 +1,6 @@
 """`openrois demo` as a person starts and stops it."""
 
+import asyncio
 import os
 import re
 import signal
@@ -10,8 +11,10 @@ from pathlib import Path
 
 import psutil  # type: ignore[import-untyped]
 import pytest
+from openrois_avatar import demo as demo_module
+from openrois_avatar.process import ProgramFailed
 
-from tests.support.demo import Demo, end, first_line, running_demo, start
+from tests.support.demo import Demo, end, first_line, free_port, running_demo, start
 
 pytestmark = [pytest.mark.media, pytest.mark.timeout(40)]
 
@@ -79,6 +82,35 @@ def test_what_is_no_port_is_wrong_usage(port: str) -> None:
     output, complaint = refused.communicate(timeout=10)
     assert (refused.returncode, output) == (2, "")
     assert complaint.endswith(f"argument --port: '{port}' is not a port from 1 to 65535\n")
+
+
+class Unready:
+    """Stands in for a program that does not become ready: it ends, or it hangs."""
+
+    ends = True
+
+    def __init__(self, arguments: tuple[str, ...], announces: str) -> None:
+        self.name = arguments[0]
+        self.ready = asyncio.Event()
+
+    async def keep_running(self) -> None:
+        if self.ends:
+            raise ProgramFailed("it fell over")
+        await self.ready.wait()
+
+
+@pytest.mark.parametrize(
+    ("ends", "complaint"), [(True, "it fell over"), (False, "gateway is not ready after 0 s")], ids=["ends", "hangs"]
+)
+def test_a_program_that_does_not_become_ready_ends_the_demo_with_a_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], ends: bool, complaint: str
+) -> None:
+    monkeypatch.setattr(demo_module, "set_up_logging", lambda *, verbose: None)
+    monkeypatch.setattr(demo_module, "Program", Unready)
+    monkeypatch.setattr(demo_module, "_START_TIMEOUT", 0.01)
+    monkeypatch.setattr(Unready, "ends", ends)
+    assert demo_module.main(["--port", str(free_port())]) == 1
+    assert capsys.readouterr() == ("", f"openrois demo: {complaint}\n")
 
 
 def port_is_free(port: int) -> bool:

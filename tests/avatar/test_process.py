@@ -40,15 +40,22 @@ async def running(program: Program, pauses: Pauses) -> AsyncIterator[asyncio.Tas
             await task
 
 
-def children() -> list[psutil.Process]:
-    found: list[psutil.Process] = psutil.Process().children()
-    return found
+class Children:
+    """The child processes of a test; not those that others have started before."""
+
+    def __init__(self) -> None:
+        self._others = set(psutil.Process().children())
+
+    def now(self) -> list[psutil.Process]:
+        return [child for child in psutil.Process().children() if child not in self._others]
 
 
 @pytest.fixture(autouse=True)
-def no_child_is_left() -> Iterator[None]:
-    yield
-    assert not children()
+def children() -> Iterator[Children]:
+    """What a test starts; nothing of it may be left."""
+    children = Children()
+    yield children
+    assert not children.now()
 
 
 async def test_a_program_that_cannot_start_is_not_tried_again() -> None:
@@ -69,20 +76,20 @@ async def test_a_program_that_ends_is_started_again_after_growing_pauses() -> No
 
 
 async def test_a_program_that_is_killed_is_started_again_and_ends_when_it_is_told_to(
-    caplog: pytest.LogCaptureFixture,
+    children: Children, caplog: pytest.LogCaptureFixture
 ) -> None:
     program, pauses = Program(GATEWAY, announces="listening "), Pauses()
     async with running(program, pauses), asyncio.timeout(10):
         await program.ready.wait()
-        [first] = children()
+        [first] = children.now()
         assert first.cmdline()[-3:] == list(GATEWAY)
         first.kill()
         await pauses.begun.wait()
-        assert not children()
+        assert not children.now()
         program.ready.clear()
         pauses.may_end.set()
         await program.ready.wait()
-        [second] = children()
+        [second] = children.now()
         assert second != first
     assert [record.message for record in caplog.records if record.name == process.__name__] == [
         "gateway ended with status -9 and is started again"
@@ -90,20 +97,20 @@ async def test_a_program_that_is_killed_is_started_again_and_ends_when_it_is_tol
 
 
 async def test_a_program_that_does_not_end_by_itself_is_killed(
-    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+    children: Children, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     monkeypatch.setattr(process, "STOP_TIMEOUT", 0.05)
     program = Program(GATEWAY, announces="listening ")
     with caplog.at_level(logging.WARNING):
         async with running(program, Pauses()), asyncio.timeout(10):
             await program.ready.wait()
-            children()[0].send_signal(signal.SIGSTOP)
+            children.now()[0].send_signal(signal.SIGSTOP)
     assert "gateway did not end within 0.1 s and is killed" in caplog.messages
 
 
-async def test_a_program_that_is_told_to_end_before_it_is_ready_ends() -> None:
+async def test_a_program_that_is_told_to_end_before_it_is_ready_ends(children: Children) -> None:
     program = Program(GATEWAY, announces="never said ")
     async with running(program, Pauses()):
         await settle()
-        assert children()
+        assert children.now()
     assert not program.ready.is_set()
