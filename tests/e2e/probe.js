@@ -3,6 +3,7 @@
 (() => {
   const CELLS = 80;
   const KEPT = 3000;
+  const clock = performance.now.bind(performance);
   const probe = {
     // The newest frames that the page's video has presented: number and time of the stamp, mean luma, when (ms).
     frames: [],
@@ -35,11 +36,11 @@
   // Resolves with what `condition` returns once that is true; looks every 25 ms.
   probe.until = (condition, patience) =>
     new Promise((resolve, reject) => {
-      const end = performance.now() + patience;
+      const end = clock() + patience;
       const look = () => {
         const found = condition();
         if (found) resolve(found);
-        else if (performance.now() > end) reject(new Error(`not so within ${patience} ms: ${condition}`));
+        else if (clock() > end) reject(new Error(`not so within ${patience} ms: ${condition}`));
         else setTimeout(look, 25);
       };
       look();

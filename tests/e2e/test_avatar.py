@@ -22,7 +22,7 @@ ENGINE: Final = "panda3d"
 _PICTURE: Final = (0.0, 0.0, 1.0, 0.94)
 _MOUTH: Final = (0.44, 0.44, 0.15, 0.14)
 _EYES: Final = (0.40, 0.33, 0.25, 0.12)
-_ALIVE: Final = 0.05
+_ALIVE: Final = 0.3
 """By how much a picture differs from an earlier one, in luma and on average, when somebody breathes in it."""
 _MOVED: Final = 2.0
 """... when somebody makes a gesture in it."""
@@ -32,6 +32,8 @@ _SENTENCE: Final = "Hello, I am pleased to meet you. How are you today?"
 _STORY: Final = "Once upon a time there was an avatar that told long stories to whoever would listen. " * 6
 _SAYING: Final = "document.querySelector('[data-testid=say-state]').dataset.state"
 _LOUD: Final = 0.02
+_IN_TIME: Final = 400
+"""Milliseconds between the first sound and the first movement of the mouth; idle machines have 50."""
 
 
 async def _say(guest: Visit, text: str) -> None:
@@ -71,6 +73,9 @@ async def test_it_speaks_a_sentence_and_its_mouth_moves_with_the_sound(guest: Vi
     assert not any(each["rms"] > _LOUD for each in sound if each["at"] < began)
     heard = [each["at"] for each in sound if began < each["at"] and each["rms"] > _LOUD]
     assert 1500 < heard[-1] - heard[0] < 5000
+    most = max(each["step"] for each in mouth if each["at"] < began)
+    opened = next(each["at"] for each in mouth if each["at"] > began and each["step"] > max(3.0, 1.2 * most))
+    assert abs(opened - heard[0]) < _IN_TIME
 
 
 async def test_it_stops_in_the_middle_of_a_word(guest: Visit) -> None:

@@ -26,7 +26,7 @@ async def test_a_killed_adapter_is_named_and_its_picture_lasts_until_the_next_on
     video, audio = await visit.stream_id("video"), await visit.stream_id("audio")
     async with visit.watched() as seen:
         demo.program("avatar").kill()
-        await visit.banner("adapter-gone", "avatar has left")
+        await visit.banner("adapter-gone", "has left")
         await visit.another_stream("video", than=video)
         await visit.another_stream("audio", than=audio)
         await visit.plays()
@@ -50,6 +50,43 @@ async def test_a_killed_gateway_is_named_and_found_again(visit: Visit, demo: Dem
     await visit.status("video", "RUNNING")
     await visit.status("audio", "RUNNING")
     assert not any(each.black for each in seen), seen
+    # The media does not need the gateway: the old stream plays until the new one does.
+    assert await visit.longest_gap() < 1500
+
+
+async def test_a_suspended_picture_comes_back_suspended(visit: Visit, demo: Demo) -> None:
+    await visit.plays()
+    await visit.status("video", "RUNNING")
+    await visit.press("video-suspend")
+    await visit.status("video", "SUSPENDED")
+    video = await visit.stream_id("video")
+    async with visit.watched() as seen:
+        demo.program("avatar").kill()
+        await visit.another_stream("video", than=video)
+        await visit.status("video", "SUSPENDED")
+        await visit.press("video-resume")
+        await visit.plays()
+    await visit.status("video", "RUNNING")
+    assert not any(each.black for each in seen), seen
+
+
+async def test_the_way_of_the_media_is_replaced_by_another_under_a_running_picture(visit: Visit) -> None:
+    await visit.plays()
+    await visit.status("audio", "RUNNING")
+    video, audio = await visit.stream_id("video"), await visit.stream_id("audio")
+    (first,) = {offer["peer_id"] for offer in visit.told("signaling.offer")}
+    async with visit.watched() as seen:
+        await visit.page.evaluate(f"openrois.client.call('signaling.restart', {{ peer_id: '{first}' }})")
+        await visit.until_told("signaling.offer", replaces=first)
+        await visit.until("probe.connections[0].connectionState === 'closed'")
+        await visit.plays()
+    assert await visit.stream_id("video") == video
+    assert await visit.stream_id("audio") == audio
+    assert await visit.read("probe.connections.length") == 2
+    assert await visit.longest_gap() < 1500
+    assert not any(each.black for each in seen), seen
+    await visit.status("video", "RUNNING")
+    await visit.status("audio", "RUNNING")
 
 
 async def test_a_page_that_is_loaded_again_plays_again(visit: Visit) -> None:

@@ -19,6 +19,8 @@ _ONLY_UNKNOWN_CODECS = """
     RTCRtpReceiver.getCapabilities = () => ({ codecs, headerExtensions: [] });
 """
 _NO_WEBRTC = "delete globalThis.RTCPeerConnection; delete globalThis.RTCRtpReceiver;"
+_IMPATIENT = "const now = performance.now.bind(performance); performance.now = () => 5 * now();"
+"""A page to which a second is as long as five."""
 _POLICY = ("webrtc-ip-handling-policy", "force-webrtc-ip-handling-policy")
 
 
@@ -41,9 +43,11 @@ async def test_a_gateway_without_an_avatar_and_then_with_one(browser: Browser, g
     async with visiting(browser, gateway.url) as visit:
         words = await visit.banner("no-adapter", "No avatar is connected")
         assert "openrois avatar" in words
+        assert (await visit.look()).black
         async with running_avatar(gateway):
             await visit.plays()
             await visit.no_banner()
+            assert not (await visit.look()).black
 
 
 async def test_no_codec_in_common(browser: Browser, gateway: Gateway) -> None:
@@ -63,7 +67,7 @@ async def test_no_way_for_the_media(chromium: Path, gateway: Gateway) -> None:
     async with (
         running_avatar(gateway),
         running_browser(chromium, *policy) as browser,
-        visiting(browser, gateway.url) as visit,
+        visiting(browser, gateway.url, script=_IMPATIENT) as visit,
     ):
         words = await visit.banner("no-media", "The picture does not get through")
         assert "firewall or VPN" in words

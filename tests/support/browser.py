@@ -1,6 +1,7 @@
 """A person's visit to the page: a real Chromium, its tab, and what that person sees, hears and is told."""
 
 import asyncio
+import itertools
 import json
 import re
 from collections.abc import AsyncIterator, Sequence
@@ -24,6 +25,7 @@ PATIENCE: Final = 15.0
 GATEWAY_AWAY: Final = r"WebSocket connection to .* failed"
 """What Chromium itself writes to the console for each attempt to reach a gateway that is away."""
 
+_BANNER: Final = "document.querySelector('[data-testid=banner]:not([hidden])')"
 _PROBE: Final = Path(__file__).parents[1] / "e2e" / "probe.js"
 _ARGUMENTS: Final = (
     "--no-sandbox",  # tests may run as root
@@ -88,13 +90,11 @@ class Visit:
         """Wait until the page shows this status of its video or audio."""
         await expect(self.item(f"status-{kind}")).to_have_text(f"STREAMING_{status}", timeout=PATIENCE * 1000)
 
-    async def banner(self, kind: str, words: str) -> str:
-        """Wait for the banner of this kind, which says these words; returns all it says."""
-        banner = self.item("banner")
-        await expect(banner).to_have_attribute("data-kind", kind, timeout=PATIENCE * 1000)
-        await expect(banner).to_be_visible()
-        await expect(banner).to_contain_text(words)
-        return await banner.inner_text()
+    async def banner(self, kind: str, title: str) -> str:
+        """Wait for the banner of this kind, whose title has these words; returns all it says."""
+        words = str(await self.until(f"{_BANNER}?.dataset.kind === '{kind}' && {_BANNER}.innerText"))
+        assert title in words
+        return words
 
     async def no_banner(self) -> None:
         """Wait until the page has nothing to complain about."""
@@ -107,6 +107,11 @@ class Visit:
             f"probe.presented >= {presented + count} && probe.frames.slice(-{count})", within
         )
         return frames
+
+    async def longest_gap(self) -> float:
+        """The longest time between two of the pictures so far, in milliseconds."""
+        moments = [frame["at"] for frame in await self.read("probe.frames")]
+        return float(max(later - earlier for earlier, later in itertools.pairwise(moments)))
 
     async def stream_id(self, kind: str) -> str:
         """Wait until the page has a stream of this kind, and return its id."""
@@ -165,8 +170,13 @@ class Visit:
 
     async def picture(self) -> NDArray[np.uint8]:
         """The luma of the stage, out of a screenshot."""
-        png = np.frombuffer(await self.item("stage").screenshot(), np.uint8)
-        grey = cv2.imdecode(png, cv2.IMREAD_GRAYSCALE)
+        stage = self.item("stage")
+        before, after = None, await stage.bounding_box()
+        while before is None or before != after:  # a banner that came or went has moved the stage meanwhile
+            before = after
+            png = await self.page.screenshot(clip=before)
+            after = await stage.bounding_box()
+        grey = cv2.imdecode(np.frombuffer(png, np.uint8), cv2.IMREAD_GRAYSCALE)
         assert grey is not None
         return np.asarray(grey, np.uint8)
 
