@@ -34,6 +34,8 @@ export class Stage {
     this.picture = new LastingPicture(this.video, byRole("last-picture", HTMLCanvasElement), this.frames);
     // An attribute alone does not mute in every browser, and only a muted video may start by itself.
     this.video.muted = true;
+    // The first picture takes the placeholder's place at once; the next rendering may be half a second away.
+    this.frames.onFrame(() => this.#element.classList.remove("empty"));
     const fullscreen = byTestId("fullscreen", HTMLButtonElement);
     fullscreen.hidden = !document.fullscreenEnabled;
     fullscreen.addEventListener("click", () => this.toggleFullscreen());
