@@ -16,8 +16,10 @@ _SILENT = "performance.now() - probe.markers().at(-1) > 1500"
 
 
 async def test_the_pictures_count_up_and_no_second_is_lost(visit: Visit) -> None:
-    frames = await visit.plays(60)
-    numbers = [frame["number"] for frame in frames]
+    frames = await visit.plays(90)
+    # The browser calls back for a picture and may show the next one by then, which is read twice in that case.
+    numbers = [number for number, _ in itertools.groupby(frame["number"] for frame in frames)]
+    assert len(numbers) >= 60
     assert all(earlier < later for earlier, later in itertools.pairwise(numbers)), numbers
     seconds = (frames[-1]["time"] - frames[0]["time"]) / 1000
     assert 28 < (numbers[-1] - numbers[0]) / seconds < 32

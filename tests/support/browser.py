@@ -168,6 +168,12 @@ class Visit:
         middle = picture[height // 5 : height * 3 // 4, width // 8 : width * 7 // 8]
         return Seen(float(middle.mean()), float(middle.std()))
 
+    async def shows(self, within: float) -> None:
+        """Wait until the stage shows a picture, for so many seconds at most."""
+        async with asyncio.timeout(within):
+            while (await self.look()).black:
+                pass
+
     async def picture(self) -> NDArray[np.uint8]:
         """The luma of the stage, out of a screenshot."""
         stage = self.item("stage")
