@@ -11,7 +11,9 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed
 
 from openrois.gateway.server import Gateway
-from tests.support.deployment import PATIENCE
+from tests.support.deployment import PATIENCE, patience, until
+
+TOY = "plain/toy"
 
 
 def identifier(code: str) -> dict[str, str]:
@@ -159,3 +161,20 @@ async def plain_adapter(
             await socket.close()
             async with asyncio.timeout(PATIENCE):
                 await running
+
+
+async def attached(gateway: Gateway, engine_id: str = "plain") -> None:
+    """Wait until an engine is part of the gateway's tree."""
+    await until(gateway.engine, lambda ids: engine_id in ids)
+
+
+def gateway_url(gateway: Gateway) -> str:
+    """Return where adapters connect."""
+    return gateway.url.replace("http", "ws") + "adapter"
+
+
+async def refusal(adapter: PlainAdapter) -> tuple[int, str]:
+    """Wait until the gateway closes the connection; return its code and reason."""
+    async with patience():
+        await adapter.socket.wait_closed()
+    return adapter.socket.close_code or 0, adapter.socket.close_reason or ""
