@@ -17,7 +17,7 @@ from tests.support.black_box import (
     Message,
     application,
 )
-from tests.support.black_box_media import MARKER_HZ, SAMPLE_RATE, Picture, bursts, pitch
+from tests.support.black_box_media import MARKER_HZ, SAMPLE_RATE, bursts, pitch
 from tests.support.demo import Demo
 
 pytestmark = [pytest.mark.media, pytest.mark.timeout(40)]
@@ -127,8 +127,8 @@ async def test_a_restart_brings_the_same_streams_over_a_new_peer_connection(app:
     await app.news.until(lambda: old.bye is not None and old.connection.connectionState == "closed")
     assert new.connection.connectionState == "connected"
 
-    pictures = seen(before.pictures, new.media["0"].pictures + await app.pictures(stream_id, 15))
-    assert max(later.at - earlier.at for earlier, later in itertools.pairwise(pictures)) < 0.5
+    assert await app.pictures(stream_id, 15)
+    assert before.pictures[-1].at > new.media["0"].pictures[0].at, "the old one played until the new one did"
     assert await app.status(stream_id) == "STREAMING_RUNNING"
     assert "NOT_CONNECTED" not in app.statuses(stream_id)
 
@@ -191,11 +191,6 @@ async def heard(app: Application, stream_id: str, *, seconds: float) -> None:
     media = app.media(stream_id)
     end = media.blocks + round(seconds * 50)
     await app.news.until(lambda: media.blocks >= end)
-
-
-def seen(*ways: list[Picture]) -> list[Picture]:
-    """What a viewer of several peer connections saw, in order."""
-    return sorted((picture for way in ways for picture in way), key=lambda picture: picture.at)
 
 
 async def completed(app: Application, command_id: str) -> str:
