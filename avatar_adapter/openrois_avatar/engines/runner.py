@@ -21,7 +21,20 @@ from openrois_avatar.engines.animation.visemes import SHAPES, Track
 from openrois_avatar.engines.settings import Available, Factory, Picture, Pixels, Renderer
 from openrois_avatar.engines.sound import PERIOD, Sound
 from openrois_avatar.link.client import LinkClient, connect_from_environment
-from openrois_avatar.link.messages import Command, Completed, Hello, LinkError, Log, Look, Quit, React, Silence, Speak, Stop, VideoShape
+from openrois_avatar.link.messages import (
+    Command,
+    Completed,
+    Hello,
+    LinkError,
+    Log,
+    Look,
+    Quit,
+    React,
+    Silence,
+    Speak,
+    Stop,
+    VideoShape,
+)
 from openrois_avatar.link.protocol import PixelFormat
 
 UNAVAILABLE: Final = 3
@@ -43,7 +56,9 @@ def main(name: str, available: Available, factory: Factory, arguments: Sequence[
     picture = Picture(options.width, options.height, options.fps)
     if options.still:
         return _still(factory(picture), options)
-    hello = Hello(name, __version__, VideoShape(picture.width, picture.height, picture.fps, "i420"), 1, tuple(REACTIONS))
+    hello = Hello(
+        name, __version__, VideoShape(picture.width, picture.height, picture.fps, "i420"), 1, tuple(REACTIONS)
+    )
     renderer = factory(picture)
     try:
         with connect_from_environment(hello) as link:
@@ -55,7 +70,9 @@ def main(name: str, available: Available, factory: Factory, arguments: Sequence[
 
 
 def _options(name: str, arguments: Sequence[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(prog=f"python -m openrois_avatar.engines.{name}", description="Renders the avatar onto the engine link.")
+    parser = argparse.ArgumentParser(
+        prog=f"python -m openrois_avatar.engines.{name}", description="Renders the avatar onto the engine link."
+    )
     parser.add_argument("--width", type=_even, default=_DEFAULT.width)
     parser.add_argument("--height", type=_even, default=_DEFAULT.height)
     parser.add_argument("--fps", type=int, choices=range(1, 121), default=_DEFAULT.fps, metavar="1..120")
@@ -173,7 +190,8 @@ class Runner:
 
     def _report(self) -> None:
         if self._skips.pictures or self._skips.blocks:
-            text = f"late in {_REPORT:.0f} s: {self._skips.pictures} pictures and {self._skips.blocks} blocks of sound left out"
+            skips = self._skips
+            text = f"late: {skips.pictures} pictures and {skips.blocks} blocks of sound left out in {_REPORT:.0f} s"
             self._link.send_event(Log(text))
             self._skips = _Skips()
 

@@ -25,7 +25,7 @@ class Renderer(Protocol):
     """Draws poses."""
 
     def draw(self, pose: Pose) -> Pixels:
-        """The avatar in this pose as BGRA, (height, width, 4), top row first; the array may be reused by the next call."""
+        """The avatar in this pose as BGRA, (height, width, 4), top row first; the next call may reuse the array."""
 
 
 Available = Callable[[], tuple[bool, str]]

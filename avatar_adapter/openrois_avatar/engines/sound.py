@@ -64,7 +64,9 @@ def _chime(*notes: tuple[float, float], seconds: float = 1.0) -> _Wave:
     for start, frequency in notes:
         time = _axis(seconds - start)
         attack = 1 - np.exp(-time / 0.008)
-        tone = np.sin(2 * np.pi * frequency * time) + 0.35 * np.sin(2 * np.pi * 2.01 * frequency * time) * np.exp(-time / 0.12)
+        tone = np.sin(2 * np.pi * frequency * time) + 0.35 * np.sin(2 * np.pi * 2.01 * frequency * time) * np.exp(
+            -time / 0.12
+        )
         wave[len(wave) - len(time) :] += tone * attack * np.exp(-time / 0.28)
     return _faded(wave)
 

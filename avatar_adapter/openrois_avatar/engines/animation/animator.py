@@ -16,7 +16,13 @@ _REST: Final = channels(Pose())
 _SETTLE: Final = 9.0
 """Stiffness (1/s) of the spring that takes an interrupted reaction back to rest: about 0.5 s."""
 _INSTANT: Final = 1e-4
-_LIMITS: Final = {"lid_left": (-0.2, 1.0), "lid_right": (-0.2, 1.0), "squint": (0.0, 1.0), "mouth.jaw": (0.0, 1.1), "breath": (0.0, 1.0)}
+_LIMITS: Final = {
+    "lid_left": (-0.2, 1.0),
+    "lid_right": (-0.2, 1.0),
+    "squint": (0.0, 1.0),
+    "mouth.jaw": (0.0, 1.1),
+    "breath": (0.0, 1.0),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +106,13 @@ class Animator:
     def pose(self, time: float) -> Pose:
         """The body at a time."""
         values = dict(_REST)
-        for layer in (self._resting(time), self._looking(time), self._speaking(time), self._reacting(time), self._residue.at(time)):
+        for layer in (
+            self._resting(time),
+            self._looking(time),
+            self._speaking(time),
+            self._reacting(time),
+            self._residue.at(time),
+        ):
             for name, value in layer.items():
                 values[name] += value
         for name, (low, high) in _LIMITS.items():

@@ -1,6 +1,7 @@
 """Curves over time: eased key frames, soft steps, and the way a spring comes to rest."""
 
 from bisect import bisect_right
+from itertools import pairwise
 from math import exp
 
 
@@ -25,7 +26,7 @@ class Curve:
                 self._times, self._times[1:], self._values, self._values[1:], strict=False
             )
         ]
-        self._slopes = [0.0, *(_slope(before, after) for before, after in zip(rises, rises[1:], strict=False)), 0.0]
+        self._slopes = [0.0, *(_slope(before, after) for before, after in pairwise(rises)), 0.0]
 
     @property
     def end(self) -> float:
@@ -59,7 +60,7 @@ def _slope(before: float, after: float) -> float:
 
 
 def settling(offset: float, velocity: float, stiffness: float, elapsed: float) -> float:
-    """How far a critically damped spring still is from rest, `elapsed` seconds after it had this offset and velocity."""
+    """How far a critically damped spring is from rest, `elapsed` seconds after it had this offset and velocity."""
     return (offset + (velocity + stiffness * offset) * elapsed) * exp(-stiffness * elapsed)
 
 

@@ -56,7 +56,10 @@ class Gaze:
         if any(abs(target - turn.target) >= _BLINK_FROM for target, turn in zip(targets, self._eyes, strict=True)):
             self._blink = time
         yaw, pitch = targets
-        self._eyes = (self._eyes[0].redirected(time, yaw, _EYE_STIFFNESS), self._eyes[1].redirected(time, pitch, _EYE_STIFFNESS))
+        self._eyes = (
+            self._eyes[0].redirected(time, yaw, _EYE_STIFFNESS),
+            self._eyes[1].redirected(time, pitch, _EYE_STIFFNESS),
+        )
         self._head = (
             self._head[0].redirected(time, yaw * _HEAD_SHARE, _HEAD_STIFFNESS),
             self._head[1].redirected(time, pitch * _HEAD_SHARE, _HEAD_STIFFNESS),

@@ -6,8 +6,9 @@ Everything is a function of time and a seed. Random choices are made per slot of
 from dataclasses import dataclass
 from functools import lru_cache
 from math import pi, sin
-from random import Random
 from typing import Final
+
+import numpy as np
 
 from openrois_avatar.engines.animation.curves import smooth
 
@@ -53,7 +54,7 @@ def blink(time: float, seed: int) -> float:
 @lru_cache(maxsize=64)
 def _blinks(slot: int, seed: int) -> tuple[float, ...]:
     """When the blinks of a slot start; the last of them ends within it."""
-    random = Random(f"blink {seed} {slot}")
+    random = _chance(1, seed, slot)
     start = random.uniform(0.2, _BLINK_SLOT - BLINK * 2.4)
     return (start, start + BLINK * 1.15) if random.random() < 0.12 else (start,)
 
@@ -69,7 +70,7 @@ def glance(time: float, seed: int) -> tuple[float, float]:
 
 @lru_cache(maxsize=64)
 def _fixation(slot: int, seed: int) -> tuple[float, float, float]:
-    random = Random(f"glance {seed} {slot}")
+    random = _chance(2, seed, slot)
     start = random.uniform(0.0, _GAZE_SLOT - _SACCADE)
     if random.random() < 0.45:
         return start, 0.0, 0.0
@@ -94,4 +95,8 @@ def drift(time: float, seed: int) -> Drift:
 
 @lru_cache(maxsize=8)
 def _shift(seed: int) -> float:
-    return Random(f"drift {seed}").uniform(0, 100)
+    return _chance(3, seed, 0).uniform(0, 100)
+
+
+def _chance(kind: int, seed: int, slot: int) -> np.random.Generator:
+    return np.random.default_rng((kind, seed, slot & 0xFFFFFFFF))

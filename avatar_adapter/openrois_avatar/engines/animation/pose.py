@@ -80,7 +80,11 @@ _GROUPS = ("mouth", "left", "right")
 _OWN = tuple(part.name for part in fields(Pose) if part.name not in _GROUPS)
 _MOUTH = tuple(part.name for part in fields(Mouth))
 _ARM = tuple(part.name for part in fields(Arm))
-CHANNELS = (*_OWN, *(f"mouth.{name}" for name in _MOUTH), *(f"{side}.{name}" for side in ("left", "right") for name in _ARM))
+CHANNELS = (
+    *_OWN,
+    *(f"mouth.{name}" for name in _MOUTH),
+    *(f"{side}.{name}" for side in ("left", "right") for name in _ARM),
+)
 """Every number of a pose by its dotted name."""
 
 

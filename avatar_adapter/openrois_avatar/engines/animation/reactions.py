@@ -188,7 +188,11 @@ REACTIONS: Final[Mapping[str, Reaction]] = {
             **_brows((0.6, 0.4), (2.2, 0.3)),
         },
         **{
-            side: ((0.60, _APART), *((0.78 + 0.14 * beat, _APART if beat % 2 else _TOGETHER) for beat in range(10)), (2.24, _APART))
+            side: (
+                (0.60, _APART),
+                *((0.78 + 0.14 * beat, _APART if beat % 2 else _TOGETHER) for beat in range(10)),
+                (2.24, _APART),
+            )
             for side in ("left", "right")
         },
     ),

@@ -29,8 +29,18 @@ SHAPES: Final[Mapping[str, Mouth]] = {
 
 _SPREAD: Final = 0.11
 """Seconds over which one shape turns into the next: lips start early and leave late."""
-_FIRMNESS: Final[Mapping[str, float]] = {"PP": 4.0, "FF": 3.0, "TH": 1.6, "CH": 1.6, "SS": 1.4, "ou": 1.4, "kk": 0.6, "nn": 0.8, "sil": 0.8}
-"""How much a shape insists against its neighbours (1 unless listed): closed lips must close, the back of the tongue hides."""
+_FIRMNESS: Final[Mapping[str, float]] = {
+    "PP": 4.0,
+    "FF": 3.0,
+    "TH": 1.6,
+    "CH": 1.6,
+    "SS": 1.4,
+    "ou": 1.4,
+    "kk": 0.6,
+    "nn": 0.8,
+    "sil": 0.8,
+}
+"""How much a shape insists against its neighbours, 1 unless listed: closed lips must close, the tongue's back hides."""
 _VOWELS: Final = frozenset(("aa", "E", "ih", "oh", "ou"))
 _ACCENT_GAP: Final = 0.50
 """Seconds between two accents, at least."""
@@ -52,7 +62,7 @@ class Voiced:
 
 @dataclass(frozen=True, slots=True)
 class Share:
-    """What a track says about the mouth at a moment: shape parameters times firmness, the firmness, and how present it is."""
+    """What a track says about the mouth at a moment: its shape times firmness, the firmness, and how present it is."""
 
     shape: tuple[float, ...]
     firmness: float

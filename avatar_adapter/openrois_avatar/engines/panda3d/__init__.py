@@ -1,4 +1,7 @@
-"""The avatar as a sculpted figure, drawn by Panda3D's software renderer: `python -m openrois_avatar.engines.panda3d`."""
+"""The avatar as a sculpted figure, drawn by Panda3D's software renderer.
+
+`python -m openrois_avatar.engines.panda3d` runs it on the engine link.
+"""
 
 import ctypes
 import importlib.util

@@ -1,53 +1,35 @@
-"""The stage: figure, backdrop and camera in an off-screen buffer of Panda3D's software renderer."""
+"""The stage: the figure's parts and the backdrop as a scene of Panda3D, drawn pose by pose."""
 
 from collections.abc import Sequence
+from itertools import groupby
 from typing import Final
 
 import cv2
 import numpy as np
-from panda3d.core import (
-    Camera,
-    FrameBufferProperties,
-    GraphicsEngine,
-    GraphicsOutput,
-    GraphicsPipe,
-    GraphicsPipeSelection,
-    LMatrix4f,
-    NodePath,
-    PerspectiveLens,
-    Texture,
-    WindowProperties,
-    load_prc_file_data,
-)
+from panda3d.core import GraphicsEngine, LMatrix4f, NodePath
 
 from openrois_avatar.engines import palette
 from openrois_avatar.engines.animation.pose import Pose
 from openrois_avatar.engines.panda3d.geometry import Solid
+from openrois_avatar.engines.panda3d.view import EYE_LEVEL, View
 from openrois_avatar.engines.sculpt import figure
 from openrois_avatar.engines.sculpt.distance import Array
 from openrois_avatar.engines.sculpt.mesh import grid_faces
-from openrois_avatar.engines.sculpt.part import Part, Space, State
+from openrois_avatar.engines.sculpt.part import Part, State
 from openrois_avatar.engines.sculpt.rig import Frame
 from openrois_avatar.engines.sculpt.shading import Floats, Lighting, linear
 from openrois_avatar.engines.settings import Picture, Pixels
 
-_OVERSAMPLING: Final = 2
-"""The buffer is so many times larger than the picture: the renderer itself does not smooth edges."""
-_DISTANCE: Final = 15.0
-_SPAN: Final = 4.7
-"""From the camera to the head, and the height of the picture there, in dm."""
-_EYE_LEVEL: Final = -0.66
-_SPACES: Final[tuple[Space, ...]] = ("hand_left", "hand_right", "head", "body")
-_RELIGHT: Final = 0.004
+_RELIGHT: Final = 0.006
 """A part is lit anew once it has turned by about so many radians."""
-
-load_prc_file_data(
-    "", "load-display p3tinydisplay\nwindow-type offscreen\nsync-video 0\naudio-library-name null\nnotify-level-display error\n"
-)
+_NARROW: Final = 0.90
+"""Width, in heights of the picture, of what the figure fills while it keeps its hands down."""
 
 
 class Stage:
     """Draws the figure; one per process.
+
+    While the hands are down only the middle of the picture is drawn anew: what is beside it does not change.
 
     Raises:
         RuntimeError: Panda3D cannot draw here.
@@ -55,53 +37,55 @@ class Stage:
 
     def __init__(self, picture: Picture) -> None:
         cv2.setNumThreads(1)
-        self._size = (picture.width, picture.height)
         self._engine = GraphicsEngine.get_global_ptr()
-        self._texture = Texture()
-        root = NodePath("stage")
-        self._buffer = self._opened()
-        self._buffer.make_display_region().set_camera(_camera(root, picture.width / picture.height))
-        parts = figure.build()
-        self._groups = {space: _Group(space, [part for part in parts if part.space == space], root) for space in _SPACES}
-        _backdrop(root)
-        self._small = np.empty((picture.height, picture.width, 4), np.uint8)
-        self._upright = np.empty_like(self._small)
+        scene = NodePath("stage")
+        columns = min(picture.width, 2 * round(picture.height * _NARROW / 2))
+        first = (picture.width - columns) // 2
+        self._middle = slice(first, first + columns)
+        self._narrow, self._wide = View(scene, columns, picture.height), View(scene, picture.width, picture.height)
+        _backdrop(scene)
+        self._engine.render_frame()
+        self._beside = self._wide.read().copy()
+        self._pixels = self._beside.copy()
+        self._is_wide = False
+        # Nearest first, what never changes its shape apart from what does.
+        parts = sorted(figure.build(), key=lambda part: (figure.SPACES.index(part.space), _moves(part)))
+        self._groups = [
+            _Group(list(group), scene) for _, group in groupby(parts, lambda part: (part.space, _moves(part)))
+        ]
 
     def draw(self, pose: Pose) -> Pixels:
-        """The figure in this pose as BGRA, (height, width, 4), top row first; the next call draws into the same array."""
+        """The figure in this pose as BGRA, (height, width, 4), top row first; the next call reuses the array."""
         frames, visible = figure.frames(pose), figure.visible(pose)
-        for space, group in self._groups.items():
-            group.show(visible[space])
-            if visible[space]:
-                group.path.set_mat(_matrix(frames[space]))
-                group.update(pose, frames[space].rotation)
+        for group in self._groups:
+            group.show(visible[group.space])
+            if visible[group.space]:
+                group.update(pose, frames[group.space])
+        self._choose(wide=visible["hand_left"] or visible["hand_right"])
         self._engine.render_frame()
-        width, height = self._buffer.get_x_size(), self._buffer.get_y_size()
-        large = np.frombuffer(self._texture.get_ram_image(), np.uint8).reshape(height, width, 4)
-        cv2.resize(large, self._size, dst=self._small, interpolation=cv2.INTER_AREA)
-        cv2.flip(self._small, 0, dst=self._upright)
-        return self._upright
+        if self._is_wide:
+            np.copyto(self._pixels, self._wide.read())
+        else:
+            np.copyto(self._pixels[:, self._middle], self._narrow.read())
+        return self._pixels
 
-    def _opened(self) -> GraphicsOutput:
-        pipe = GraphicsPipeSelection.get_global_ptr().make_default_pipe()
-        if pipe is None:
-            raise RuntimeError("Panda3D has no graphics pipe here")
-        depth = FrameBufferProperties()
-        depth.set_rgba_bits(8, 8, 8, 8)
-        depth.set_depth_bits(16)
-        size = WindowProperties.size(*(side * _OVERSAMPLING for side in self._size))
-        buffer = self._engine.make_output(pipe, "stage", 0, depth, size, GraphicsPipe.BF_refuse_window)
-        if buffer is None:
-            raise RuntimeError("Panda3D cannot open an off-screen buffer here")
-        buffer.add_render_texture(self._texture, GraphicsOutput.RTM_copy_ram)
-        buffer.set_clear_color_active(False)
-        return buffer
+    def _choose(self, wide: bool) -> None:
+        if self._is_wide and not wide:
+            np.copyto(self._pixels, self._beside)
+        self._is_wide = wide
+        self._wide.turn(wide)
+        self._narrow.turn(not wide)
+
+
+def _moves(part: Part) -> bool:
+    return part.state(Pose()) != ()
 
 
 class _Group:
-    """Every part of one space as one mesh: what of it changed is made anew, the rest is kept."""
+    """Parts of one space as one mesh: what of it changed is made anew, the rest is kept."""
 
-    def __init__(self, space: Space, parts: Sequence[Part], parent: NodePath) -> None:
+    def __init__(self, parts: Sequence[Part], scene: NodePath) -> None:
+        self.space = parts[0].space
         shapes = [part.shape(Pose()) for part in parts]
         ends = np.cumsum([len(shape.vertices) for shape in shapes]).tolist()
         starts = [0, *ends[:-1]]
@@ -110,11 +94,14 @@ class _Group:
         self._vertices, self._normals = np.zeros((ends[-1], 3), np.float32), np.zeros((ends[-1], 3), np.float32)
         self._colours = np.full((ends[-1], 4), 255, np.uint8)
         self._rotation: Floats | None = None
-        self.path: NodePath = parent.attach_new_node(space)
+        self._node: NodePath = scene.attach_new_node(self.space)
         faces = np.concatenate([part.faces + start for part, start in zip(parts, starts, strict=True)])
-        self._solid = Solid(space, self.path, faces, ends[-1])
+        self._solid = Solid(self.space, self._node, faces, ends[-1])
 
-    def update(self, pose: Pose, rotation: Array) -> None:
+    def update(self, pose: Pose, frame: Frame) -> None:
+        """Bring everything that depends on the pose up to date; `frame` is where the space is."""
+        self._node.set_mat(_matrix(frame))
+        rotation = frame.rotation
         changed = [entry for entry in self._entries if entry.part.state(pose) != entry.state]
         relit = [entry.place for entry in changed if self._reshape(entry, pose)]
         if changed:
@@ -154,24 +141,14 @@ class _Entry:
         self.source: Array | None = None
 
 
-def _camera(root: NodePath, aspect: float) -> NodePath:
-    lens = PerspectiveLens()
-    lens.set_fov(*(float(np.degrees(2 * np.arctan(extent / 2 / _DISTANCE))) for extent in (_SPAN * aspect, _SPAN)))
-    lens.set_near_far(4.0, 60.0)
-    camera = Camera("camera", lens)
-    path = root.attach_new_node(camera)
-    path.set_pos(0.0, -_DISTANCE, _EYE_LEVEL)
-    return path
-
-
-def _backdrop(root: NodePath) -> None:
-    """A soft light on a wall behind the figure; it fills the whole picture, so nothing needs to be cleared."""
+def _backdrop(scene: NodePath) -> None:
+    """A soft light on a wall behind the figure; it fills the whole picture, so that nothing need be cleared."""
     columns, rows = np.linspace(-24, 24, 49), np.linspace(-9, 9, 23)
     z, x = np.meshgrid(rows, columns, indexing="ij")
-    vertices = np.stack([x, np.full_like(x, 30.0), z + _EYE_LEVEL], axis=-1).reshape(-1, 3)
+    vertices = np.stack([x, np.full_like(x, 30.0), z + EYE_LEVEL], axis=-1).reshape(-1, 3)
     share = 1 - np.exp(-((x / 7.0) ** 2) - ((z - 0.8) / 5.2) ** 2).reshape(-1, 1)
     colours = np.sqrt(linear(palette.BACKDROP_CENTRE)) * (1 - share) + np.sqrt(linear(palette.BACKDROP_EDGE)) * share
-    wall = Solid("backdrop", root, grid_faces(len(rows), len(columns), closed=False), len(vertices))
+    wall = Solid("backdrop", scene, grid_faces(len(rows), len(columns), closed=False), len(vertices))
     wall.move(vertices.astype(np.float32))
     wall.paint(np.concatenate([colours * 255, np.full((len(colours), 1), 255.0)], axis=1).astype(np.uint8))
 

@@ -27,13 +27,15 @@ _RINGS, _SECTION, _SEAM = 26, 14, 9
 """Rings of a sleeve, vertices around it, and how many rings may touch the jumper."""
 # Along a sleeve: 0 the shoulder, 1 the elbow, 2 the wrist.
 _ALONG = np.linspace(-0.12, 1.97, _RINGS)
-_RADIUS = np.interp(_ALONG, [-0.12, 0.0, 0.35, 0.9, 1.3, 1.82, 1.86, 1.97], [0.22, 0.325, 0.295, 0.26, 0.25, 0.21, 0.23, 0.22])
+_RADIUS = np.interp(
+    _ALONG, [-0.12, 0.0, 0.35, 0.9, 1.3, 1.82, 1.86, 1.97], [0.22, 0.325, 0.295, 0.26, 0.25, 0.21, 0.23, 0.22]
+)
 _OPENNESS = np.interp(_ALONG, [-0.12, 0.25, 0.9, 1.83, 1.86, 1.97], [0.75, 0.85, 1.0, 1.0, 0.8, 0.95])
 
 
 @dataclass(frozen=True)
 class Chain:
-    """A solved arm in body space, right side: joints and the hand's frame (columns: thumb side, palm's back, fingers)."""
+    """A solved right arm in body space: joints, and the hand's axes as columns (towards thumb, back, fingers)."""
 
     shoulder: Array
     elbow: Array
@@ -43,7 +45,7 @@ class Chain:
 
 @lru_cache(maxsize=8)
 def solve(arm: Arm, lift: float) -> Chain:
-    """Joints of the right arm; a target out of reach is approached as far as the arm goes. `lift` raises the shoulder (dm)."""
+    """Joints of the right arm, its shoulder raised by `lift` dm; it goes as far towards its target as it reaches."""
     shoulder: _Vector = (-SHOULDER[0], SHOULDER[1], SHOULDER[2] + lift)
     reach = (-arm.out - shoulder[0], arm.y - shoulder[1], arm.z - shoulder[2])
     distance = min(max(hypot(*reach), 0.5), (UPPER_LENGTH + FORE_LENGTH) * 0.998)
@@ -94,7 +96,9 @@ def _aside(vector: _Vector, axis: _Vector) -> _Vector:
 def _turned(vector: _Vector, axis: _Vector, angle: float) -> _Vector:
     """Rotation of a vector around a unit axis (Rodrigues)."""
     turned = _cross(axis, vector)
-    return _sum((0.0, 0.0, 0.0), (cos(angle), vector), (sin(angle), turned), ((1 - cos(angle)) * _dot(axis, vector), axis))
+    return _sum(
+        (0.0, 0.0, 0.0), (cos(angle), vector), (sin(angle), turned), ((1 - cos(angle)) * _dot(axis, vector), axis)
+    )
 
 
 def chain(pose: Pose, side: int) -> Chain:
@@ -116,7 +120,14 @@ def _sleeve_part(side: int) -> Part:
         return mirrored_shape(sleeve(chain(pose, side)), -side)
 
     faces = sided(grid_faces(_RINGS, _SECTION, closed=True), -side)
-    return Part("sleeve", "body", faces, plain(palette.JUMPER, _RINGS * _SECTION, CLOTH, _OPENNESS.repeat(_SECTION)), shape, state)
+    return Part(
+        "sleeve",
+        "body",
+        faces,
+        plain(palette.JUMPER, _RINGS * _SECTION, CLOTH, _OPENNESS.repeat(_SECTION)),
+        shape,
+        state,
+    )
 
 
 def sleeve(chain: Chain) -> Shape:

@@ -130,11 +130,21 @@ def _chin_shadow(points: Array) -> Array:
 def _jumper() -> Part:
     points, normals, faces = polygonised(jumper_field, (-1.65, -0.75, -3.9), (1.65, 1.05, -1.2), 0.105)
     behind = (points[:, 1] > 0.75) | (points[:, 2] < -3.85)
-    cloth = compact(Mesh(points, normals, without(faces, behind), np.tile(linear(palette.JUMPER), (len(points), 1)), occlusion(jumper_field, points, normals)))
+    cloth = compact(
+        Mesh(
+            points,
+            normals,
+            without(faces, behind),
+            np.tile(linear(palette.JUMPER), (len(points), 1)),
+            occlusion(jumper_field, points, normals),
+        )
+    )
     x, y, z = cloth.vertices.T
     chest = np.exp(-(((z + 2.6) / 0.7) ** 2)) * np.clip(0.4 - y, 0, 1)
     swell = np.stack([0.02 * chest * np.sign(x), -0.075 * chest, 0.03 * chest], axis=1)
-    lifted = {side: (smooth((x * side - 0.30) / 0.75) * smooth((z + 3.2) / 1.1))[:, None] * (0, 0, 1) for side in (1, -1)}
+    lifted = {
+        side: (smooth((x * side - 0.30) / 0.75) * smooth((z + 3.2) / 1.1))[:, None] * (0, 0, 1) for side in (1, -1)
+    }
 
     def shape(pose: Pose) -> Shape:
         moved = cloth.vertices + pose.breath * swell

@@ -11,9 +11,10 @@ import numpy.typing as npt
 
 Array = npt.NDArray[np.float64]
 Field = Callable[[Array], Array]
+Triple = Sequence[float] | Array
 
 
-def ellipsoid(points: Array, centre: Sequence[float], radii: Sequence[float]) -> Array:
+def ellipsoid(points: Array, centre: Triple, radii: Triple) -> Array:
     """Distance to an ellipsoid; exact for a sphere, first-order near the surface otherwise."""
     scaled = (points - np.asarray(centre)) / np.asarray(radii)
     length = np.sqrt(np.einsum("ij,ij->i", scaled, scaled))
@@ -22,13 +23,15 @@ def ellipsoid(points: Array, centre: Sequence[float], radii: Sequence[float]) ->
     return np.asarray(length * (length - 1.0) / np.maximum(gradient, 1e-9))
 
 
-def cone(points: Array, start: Sequence[float], end: Sequence[float], radius_start: float, radius_end: float) -> Array:
+def cone(points: Array, start: Triple, end: Triple, radius_start: float, radius_end: float) -> Array:
     """Distance to a capsule whose radius changes linearly from start to end."""
     origin = np.asarray(start, float)
     axis = np.asarray(end, float) - origin
     along = np.clip((points - origin) @ axis / max(float(axis @ axis), 1e-12), 0.0, 1.0)
     offset = points - origin - along[:, None] * axis
-    return np.asarray(np.sqrt(np.einsum("ij,ij->i", offset, offset)) - (radius_start + (radius_end - radius_start) * along))
+    return np.asarray(
+        np.sqrt(np.einsum("ij,ij->i", offset, offset)) - (radius_start + (radius_end - radius_start) * along)
+    )
 
 
 def join(first: Array, second: Array, softness: float) -> Array:

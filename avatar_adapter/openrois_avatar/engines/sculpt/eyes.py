@@ -10,6 +10,7 @@ from openrois_avatar.engines.sculpt.head import EYE, EYE_RADIUS, DepthMap
 from openrois_avatar.engines.sculpt.lids import HALF_WIDTH, SPOKES, brow, lashes, lid_line, on_ball
 from openrois_avatar.engines.sculpt.mesh import Faces, grid_faces, grid_normals
 from openrois_avatar.engines.sculpt.part import Part, Shape, State, both_ways, mirrored_shape, plain, stepped, towards
+from openrois_avatar.engines.sculpt.rig import turned
 from openrois_avatar.engines.sculpt.shading import CLOTH, PLAIN, Surface, linear
 
 _CONVERGENCE = 0.045
@@ -19,7 +20,9 @@ _AHEAD = np.asarray((0.0, -1.0, 0.0))
 
 def parts(depth: DepthMap) -> list[Part]:
     """Both eyeballs with catch-lights, lashes and brows."""
-    return [part for side in (1, -1) for part in (_eyeball(side), _catch_lights(side), _lashes(side), _brow(depth, side))]
+    return [
+        part for side in (1, -1) for part in (_eyeball(side), _catch_lights(side), _lashes(side), _brow(depth, side))
+    ]
 
 
 def _gaze(pose: Pose, side: int) -> tuple[float, float]:
@@ -32,11 +35,18 @@ def _eyeball(side: int) -> Part:
     centre = np.asarray(EYE) * (side, 1, 1)
 
     def shape(pose: Pose) -> Shape:
-        looking = _turned(directions, *_gaze(pose, side))
+        looking = directions @ turned(*_gaze(pose, side), 0.0).T
         shadow = _lid_shadow(looking * EYE_RADIUS * (side, 1, 1), *lid_state(pose, side))
         return Shape(centre + looking * EYE_RADIUS, looking, shadow)
 
-    return Part("eyeball", "head", faces, Surface(albedo, finish=PLAIN), shape, lambda pose: (*_gaze(pose, side), *lid_state(pose, side)))
+    return Part(
+        "eyeball",
+        "head",
+        faces,
+        Surface(albedo, finish=PLAIN),
+        shape,
+        lambda pose: (*_gaze(pose, side), *lid_state(pose, side)),
+    )
 
 
 def _catch_lights(side: int) -> Part:
@@ -58,7 +68,9 @@ def _lashes(side: int) -> Part:
         return mirrored_shape(Shape(lashes(*lid_state(pose, side)).reshape(-1, 3), normals), side)
 
     faces = both_ways(grid_faces(rows, columns, closed=False))
-    return Part("lashes", "head", faces, plain(palette.LASH, rows * columns, PLAIN), shape, lambda pose: lid_state(pose, side))
+    return Part(
+        "lashes", "head", faces, plain(palette.LASH, rows * columns, PLAIN), shape, lambda pose: lid_state(pose, side)
+    )
 
 
 def _brow(depth: DepthMap, side: int) -> Part:
@@ -108,13 +120,6 @@ def _ball() -> tuple[Array, Array, Faces]:
     return directions.reshape(-1, 3), np.concatenate(rows), faces
 
 
-def _turned(directions: Array, yaw: float, pitch: float) -> Array:
-    """Directions after the eye has turned; yaw to +x, pitch up."""
-    up = np.asarray(((1, 0, 0), (0, np.cos(pitch), np.sin(pitch)), (0, -np.sin(pitch), np.cos(pitch))))
-    aside = np.asarray(((np.cos(yaw), -np.sin(yaw), 0), (np.sin(yaw), np.cos(yaw), 0), (0, 0, 1)))
-    return directions @ (aside @ up).T
-
-
 def _lid_shadow(offsets: Array, lid: float, squint: float, wide: float) -> Array:
     """Openness (n,) of the eyeball's surface at offsets (n, 3) from its centre: the upper lid shades it."""
     line_x, line_z = lid_line(lid, squint, wide)
@@ -124,7 +129,7 @@ def _lid_shadow(offsets: Array, lid: float, squint: float, wide: float) -> Array
     under = np.clip((upper - offsets[:, 2]) / 0.10, 0, 1)
     over = np.clip((offsets[:, 2] - lower) / 0.05, 0, 1)
     corner = np.clip((HALF_WIDTH - np.abs(offsets[:, 0])) / 0.09, 0, 1)
-    return (0.30 + 0.70 * under) * (0.75 + 0.25 * over) * (0.70 + 0.30 * corner)
+    return np.asarray((0.30 + 0.70 * under) * (0.75 + 0.25 * over) * (0.70 + 0.30 * corner))
 
 
 _GLINT_SPOKES = 12
@@ -135,7 +140,9 @@ def _fan(start: int) -> list[tuple[int, int, int]]:
     return [(start, start + 1 + (k + 1) % _GLINT_SPOKES, start + 1 + k) for k in range(_GLINT_SPOKES)]
 
 
-_GLINT_FACES: Faces = np.asarray([face for n in range(len(_GLINTS)) for face in _fan(n * (_GLINT_SPOKES + 1))], np.int32)[:, ::-1]
+_GLINT_FACES: Faces = np.asarray(
+    [face for n in range(len(_GLINTS)) for face in _fan(n * (_GLINT_SPOKES + 1))], np.int32
+)[:, ::-1]
 
 
 def _glints(yaw: float, pitch: float) -> Array:

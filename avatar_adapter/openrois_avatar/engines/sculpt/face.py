@@ -9,7 +9,19 @@ from openrois_avatar.engines.animation.pose import Mouth, Pose
 from openrois_avatar.engines.sculpt import head, lids, mouth, paint
 from openrois_avatar.engines.sculpt.distance import Array, ellipsoid, occlusion
 from openrois_avatar.engines.sculpt.mesh import Mesh, compact, grid_faces, grid_normals, polygonised, without
-from openrois_avatar.engines.sculpt.part import Part, Shape, State, both_ways, mirrored_mesh, mirrored_shape, plain, sided, stepped, still, towards
+from openrois_avatar.engines.sculpt.part import (
+    Part,
+    Shape,
+    State,
+    both_ways,
+    mirrored_mesh,
+    mirrored_shape,
+    plain,
+    sided,
+    stepped,
+    still,
+    towards,
+)
 from openrois_avatar.engines.sculpt.shading import PLAIN, SKIN, Surface, linear
 
 _SKIN_GLOSS = 0.09
@@ -18,7 +30,13 @@ _LIP_GLOSS = 0.24
 
 def parts(depth: head.DepthMap, shadow: paint.Shadow) -> list[Part]:
     """Every skin part of the head; `shadow` darkens what lies under the hair."""
-    return [_skull(shadow), *_ears(), _lips(depth, shadow), *_inside_mouth(), *(_lid(depth, shadow, side) for side in (1, -1))]
+    return [
+        _skull(shadow),
+        *_ear(),
+        _lips(depth, shadow),
+        *_inside_mouth(),
+        *(_lid(depth, shadow, side) for side in (1, -1)),
+    ]
 
 
 def lid_state(pose: Pose, side: int) -> tuple[float, float, float]:
@@ -47,14 +65,18 @@ def _skull(shadow: paint.Shadow) -> Part:
     return Part("skull", "head", skull.faces, surface, shape, lambda pose: stepped(pose.mouth.jaw))
 
 
-def _ears() -> list[Part]:
+def _ear() -> list[Part]:
+    """The right ear with its earring; the hair falls over the left one."""
     points, normals, faces = polygonised(head.ear_field, (0.62, -0.30, -0.50), (1.05, 0.35, 0.25), 0.036)
     openness = occlusion(head.ear_field, points, normals, 0.12)
     ear = Mesh(points, normals, faces, paint.ear(points, openness), paint.veil(openness))
-    points, normals, faces = polygonised(lambda p: ellipsoid(p, head.PEARL, (0.042,) * 3), np.asarray(head.PEARL) - 0.07, np.asarray(head.PEARL) + 0.07, 0.024)
+    place = np.asarray(head.PEARL)
+    points, normals, faces = polygonised(lambda p: ellipsoid(p, place, (0.042,) * 3), place - 0.07, place + 0.07, 0.024)
     pearl = Mesh(points, normals, faces, np.tile(linear(palette.PEARL), (len(points), 1)), np.ones(len(points)))
-    made = [still("ear", "head", ear, SKIN, _SKIN_GLOSS), still("pearl", "head", pearl, SKIN, 0.5)]
-    return [*made, *(still(part.name, "head", mirrored_mesh(mesh), SKIN, gloss) for part, mesh, gloss in zip(made, (ear, pearl), (_SKIN_GLOSS, 0.5), strict=True))]
+    return [
+        still("ear", "head", mirrored_mesh(ear), SKIN, _SKIN_GLOSS),
+        still("pearl", "head", mirrored_mesh(pearl), SKIN, 0.5),
+    ]
 
 
 def _patched(grid: Array, skin: Array) -> Array:
@@ -111,7 +133,9 @@ def _lips(depth: head.DepthMap, shadow: paint.Shadow) -> Part:
         grid = model.grid(pose.mouth)
         return Shape(grid.reshape(-1, 3), _patched(grid, model.skin_normals).reshape(-1, 3))
 
-    return Part("lips", "head", grid_faces(mouth.RINGS, mouth.SPOKES, closed=True)[:, ::-1], surface, shape, _mouth_state)
+    return Part(
+        "lips", "head", grid_faces(mouth.RINGS, mouth.SPOKES, closed=True)[:, ::-1], surface, shape, _mouth_state
+    )
 
 
 def _inside_mouth() -> list[Part]:
@@ -133,7 +157,13 @@ def _inside_mouth() -> list[Part]:
 
 
 def _jawed(
-    name: str, grid: Array, colour: str, share: float, openness: float, shift: Callable[[Pose], Array], closed: bool = False
+    name: str,
+    grid: Array,
+    colour: str,
+    share: float,
+    openness: float,
+    shift: Callable[[Pose], Array],
+    closed: bool = False,
 ) -> Part:
     """Something in the mouth that follows the jaw by `share` and is shifted (dm) by the pose."""
     normals = towards(grid_normals(grid, closed), np.asarray((0.0, -1.0, 0.0))).reshape(-1, 3)
@@ -144,4 +174,11 @@ def _jawed(
         return Shape(moved.reshape(-1, 3), normals)
 
     faces = both_ways(grid_faces(grid.shape[0], grid.shape[1], closed))
-    return Part(name, "head", faces, plain(colour, len(normals), PLAIN, openness), shape, lambda pose: stepped(pose.mouth.jaw, *shift(pose)))
+    return Part(
+        name,
+        "head",
+        faces,
+        plain(colour, len(normals), PLAIN, openness),
+        shape,
+        lambda pose: stepped(pose.mouth.jaw, *shift(pose)),
+    )

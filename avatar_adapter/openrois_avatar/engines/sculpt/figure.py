@@ -1,5 +1,7 @@
 """The whole avatar: its parts, and where they are for a pose."""
 
+from typing import Final
+
 import numpy as np
 
 from openrois_avatar.engines.animation.pose import Pose
@@ -9,6 +11,8 @@ from openrois_avatar.engines.sculpt.head import DepthMap
 from openrois_avatar.engines.sculpt.part import Part, Space
 from openrois_avatar.engines.sculpt.rig import Frame, body_frame, head_frame
 
+SPACES: Final[tuple[Space, ...]] = ("hand_left", "hand_right", "head", "body")
+"""Every space, nearest to the viewer first."""
 _MIRROR = np.diag((-1.0, 1.0, 1.0))
 
 

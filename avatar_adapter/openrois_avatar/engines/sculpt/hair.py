@@ -11,12 +11,14 @@ import numpy as np
 from openrois_avatar.engines import palette
 from openrois_avatar.engines.sculpt.distance import Array, ellipsoid, gradient, join
 from openrois_avatar.engines.sculpt.head import face_field
-from openrois_avatar.engines.sculpt.mesh import Mesh, grid_faces, grid_normals, merged, polygonised
+from openrois_avatar.engines.sculpt.mesh import Mesh, compact, grid_faces, grid_normals, merged, polygonised, without
 from openrois_avatar.engines.sculpt.paint import Shadow
 from openrois_avatar.engines.sculpt.part import Part, still
 from openrois_avatar.engines.sculpt.shading import HAIR, HALFWAY, linear
 
 _SECTION = 6
+_CENTRE = np.asarray((0.0, 0.15, 0.10))
+"""The middle of the head: what faces it is never seen."""
 
 
 @dataclass(frozen=True)
@@ -30,20 +32,152 @@ class Guide:
 
 # The parting is a little to the picture's left. Points: root, crown, side, ear, below, tip.
 _FALLING = (
-    Guide(((-0.26, -0.62, 1.08), (0.06, -0.92, 0.84), (0.42, -0.92, 0.55), (0.72, -0.70, 0.20), (0.87, -0.44, -0.20), (0.80, -0.44, -0.62)), 0.150, 0.060),
-    Guide(((-0.26, -0.52, 1.14), (0.16, -0.84, 1.02), (0.60, -0.76, 0.68), (0.88, -0.44, 0.24), (0.98, -0.24, -0.24), (0.86, -0.30, -0.76)), 0.165, 0.075),
-    Guide(((-0.24, -0.28, 1.24), (0.28, -0.46, 1.22), (0.78, -0.38, 0.80), (1.01, -0.12, 0.26), (1.06, -0.02, -0.30), (0.88, -0.10, -0.86)), 0.180, 0.085),
-    Guide(((-0.22, 0.08, 1.31), (0.32, 0.04, 1.28), (0.82, 0.12, 0.84), (1.03, 0.24, 0.26), (1.07, 0.30, -0.34), (0.82, 0.16, -0.93)), 0.190, 0.085),
-    Guide(((-0.20, 0.45, 1.24), (0.28, 0.52, 1.20), (0.74, 0.62, 0.78), (0.90, 0.70, 0.22), (0.92, 0.72, -0.40), (0.66, 0.50, -0.97)), 0.200, 0.085),
-    Guide(((-0.16, 0.70, 1.10), (0.12, 0.92, 0.96), (0.34, 1.06, 0.62), (0.44, 1.08, 0.10), (0.46, 1.04, -0.48), (0.32, 0.76, -1.00)), 0.210, 0.085),
+    Guide(
+        (
+            (-0.26, -0.62, 1.08),
+            (0.06, -0.92, 0.84),
+            (0.42, -0.92, 0.55),
+            (0.72, -0.70, 0.20),
+            (0.87, -0.44, -0.20),
+            (0.80, -0.44, -0.62),
+        ),
+        0.150,
+        0.060,
+    ),
+    Guide(
+        (
+            (-0.26, -0.52, 1.14),
+            (0.16, -0.84, 1.02),
+            (0.60, -0.76, 0.68),
+            (0.88, -0.44, 0.24),
+            (0.98, -0.24, -0.24),
+            (0.86, -0.30, -0.76),
+        ),
+        0.165,
+        0.075,
+    ),
+    Guide(
+        (
+            (-0.24, -0.28, 1.24),
+            (0.28, -0.46, 1.22),
+            (0.78, -0.38, 0.80),
+            (1.01, -0.12, 0.26),
+            (1.06, -0.02, -0.30),
+            (0.88, -0.10, -0.86),
+        ),
+        0.180,
+        0.085,
+    ),
+    Guide(
+        (
+            (-0.22, 0.08, 1.31),
+            (0.32, 0.04, 1.28),
+            (0.82, 0.12, 0.84),
+            (1.03, 0.24, 0.26),
+            (1.07, 0.30, -0.34),
+            (0.82, 0.16, -0.93),
+        ),
+        0.190,
+        0.085,
+    ),
+    Guide(
+        (
+            (-0.20, 0.45, 1.24),
+            (0.28, 0.52, 1.20),
+            (0.74, 0.62, 0.78),
+            (0.90, 0.70, 0.22),
+            (0.92, 0.72, -0.40),
+            (0.66, 0.50, -0.97),
+        ),
+        0.200,
+        0.085,
+    ),
+    Guide(
+        (
+            (-0.16, 0.70, 1.10),
+            (0.12, 0.92, 0.96),
+            (0.34, 1.06, 0.62),
+            (0.44, 1.08, 0.10),
+            (0.46, 1.04, -0.48),
+            (0.32, 0.76, -1.00),
+        ),
+        0.210,
+        0.085,
+    ),
 )
 _TUCKED = (
-    Guide(((-0.28, -0.62, 1.07), (-0.52, -0.80, 0.84), (-0.74, -0.56, 0.50), (-0.88, -0.14, 0.24), (-0.93, 0.17, -0.14), (-0.84, 0.12, -0.66)), 0.120, 0.055),
-    Guide(((-0.28, -0.50, 1.13), (-0.58, -0.66, 0.98), (-0.84, -0.40, 0.62), (-0.97, 0.02, 0.26), (-1.00, 0.26, -0.20), (-0.88, 0.16, -0.80)), 0.150, 0.070),
-    Guide(((-0.26, -0.25, 1.24), (-0.62, -0.32, 1.10), (-0.93, -0.12, 0.70), (-1.03, 0.14, 0.24), (-1.05, 0.32, -0.28), (-0.86, 0.20, -0.89)), 0.170, 0.080),
-    Guide(((-0.26, 0.10, 1.30), (-0.63, 0.12, 1.14), (-0.94, 0.24, 0.72), (-1.03, 0.36, 0.20), (-1.04, 0.44, -0.34), (-0.80, 0.28, -0.94)), 0.185, 0.085),
-    Guide(((-0.24, 0.45, 1.23), (-0.54, 0.56, 1.08), (-0.82, 0.66, 0.70), (-0.91, 0.74, 0.16), (-0.91, 0.76, -0.42), (-0.65, 0.50, -0.98)), 0.200, 0.085),
-    Guide(((-0.22, 0.70, 1.08), (-0.30, 0.92, 0.94), (-0.42, 1.06, 0.60), (-0.46, 1.08, 0.08), (-0.46, 1.04, -0.50), (-0.32, 0.76, -1.01)), 0.210, 0.085),
+    Guide(
+        (
+            (-0.28, -0.62, 1.07),
+            (-0.52, -0.80, 0.84),
+            (-0.74, -0.56, 0.50),
+            (-0.88, -0.14, 0.24),
+            (-0.93, 0.17, -0.14),
+            (-0.84, 0.12, -0.66),
+        ),
+        0.120,
+        0.055,
+    ),
+    Guide(
+        (
+            (-0.28, -0.50, 1.13),
+            (-0.58, -0.66, 0.98),
+            (-0.84, -0.40, 0.62),
+            (-0.97, 0.02, 0.26),
+            (-1.00, 0.26, -0.20),
+            (-0.88, 0.16, -0.80),
+        ),
+        0.150,
+        0.070,
+    ),
+    Guide(
+        (
+            (-0.26, -0.25, 1.24),
+            (-0.62, -0.32, 1.10),
+            (-0.93, -0.12, 0.70),
+            (-1.03, 0.14, 0.24),
+            (-1.05, 0.32, -0.28),
+            (-0.86, 0.20, -0.89),
+        ),
+        0.170,
+        0.080,
+    ),
+    Guide(
+        (
+            (-0.26, 0.10, 1.30),
+            (-0.63, 0.12, 1.14),
+            (-0.94, 0.24, 0.72),
+            (-1.03, 0.36, 0.20),
+            (-1.04, 0.44, -0.34),
+            (-0.80, 0.28, -0.94),
+        ),
+        0.185,
+        0.085,
+    ),
+    Guide(
+        (
+            (-0.24, 0.45, 1.23),
+            (-0.54, 0.56, 1.08),
+            (-0.82, 0.66, 0.70),
+            (-0.91, 0.74, 0.16),
+            (-0.91, 0.76, -0.42),
+            (-0.65, 0.50, -0.98),
+        ),
+        0.200,
+        0.085,
+    ),
+    Guide(
+        (
+            (-0.22, 0.70, 1.08),
+            (-0.30, 0.92, 0.94),
+            (-0.42, 1.06, 0.60),
+            (-0.46, 1.08, 0.08),
+            (-0.46, 1.04, -0.50),
+            (-0.32, 0.76, -1.01),
+        ),
+        0.210,
+        0.085,
+    ),
 )
 _CLEAR = 0.085
 """How far the middle of a lock stays above the skin, at least."""
@@ -65,7 +199,9 @@ def _lifted(curve: Array) -> Array:
         distance = face_field(curve)
         normals = gradient(face_field, curve, 0.02)
         near = np.linspace(1.0, 0.0, len(curve)) ** 0.7 * 0.5
-        wanted = np.where(distance < _CLEAR, _CLEAR, distance * (1 - near) + np.maximum(_CLEAR + 0.03, distance * 0.6) * near)
+        wanted = np.where(
+            distance < _CLEAR, _CLEAR, distance * (1 - near) + np.maximum(_CLEAR + 0.03, distance * 0.6) * near
+        )
         curve = curve + normals * (wanted - distance)[:, None]
     return curve
 
@@ -79,9 +215,13 @@ def lock(curve: Array, width: float, thick: float, centre: Array) -> tuple[Array
     outward /= np.linalg.norm(outward, axis=1, keepdims=True)
     across = np.cross(along, outward)
     s = np.linspace(0, 1, len(curve))[:, None, None]
-    profile = np.clip(0.45 + 2.0 * s, 0, 1) * np.sqrt(np.clip(1 - np.clip((s - 0.78) / 0.22, 0, 1) ** 2.2, 0, 1)) + 0.015
+    profile = (
+        np.clip(0.45 + 2.0 * s, 0, 1) * np.sqrt(np.clip(1 - np.clip((s - 0.78) / 0.22, 0, 1) ** 2.2, 0, 1)) + 0.015
+    )
     angle = (np.arange(_SECTION) * 2 * np.pi / _SECTION)[None, :, None]
-    grid = curve[:, None] + profile * (across[:, None] * np.cos(angle) * width + outward[:, None] * np.sin(angle) * thick)
+    grid = curve[:, None] + profile * (
+        across[:, None] * np.cos(angle) * width + outward[:, None] * np.sin(angle) * thick
+    )
     return grid, grid_normals(grid, True)
 
 
@@ -105,13 +245,13 @@ def locks(seed: int = 11, count: int = 12, rings: int = 15) -> list[tuple[Array,
                 outward = (curve - np.asarray((0, 0.1, 0.2))) * (0.032 * layer + random.uniform(-0.006, 0.010))
                 shaped = _lifted(curve + drift + outward)
                 shaped = _spline(shaped[: rings - int(random.integers(0, 2))], rings)
-                grid, normals = lock(shaped, width * random.uniform(0.85, 1.15), thick, np.asarray((0, 0.15, 0.1)))
+                grid, normals = lock(shaped, width * random.uniform(0.85, 1.15), thick, _CENTRE)
                 result.append((grid, normals, _strands(shaped, random)))
     return result
 
 
 def _strands(curve: Array, random: np.random.Generator) -> Array:
-    """Brightness (rings, section) of a lock: darker roots and tips, streaks along it, and the band where hair shines."""
+    """Brightness (rings, section) of a lock: dark roots and tips, streaks along it, and the band where hair shines."""
     s = np.linspace(0, 1, len(curve))[:, None]
     along = np.gradient(curve, axis=0)
     along /= np.linalg.norm(along, axis=1, keepdims=True)
@@ -137,11 +277,14 @@ class Hair:
         base = linear(palette.HAIR)
         meshes, centres = [], []
         for grid, normals, bright in locks():
-            flat, faces = normals.reshape(-1, 3), grid_faces(*bright.shape, closed=True)
+            flat, faces = normals.reshape(-1, 3), grid_faces(bright.shape[0], bright.shape[1], closed=True)
             middle = grid.mean(axis=1, keepdims=True)
             if np.einsum("ijk,ijk->", normals, grid - middle) < 0:
                 flat, faces = -flat, faces[:, ::-1]
-            meshes.append(Mesh(grid.reshape(-1, 3), flat, faces, bright.reshape(-1, 1) * base, np.ones(bright.size)))
+            points = grid.reshape(-1, 3)
+            inner = np.einsum("ij,ij->i", flat, points - _CENTRE) < -0.25 * np.linalg.norm(points - _CENTRE, axis=1)
+            albedo = bright.reshape(-1, 1) * base
+            meshes.append(compact(Mesh(points, flat, without(faces, inner), albedo, np.ones(bright.size))))
             centres.append(middle[::2, 0])
         points, normals, faces = polygonised(cap_field, (-1.1, -1.0, -1.1), (1.1, 1.3, 1.5), 0.12)
         meshes.append(Mesh(points, normals, faces, np.tile(base * 0.42, (len(points), 1)), np.full(len(points), 0.35)))

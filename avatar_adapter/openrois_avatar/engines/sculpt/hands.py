@@ -40,7 +40,9 @@ def hand_field(points: Array) -> Array:
     for across, length, radius, knuckle in _FINGERS:
         end = (across * 1.10, -0.01, knuckle + length)
         hand = join(hand, cone(points, (across, 0.0, knuckle - 0.15), end, radius, radius * 0.82), 0.045)
-    thumb = join(cone(points, _THUMB[0], _THUMB[1], 0.10, 0.085), cone(points, _THUMB[1], _THUMB[2], 0.085, 0.068), 0.04)
+    thumb = join(
+        cone(points, _THUMB[0], _THUMB[1], 0.10, 0.085), cone(points, _THUMB[1], _THUMB[2], 0.085, 0.068), 0.04
+    )
     return join(hand, thumb, 0.09)
 
 
@@ -48,7 +50,9 @@ class _Hand:
     """The right hand's mesh and how each vertex follows the finger bones; the left one mirrors it."""
 
     def __init__(self) -> None:
-        self._rest, self._normals, self._faces = polygonised(hand_field, (-0.48, -0.32, -0.30), (0.62, 0.26, 1.42), 0.045)
+        self._rest, self._normals, self._faces = polygonised(
+            hand_field, (-0.48, -0.32, -0.30), (0.62, 0.26, 1.42), 0.045
+        )
         self._albedo = paint.hand(self._rest)
         self._openness = paint.veil(occlusion(hand_field, self._rest, self._normals, 0.25))
         self._shares = _bound(self._rest)
@@ -95,7 +99,9 @@ def _bound(points: Array) -> Array:
     return np.concatenate([fingers * (1 - thumb[:, None]), thumb[:, None]], axis=1)
 
 
-def _bend(points: Array, normals: Array, share: Array, pivot: tuple[float, float, float], axis: int, angle: float) -> None:
+def _bend(
+    points: Array, normals: Array, share: Array, pivot: tuple[float, float, float], axis: int, angle: float
+) -> None:
     """Rotate in place around the axis through the pivot, each vertex by its share of the angle."""
     moving = np.flatnonzero(share > 1e-3)
     turn = angle * share[moving]

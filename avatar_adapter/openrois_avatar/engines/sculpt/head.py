@@ -44,7 +44,9 @@ def ear_field(points: Array) -> Array:
     x, y = p[:, 0] * np.cos(turn) - p[:, 1] * np.sin(turn), p[:, 0] * np.sin(turn) + p[:, 1] * np.cos(turn)
     q = np.stack([x, y - 0.18 * p[:, 2], p[:, 2]], axis=1)
     shell = ellipsoid(q, (0, 0, 0), (0.055, 0.155, 0.225))
-    flat = np.stack([q[:, 0], np.sqrt((q[:, 1] / 0.150) ** 2 + ((q[:, 2] - 0.01) / 0.215) ** 2) * 0.17 - 0.17, 0 * x], axis=1)
+    flat = np.stack(
+        [q[:, 0], np.sqrt((q[:, 1] / 0.150) ** 2 + ((q[:, 2] - 0.01) / 0.215) ** 2) * 0.17 - 0.17, 0 * x], axis=1
+    )
     rim = np.sqrt((flat[:, 0] - 0.025) ** 2 + flat[:, 1] ** 2) - 0.030
     shell = carve(shell, ellipsoid(q, (0.075, -0.01, 0.0), (0.075, 0.085, 0.13)), 0.05)
     ear = join(shell, np.maximum(rim, -(q[:, 2] + 0.12)), 0.035)

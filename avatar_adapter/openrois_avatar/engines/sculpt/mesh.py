@@ -6,14 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from openrois_avatar.engines.sculpt.distance import Array, Field, gradient
+from openrois_avatar.engines.sculpt.distance import Array, Field, Triple, gradient
 
 Faces = npt.NDArray[np.int32]
 
 
 @dataclass(frozen=True)
 class Mesh:
-    """Vertices and unit normals (n, 3), counter-clockwise triangles (m, 3), linear albedo (n, 3), openness (n,) 0..1."""
+    """Vertices and unit normals (n, 3), counter-clockwise faces (m, 3), linear albedo (n, 3), openness (n,) 0..1."""
 
     vertices: Array
     normals: Array
@@ -78,10 +78,10 @@ def merged(meshes: Sequence[Mesh]) -> Mesh:
     )
 
 
-def polygonised(field: Field, low: Sequence[float], high: Sequence[float], cell: float) -> tuple[Array, Array, Faces]:
+def polygonised(field: Field, low: Triple, high: Triple, cell: float) -> tuple[Array, Array, Faces]:
     """Vertices, normals and triangles of the field's surface inside a box (surface nets, then Newton steps onto it)."""
-    counts = [int(np.ceil((h - l) / cell)) + 1 for l, h in zip(low, high, strict=True)]  # noqa: E741
-    axes = [start + cell * np.arange(count) for start, count in zip(low, counts, strict=True)]
+    counts = [int(np.ceil((end - start) / cell)) + 1 for start, end in zip(low, high, strict=True)]
+    axes = [float(start) + cell * np.arange(count, dtype=np.float64) for start, count in zip(low, counts, strict=True)]
     samples = _banded(field, axes, cell)
     points, faces = _surface_net(samples, np.asarray(low, float), cell)
     for _ in range(3):

@@ -50,7 +50,7 @@ class Lips:
         self._red = np.clip(1 - np.abs(ring - INSIDE - 2.0) / 4.0, 0, 1)[:, None]
 
     def _flat(self) -> tuple[Array, Array]:
-        """x and z (from the mouth's centre) of every vertex at rest."""
+        """The x and z (from the mouth's centre) of every vertex at rest."""
         line_x = _HALF_WIDTH * _ACROSS
         line_z = 0.030 * _ACROSS**2 - 0.010 * np.exp(-((_ACROSS / 0.22) ** 2))
         bow = 1 - 0.20 * np.exp(-((_ACROSS / 0.12) ** 2)) + 0.10 * np.exp(-(((np.abs(_ACROSS) - 0.30) / 0.16) ** 2))
@@ -88,7 +88,9 @@ class Lips:
         away = np.where(_UPPER, 1.0, -1.0)
         # A narrow mouth opens evenly, a wide one most in the middle.
         arch = _MIDDLE ** (0.6 - 0.25 * mouth.round)
-        z += near * (np.where(_UPPER, mouth.upper * 0.055, -mouth.lower * 0.060) * arch + mouth.smile * 0.062 * corner**2)
+        z += near * (
+            np.where(_UPPER, mouth.upper * 0.055, -mouth.lower * 0.060) * arch + mouth.smile * 0.062 * corner**2
+        )
         # Lips that push forward turn their red outwards, at the corners too; pressed lips roll it inwards.
         rolled = mouth.round * (0.034 - 0.020 * arch) - mouth.press * 0.034 * arch - mouth.wide * 0.010 * arch
         z += away * self._red * rolled

@@ -20,7 +20,11 @@ class Shadow:
         offset = self._centres[None] - points.astype(np.float32)[:, None]
         along = offset @ _TO_LIGHT.astype(np.float32)
         aside = np.sqrt(np.maximum(np.einsum("ijk,ijk->ij", offset, offset) - along * along, 0))
-        covered = np.clip(1.6 - aside / self._radius, 0, 1) * np.clip(along / 0.08 + 0.4, 0, 1) * np.clip(1.15 - along / 0.45, 0, 1)
+        covered = (
+            np.clip(1.6 - aside / self._radius, 0, 1)
+            * np.clip(along / 0.08 + 0.4, 0, 1)
+            * np.clip(1.15 - along / 0.45, 0, 1)
+        )
         return np.asarray(1 - 0.55 * covered.max(axis=1), float)
 
 

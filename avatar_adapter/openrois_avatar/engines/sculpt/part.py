@@ -18,7 +18,7 @@ _MIRROR = np.asarray((-1.0, 1.0, 1.0))
 
 
 class Shape(NamedTuple):
-    """Vertices (n, 3) and unit normals (n, 3) in the part's space, and openness (n,) where that changes with the pose."""
+    """Vertices and unit normals (n, 3) in the part's space, and openness (n,) where that changes with the pose."""
 
     vertices: Array
     normals: Array

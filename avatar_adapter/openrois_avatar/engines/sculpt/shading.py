@@ -1,4 +1,4 @@
-"""Light on a surface, per vertex: a key, a fill, a sky and two rim lights, with finishes for skin, hair, cloth and eyes.
+"""Light on a surface, per vertex: key, fill, sky and two rim lights, with finishes for skin, hair, cloth and eyes.
 
 The renderer draws plain vertex colours, so everything that makes the picture soft happens here: light that wraps
 around (redder on skin, as light does that has been under it), openness baked into the clay, a glow at the silhouette.
@@ -9,6 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
+
+from openrois_avatar.engines.sculpt.distance import Array
 
 Floats = npt.NDArray[np.float32]
 Bytes = npt.NDArray[np.uint8]
@@ -25,7 +27,15 @@ HALFWAY = _unit(_TO_KEY + _VIEWER)
 """Between the key light and the viewer: surfaces that face this way shine."""
 # Columns: key, fill, zenith, viewer, rim from the right, rim from the left, halfway.
 _DIRECTIONS = np.stack(
-    [_TO_KEY, _unit((0.85, -0.55, 0.05)), _unit((0, 0, 1)), _VIEWER, _unit((0.75, 0.55, 0.45)), _unit((-0.85, 0.5, 0.3)), HALFWAY],
+    [
+        _TO_KEY,
+        _unit((0.85, -0.55, 0.05)),
+        _unit((0, 0, 1)),
+        _VIEWER,
+        _unit((0.75, 0.55, 0.45)),
+        _unit((-0.85, 0.5, 0.3)),
+        HALFWAY,
+    ],
     axis=1,
 )
 _KEY = np.asarray((0.90, 0.845, 0.785), np.float32)
@@ -36,7 +46,7 @@ _RIM = np.asarray((0.80, 0.88, 1.00), np.float32)
 _RIM_LEFT = np.asarray((0.45, 0.39, 0.33), np.float32)
 
 
-# The software renderer overshoots a little between vertices and wraps at 255, which shows as dots of the opposite colour.
+# The software renderer overshoots a little between vertices and wraps at 255: dots of the opposite colour.
 _BRIGHTEST = np.float32(249)
 
 
@@ -60,7 +70,7 @@ PLAIN = Finish(wrap=(0.5, 0.5, 0.5), rim=0.0)
 class Surface:
     """A mesh's colour before light, all linear: albedo (n, 3), openness (n,) 0..1 or one for all, gloss likewise."""
 
-    albedo: npt.NDArray[np.floating]
+    albedo: Array
     openness: npt.ArrayLike = 1.0
     finish: Finish = Finish()
     gloss: npt.ArrayLike = 0.0
@@ -99,14 +109,14 @@ class Lighting:
 
     def colours(self, part: slice, normals: Floats, rotation: Floats) -> Bytes:
         """RGB bytes (n, 3) of a part for its unit normals (n, 3); `rotation` (3, 3) takes them to the world."""
-        facing = normals @ (rotation.T @ _DIRECTIONS)
-        lit = (facing[:, 0:1] + self._wrap[part]) * self._narrow[part]
-        light = self._keyed[part] * np.minimum(np.maximum(lit, 0, out=lit), 1, out=lit)
+        facing: Floats = normals @ (rotation.T @ _DIRECTIONS)
+        turned = (facing[:, 0:1] + self._wrap[part]) * self._narrow[part]
+        light: Floats = self._keyed[part] * _held(turned)
         light += self._filled[part] * _held(facing[:, 1:2] * 0.6 + 0.4)
         light += self._ground[part]
         light += self._sky[part] * (facing[:, 2:3] * 0.5 + 0.5)
-        edge = 1 - _held(facing[:, 3:4])
-        edge = edge * edge * edge * self._edge[part]
+        away = 1 - _held(facing[:, 3:4])
+        edge = away * away * away * self._edge[part]
         light += (edge * _held(facing[:, 4:5] + 0.25)) * _RIM
         light += (edge * _held(facing[:, 5:6] + 0.15)) * _RIM_LEFT
         light += _held(facing[:, 6:7]) ** self._sharpness[part] * (self._gloss[part] * self._free[part])
@@ -116,15 +126,17 @@ class Lighting:
 
 
 def _rows(surfaces: Sequence[Surface], value: Callable[[Surface], tuple[float, ...]]) -> Floats:
-    return np.concatenate([np.tile(np.asarray(value(surface), np.float32), (len(surface.albedo), 1)) for surface in surfaces])
+    return np.concatenate(
+        [np.tile(np.asarray(value(surface), np.float32), (len(surface.albedo), 1)) for surface in surfaces]
+    )
 
 
-def _held(value: Floats) -> Floats:
+def _held(value: npt.NDArray[np.floating]) -> Floats:
     """The value within 0..1, in place."""
-    return np.asarray(np.minimum(np.maximum(value, 0, out=value), 1, out=value))
+    return np.asarray(np.minimum(np.maximum(value, 0, out=value), 1, out=value), np.float32)
 
 
-def linear(colour: str) -> Floats:
+def linear(colour: str) -> Array:
     """A `#rrggbb` colour as the linear albedo that `colours` turns back into it under full light."""
     parts = [int(colour[start : start + 2], 16) / 255 for start in (1, 3, 5)]
-    return np.asarray(parts, np.float32) ** 2
+    return np.asarray(parts) ** 2
