@@ -49,9 +49,13 @@ def test_a_demo_that_is_stopped_leaves_nothing_behind(tmp_path: Path, stop: Call
         assert port_is_free(demo.port)
 
 
-def test_a_demo_that_is_killed_takes_its_programs_with_it(tmp_path: Path) -> None:
-    with running_demo(tmp_path) as demo:
+@pytest.mark.parametrize(
+    ("engine", "processes"), [("synthetic", 2), pytest.param("puppet", 3, marks=pytest.mark.engine)]
+)
+def test_a_demo_that_is_killed_takes_all_it_started_with_it(tmp_path: Path, engine: str, processes: int) -> None:
+    with running_demo(tmp_path, engine) as demo:
         tree = demo.tree()
+        assert len(tree) == processes
         demo.process.kill()
         assert not psutil.wait_procs(tree, timeout=2)[1]
 
