@@ -5,7 +5,8 @@ import pytest
 import pytest_asyncio
 from playwright.async_api import Browser
 
-from tests.support.browser import Visit, meet, running_browser, visiting
+from tests.support.browser import Visit, running_browser, visiting
+from tests.support.conversation import meet
 from tests.support.demo import Demo, running_demo
 
 

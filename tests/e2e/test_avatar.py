@@ -1,13 +1,13 @@
 """The avatar of `openrois demo` lives: it moves, speaks with its mouth, reacts, looks, and stops when it is told to."""
 
 import re
-from statistics import mean
 from typing import Final
 
 import pytest
 from playwright.async_api import Browser, expect
 
-from tests.support.browser import Visit, meet, visiting
+from tests.support.browser import Visit, visiting
+from tests.support.conversation import SAYING, aloud, meet, outcome, say, speak
 from tests.support.demo import Demo
 
 pytestmark = [
@@ -20,7 +20,6 @@ pytestmark = [
 ENGINE: Final = "panda3d"
 
 _PICTURE: Final = (0.0, 0.0, 1.0, 0.94)
-_MOUTH: Final = (0.44, 0.44, 0.15, 0.14)
 _EYES: Final = (0.40, 0.33, 0.25, 0.12)
 _ALIVE: Final = 0.3
 """By how much a picture differs from an earlier one, in luma and on average, when somebody breathes in it."""
@@ -28,23 +27,9 @@ _MOVED: Final = 2.0
 """... when somebody makes a gesture in it."""
 
 _VOICE: Final = "avatar/SpeechSynthesis"
-_SENTENCE: Final = "Hello, I am pleased to meet you. How are you today?"
 _STORY: Final = "Once upon a time there was an avatar that told long stories to whoever would listen. " * 6
-_SAYING: Final = "document.querySelector('[data-testid=say-state]').dataset.state"
-_LOUD: Final = 0.02
 _IN_TIME: Final = 400
 """Milliseconds between the first sound and the first movement of the mouth; idle machines have 50."""
-
-
-async def _say(guest: Visit, text: str) -> None:
-    await guest.item("say-text").fill(text)
-    await guest.item("say-text").press("Enter")
-
-
-async def _aloud(guest: Visit) -> None:
-    """Wait until a voice is heard that was not heard before."""
-    now = await guest.read("performance.now()")
-    await guest.until(f"probe.sound.some(({{ at, rms }}) => at > {now} && rms > {_LOUD})")
 
 
 async def test_it_is_alive_without_being_asked(guest: Visit) -> None:
@@ -54,46 +39,32 @@ async def test_it_is_alive_without_being_asked(guest: Visit) -> None:
 
 
 async def test_it_speaks_a_sentence_and_its_mouth_moves_with_the_sound(guest: Visit) -> None:
-    await guest.listen()
-    await guest.watch("mouth", *_MOUTH)
-    await guest.plays(30)
-    began = await guest.read("performance.now()")
-    await _say(guest, _SENTENCE)
-    await _aloud(guest)
-    await guest.until(f"{_SAYING} === 'done'")
-    ended = await guest.read("performance.now()")
+    speech = await speak(guest, "Hello, I am pleased to meet you. How are you today?")
     await expect(guest.item("say-state")).to_have_text(re.compile(r"^Completed OK after [2-5]\.\d s$"))
-    assert await guest.outcome(_VOICE, "start") == "OK"
-
-    mouth = await guest.seen("mouth")
-    still = mean(each["step"] for each in mouth if each["at"] < began)
-    speaking = mean(each["step"] for each in mouth if began < each["at"] < ended)
-    assert speaking > 2 * still, (speaking, still)
-    sound = await guest.read("probe.sound")
-    assert not any(each["rms"] > _LOUD for each in sound if each["at"] < began)
-    heard = [each["at"] for each in sound if began < each["at"] and each["rms"] > _LOUD]
-    assert 1500 < heard[-1] - heard[0] < 5000
-    most = max(each["step"] for each in mouth if each["at"] < began)
-    opened = next(each["at"] for each in mouth if each["at"] > began and each["step"] > max(3.0, 1.2 * most))
-    assert abs(opened - heard[0]) < _IN_TIME
+    assert await outcome(guest, _VOICE, "start") == "OK"
+    assert speech.noise < 0.001
+    assert speech.began < 2000
+    assert 1500 < speech.lasted < 5000
+    assert speech.liveliness > 2
+    assert abs(speech.mouth_after_sound) < _IN_TIME
 
 
 async def test_it_stops_in_the_middle_of_a_word(guest: Visit) -> None:
     await guest.listen()
-    await _say(guest, _STORY)
-    await _aloud(guest)
+    await say(guest, _STORY)
+    await aloud(guest)
     await guest.press("say-stop")
-    await guest.until(f"{_SAYING} === 'stopped'", within=2)
-    assert await guest.outcome(_VOICE, "start") == "ABORT"
+    await guest.until(f"{SAYING} === 'stopped'", within=2)
+    assert await outcome(guest, _VOICE, "start") == "ABORT"
     await guest.until("probe.sound.slice(-20).every(({ rms }) => rms < 0.001)", within=2)
 
 
 async def test_a_second_sentence_cuts_the_first_one_short(guest: Visit) -> None:
     await guest.listen()
-    await _say(guest, _STORY)
-    await _aloud(guest)
-    await _say(guest, "Never mind.")
-    await guest.until(f"{_SAYING} === 'done'")
+    await say(guest, _STORY)
+    await aloud(guest)
+    await say(guest, "Never mind.")
+    await guest.until(f"{SAYING} === 'done'")
     statuses = [each["status"] for each in guest.told("rois.command.completed")]
     assert statuses == ["OK", "OK", "ABORT", "OK"]  # set_parameter and start, twice
 
@@ -101,13 +72,13 @@ async def test_a_second_sentence_cuts_the_first_one_short(guest: Visit) -> None:
 async def test_two_people_cannot_speak_through_it_at_once(browser: Browser, avatar: Demo, guest: Visit) -> None:
     async with visiting(browser, avatar.page) as other:
         await meet(other)
-        await _say(guest, _STORY)
-        await guest.until(f"{_SAYING} === 'speaking'")
-        await _say(other, "And now me!")
+        await say(guest, _STORY)
+        await guest.until(f"{SAYING} === 'speaking'")
+        await say(other, "And now me!")
         await expect(other.item("say-state")).to_have_text(re.compile("^Somebody else is speaking"))
-        assert await guest.read(_SAYING) == "speaking"
+        assert await guest.read(SAYING) == "speaking"
         await guest.press("say-stop")
-        await guest.until(f"{_SAYING} === 'stopped'")
+        await guest.until(f"{SAYING} === 'stopped'")
 
 
 async def test_every_reaction_is_seen_and_completed(guest: Visit) -> None:
@@ -121,7 +92,7 @@ async def test_every_reaction_is_seen_and_completed(guest: Visit) -> None:
             re.compile(rf"^{name}: completed OK after \d\.\d s$"), timeout=15_000
         )
         assert max(each["away"] for each in await guest.seen("picture")) > _MOVED, name
-        assert await guest.outcome("avatar/Reaction", "start") == "OK"
+        assert await outcome(guest, "avatar/Reaction", "start") == "OK"
 
 
 async def test_it_looks_where_the_picture_is_clicked(guest: Visit) -> None:
@@ -130,7 +101,7 @@ async def test_it_looks_where_the_picture_is_clicked(guest: Visit) -> None:
     assert box is not None
     await guest.watch("eyes", *_EYES)
     await stage.click(position={"x": box["width"] * 0.9, "y": box["height"] * 0.5})
-    assert await guest.outcome("avatar/Gaze", "look") == "OK"
+    assert await outcome(guest, "avatar/Gaze", "look") == "OK"
     assert await guest.until(f"probe.watched.eyes.filter(({{ away }}) => away > {_MOVED}).length > 10")
 
 

@@ -6,7 +6,8 @@ from typing import Final
 import pytest
 from playwright.async_api import Browser, Page, expect
 
-from tests.support.browser import Visit, meet, visiting
+from tests.support.browser import Visit, visiting
+from tests.support.conversation import meet, outcome, speak
 from tests.support.demo import Demo
 
 pytestmark = [
@@ -16,7 +17,7 @@ pytestmark = [
     pytest.mark.asyncio(loop_scope="session"),
 ]
 
-ENGINE: Final = "panda3d"
+ENGINE: Final = "puppet"
 
 _CONTRAST: Final = Path(__file__).with_name("contrast.js")
 _READABLE: Final = 4.5
@@ -65,7 +66,7 @@ async def test_all_is_done_without_a_mouse(guest: Visit) -> None:
     await keyboard.type("Hello.")
     await keyboard.press("Enter")
     await expect(guest.item("say-state")).to_contain_text("ompleted OK")
-    assert await guest.outcome("avatar/SpeechSynthesis", "start") == "OK"
+    assert await outcome(guest, "avatar/SpeechSynthesis", "start") == "OK"
     await expect(guest.item("say-text")).to_have_value("")
 
     await keyboard.press("Escape")  # leaves the text, so that keys are shortcuts
@@ -117,3 +118,14 @@ async def test_light_and_dark_are_remembered(guest: Visit) -> None:
     await guest.until(f"{background} !== '{light}'")
     await guest.page.reload()
     assert await guest.read(background) != light
+
+
+async def test_the_puppet_lives_too(guest: Visit) -> None:
+    await guest.watch("picture", 0.0, 0.0, 1.0, 0.94)
+    speech = await speak(guest, "Hello, I am the puppet.")
+    assert speech.lasted > 700
+    assert speech.liveliness > 2
+    assert abs(speech.mouth_after_sound) < 400
+    await guest.page.get_by_role("button", name="Bow").click()
+    assert await guest.until("probe.watched.picture.some(({ away }) => away > 2)")
+    assert await outcome(guest, "avatar/Reaction", "start") == "OK"

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from playwright.async_api import Browser, ConsoleMessage, Error, Locator, Page, WebSocket, async_playwright, expect
 
-__all__ = ["GATEWAY_AWAY", "Seen", "Visit", "meet", "running_browser", "visiting"]
+__all__ = ["GATEWAY_AWAY", "PATIENCE", "Seen", "Visit", "running_browser", "visiting"]
 
 Message = dict[str, Any]
 
@@ -135,18 +135,6 @@ class Visit:
                 await self._arrival.wait()
         return found[-1]
 
-    async def outcome(self, component_ref: str, command_type: str) -> str:
-        """How the command ended that the page executed last on a component, as the wire said it."""
-        units = [
-            unit
-            for message in self.sent
-            if message["method"] == "rois.command.execute"
-            for unit in message["params"]["command_unit_list"]
-            if (unit["component_ref"], unit["command_type"]) == (component_ref, command_type)
-        ]
-        completed = await self.until_told("rois.command.completed", command_id=units[-1]["command_id"])
-        return str(completed["status"])
-
     async def watch(self, name: str, left: float, top: float, width: float, height: float) -> None:
         """Watch a part of the picture from now on; places and sizes are fractions of the picture's."""
         await self.page.evaluate(f"probe.watch('{name}', {left}, {top}, {width}, {height})")
@@ -221,13 +209,6 @@ class Visit:
         """Take a complaint, unless it is tolerated."""
         if not any(re.search(pattern, text) for pattern in self.tolerated):
             self.complaints.append(text)
-
-
-async def meet(visit: Visit) -> None:
-    """Wait until the avatar is seen and can be operated."""
-    await visit.plays()
-    await expect(visit.item("say-text")).to_be_enabled(timeout=PATIENCE * 1000)
-    await expect(visit.page.locator("button.reaction").first).to_be_enabled(timeout=PATIENCE * 1000)
 
 
 @asynccontextmanager

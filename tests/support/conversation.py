@@ -1,0 +1,94 @@
+"""What a person does with an avatar on the page: meet it, speak through it, and hear and see how it does that."""
+
+from dataclasses import dataclass
+from statistics import mean
+from typing import Final
+
+from playwright.async_api import expect
+
+from tests.support.browser import PATIENCE, Visit
+
+__all__ = ["SAYING", "Speech", "aloud", "meet", "outcome", "say", "speak"]
+
+SAYING: Final = "document.querySelector('[data-testid=say-state]').dataset.state"
+"""What the page says of speech, in JavaScript."""
+
+_MOUTH: Final = (0.44, 0.44, 0.15, 0.14)
+_LOUD: Final = 0.02
+
+
+@dataclass(frozen=True, slots=True)
+class Speech:
+    """What was heard and seen of a sentence. Times are in milliseconds.
+
+    Attributes:
+        noise: the loudest before, as root mean square of full scale.
+        began: from the request to the first sound.
+        lasted: from the first sound to the last.
+        liveliness: how much more the region of the mouth changed from frame to frame than before.
+        mouth_after_sound: from the first sound to the first movement of the mouth.
+    """
+
+    noise: float
+    began: float
+    lasted: float
+    liveliness: float
+    mouth_after_sound: float
+
+
+async def meet(visit: Visit) -> None:
+    """Wait until the avatar is seen and can be operated."""
+    await visit.plays()
+    for item in (visit.item("say-text"), visit.page.locator("button.reaction").first):
+        await expect(item).to_be_enabled(timeout=PATIENCE * 1000)
+
+
+async def say(visit: Visit, text: str) -> None:
+    """Type a text and press Enter."""
+    await visit.item("say-text").fill(text)
+    await visit.item("say-text").press("Enter")
+
+
+async def aloud(visit: Visit) -> None:
+    """Wait until a voice is heard from now on."""
+    now = await visit.read("performance.now()")
+    await visit.until(f"probe.sound.some(({{ at, rms }}) => at > {now} && rms > {_LOUD})")
+
+
+async def outcome(visit: Visit, component_ref: str, command_type: str) -> str:
+    """How the command ended that the page executed last on a component, as the wire said it."""
+    units = [
+        unit
+        for message in visit.sent
+        if message["method"] == "rois.command.execute"
+        for unit in message["params"]["command_unit_list"]
+        if (unit["component_ref"], unit["command_type"]) == (component_ref, command_type)
+    ]
+    completed = await visit.until_told("rois.command.completed", command_id=units[-1]["command_id"])
+    return str(completed["status"])
+
+
+async def speak(visit: Visit, text: str) -> Speech:
+    """Say a text to its end; ears and eyes are on the avatar before, meanwhile and afterwards."""
+    await visit.listen()
+    await visit.watch("mouth", *_MOUTH)
+    await visit.plays(30)
+    asked = await visit.read("performance.now()")
+    await say(visit, text)
+    await visit.until(f"{SAYING} === 'done'")
+    ended = await visit.read("performance.now()")
+
+    sound = await visit.read("probe.sound")
+    heard = [each["at"] for each in sound if each["at"] > asked and each["rms"] > _LOUD]
+    mouth = await visit.seen("mouth")
+    before = [each["step"] for each in mouth if each["at"] < asked]
+    meanwhile = [each for each in mouth if asked < each["at"] < ended]
+    still = max(3.0, 1.2 * max(before))
+    opened = next(each["at"] for each in meanwhile if each["step"] > still)
+    return Speech(
+        noise=max(each["rms"] for each in sound if each["at"] < asked),
+        began=heard[0] - asked,
+        lasted=heard[-1] - heard[0],
+        liveliness=mean(each["step"] for each in meanwhile) / mean(before),
+        mouth_after_sound=opened - heard[0],
+    )
