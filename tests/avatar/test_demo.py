@@ -81,11 +81,11 @@ def test_a_port_is_free_again_at_once(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("port", ["0", "-1", "65536", "http"])
-def test_what_is_no_port_is_wrong_usage(port: str) -> None:
-    refused = start("demo", f"--port={port}")
-    output, complaint = refused.communicate(timeout=10)
-    assert (refused.returncode, output) == (2, "")
-    assert complaint.endswith(f"argument --port: '{port}' is not a port from 1 to 65535\n")
+def test_what_is_no_port_is_wrong_usage(port: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as refusal:
+        demo_module.main([f"--port={port}"])
+    assert refusal.value.code == 2
+    assert capsys.readouterr().err.endswith(f"argument --port: '{port}' is not a port from 1 to 65535\n")
 
 
 class Unready:
