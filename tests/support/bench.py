@@ -20,7 +20,7 @@ def latency(*observations: Observation) -> LatencyReport:
     return LatencyReport(conditions=CONDITIONS, seconds=0.5, runs=2, observations=observations)
 
 
-def fanout(*, delivered: bool) -> FanoutReport:
+def fanout(*, delivered: bool, others: float | None = None) -> FanoutReport:
     runs = [
         Run(
             round=0,
@@ -32,6 +32,7 @@ def fanout(*, delivered: bool) -> FanoutReport:
             fps=(fps, 30.0),
             kbps=1000,
             delivered=fps > 27,
+            others=others,
         )
         for way, cpu, encoders, fps in ((OPENROIS, 0.1, 1, 30.0), (AIORTC, 0.4, 2, 29.6 if delivered else 3.0))
     ]

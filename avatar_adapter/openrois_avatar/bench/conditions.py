@@ -8,7 +8,7 @@ from typing import Final
 
 from pydantic import BaseModel, ConfigDict
 
-__all__ = ["Conditions", "conditions", "load"]
+__all__ = ["Conditions", "busy", "conditions", "load"]
 
 _LIBRARIES: Final = ("openrois", "aiortc", "aioice", "av", "numpy", "uvloop")
 
@@ -40,6 +40,18 @@ class Conditions(BaseModel):
 def load() -> float:
     """The load of this machine over the last minute."""
     return round(os.getloadavg()[0], 2)
+
+
+def busy(stat: Path = Path("/proc/stat")) -> float | None:
+    """CPU seconds since its start that this machine spent on any program, or its host on others; None off Linux.
+
+    The fields of the line `cpu` are those of proc(5): user, nice, system, idle, iowait, irq, softirq, steal; those that
+    follow are contained in the first two.
+    """
+    if not stat.is_file():
+        return None
+    fields = [int(field) for field in stat.read_text().split(maxsplit=9)[1:9]]
+    return (sum(fields) - fields[3] - fields[4]) / os.sysconf("SC_CLK_TCK")
 
 
 def conditions(load_before: float, more_versions: dict[str, str] | None = None) -> Conditions:

@@ -10,10 +10,10 @@ from contextlib import AsyncExitStack
 from dataclasses import dataclass
 from typing import Final
 
-from openrois_avatar.bench.conditions import conditions, load
+from openrois_avatar.bench.conditions import busy, conditions, load
 from openrois_avatar.bench.fanout_report import FanoutReport
 from openrois_avatar.bench.partner import Partner, partner
-from openrois_avatar.bench.runs import CODECS, WAYS, Planned, Run, compare, plan
+from openrois_avatar.bench.runs import CODECS, WAYS, Planned, Reading, Run, compare, plan
 
 __all__ = ["FanoutSettings", "run_fanout"]
 
@@ -94,10 +94,15 @@ class _Bench:
         sender, name = self._senders[planned.way, planned.codec], {"sender": f"{planned.way} {planned.codec}"}
         await sender.ask("play", {"viewers": planned.viewers}, within=_SOON)
         await asyncio.sleep(_SETTLING)
-        sent = [await sender.ask("read", {}, within=_SOON)]
-        seen = [await self._receivers.ask("read", name, within=_SOON)]
+        before = await self._read(sender, name)
         await asyncio.sleep(self._settings.seconds)
-        sent.append(await sender.ask("read", {}, within=_SOON))
-        seen.append(await self._receivers.ask("read", name, within=_SOON))
+        after = await self._read(sender, name)
         await sender.ask("play", {"viewers": 0}, within=_SOON)
-        return Run.of(planned, sent, seen)
+        return Run.of(planned, before, after)
+
+    async def _read(self, sender: Partner, name: Mapping[str, str]) -> Reading:
+        return Reading(
+            await sender.ask("read", {}, within=_SOON),
+            await self._receivers.ask("read", name, within=_SOON),
+            busy(),
+        )

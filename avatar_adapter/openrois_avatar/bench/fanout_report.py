@@ -1,5 +1,6 @@
 """What `openrois bench fanout` found out, for people and as JSON. Pure."""
 
+import statistics
 from typing import Literal
 
 from pydantic import BaseModel, ConfigDict
@@ -39,9 +40,16 @@ class FanoutReport(BaseModel):
                 "",
                 "CPU: of the sender's process, median, 1 is one core; ratio: over the rounds in which both delivered;",
                 "fps: of the viewer that got least, median, and encoders: running at once, both OpenRoIS / aiortc.",
+                *self._others(),
                 *(("* in some round a viewer got less than nine tenths of the pictures.",) if self._marked() else ()),
             )
         )
+
+    def _others(self) -> tuple[str, ...]:
+        others = [run.others for run in self.runs if run.others is not None]
+        if not others:
+            return ()
+        return (f"Meanwhile other programs used {statistics.median(others):.2f} cores, {max(others):.2f} at most.",)
 
     def _marked(self) -> bool:
         return not all(all(comparison.delivered.values()) for comparison in self.comparisons)

@@ -1,6 +1,7 @@
 """The processes that take part in a bench: children that are asked by JSON-RPC, a message a line, through pipes."""
 
 import asyncio
+import resource
 import sys
 from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
@@ -14,7 +15,7 @@ from openrois.transport.stream import StreamClosed
 from openrois_avatar.bench.errors import BenchFailed
 from openrois_avatar.child import Output, child_process
 
-__all__ = ["SWITCH_INTERVAL", "Partner", "PipeStream", "partner", "serve"]
+__all__ = ["SWITCH_INTERVAL", "Partner", "PipeStream", "cpu_seconds", "partner", "serve"]
 
 MAX_MESSAGE: Final = 4 << 20
 """Bytes of one message: the latencies of an hour of pictures fit."""
@@ -100,6 +101,12 @@ async def partner(module: str, *arguments: str) -> AsyncIterator[Partner]:
         finally:
             running.cancel()
             await asyncio.wait({running})
+
+
+def cpu_seconds() -> float:
+    """What this process has used so far, in all its threads."""
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    return used.ru_utime + used.ru_stime
 
 
 def serve(role: Callable[[], AbstractAsyncContextManager[Mapping[str, Handler]]]) -> None:

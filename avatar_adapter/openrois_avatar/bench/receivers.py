@@ -15,7 +15,7 @@ from aiortc.mediastreams import MediaStreamError
 from aiortc.rtcconfiguration import RTCBundlePolicy
 
 from openrois.jsonrpc.session import Handler
-from openrois_avatar.bench.partner import serve
+from openrois_avatar.bench.partner import cpu_seconds, serve
 
 __all__ = ["Receivers"]
 
@@ -75,10 +75,11 @@ class Receivers:
         return connection.localDescription.sdp
 
     def read(self, sender: str) -> dict[str, Any]:
-        """How many pictures, and bytes of pictures, each receiver of `sender` has had, and when that was."""
+        """What each receiver of `sender` has had, what all of them have cost this process, and when that was."""
         receivers = self._receivers[sender]
         return {
             "at": time.monotonic(),
+            "cpu": cpu_seconds(),
             "pictures": [receiver.pictures for receiver in receivers],
             "bytes": [receiver.received for receiver in receivers],
         }

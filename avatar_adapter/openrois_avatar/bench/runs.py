@@ -18,6 +18,7 @@ __all__ = [
     "WIDTH",
     "Comparison",
     "Planned",
+    "Reading",
     "Run",
     "compare",
     "plan",
@@ -58,6 +59,14 @@ def plan(rounds: int, viewers: Sequence[int]) -> list[Planned]:
     ]
 
 
+class Reading(NamedTuple):
+    """What the sender and the receivers say of themselves at one moment, and how busy the machine has been (s)."""
+
+    sender: Mapping[str, Any]
+    receivers: Mapping[str, Any]
+    busy: float | None
+
+
 class Run(BaseModel):
     """What one run has cost and delivered."""
 
@@ -76,22 +85,29 @@ class Run(BaseModel):
     """Of each viewer, on average: kilobits of pictures per second."""
     delivered: bool
     """Whether each viewer got at least nine tenths of the pictures."""
+    others: float | None
+    """CPU seconds per second that neither the sender nor the receivers used; None where that cannot be told."""
 
     @classmethod
-    def of(cls, planned: Planned, sender: Sequence[Mapping[str, Any]], receivers: Sequence[Mapping[str, Any]]) -> Self:
-        """The difference of two readings of the sender, and of two of the receivers."""
-        (sent_from, sent_to), (seen_from, seen_to) = sender, receivers
-        seconds = seen_to["at"] - seen_from["at"]
-        counts = zip(seen_from["pictures"], seen_to["pictures"], strict=True)
-        fps = tuple(round((after - before) / seconds, 1) for before, after in counts)[: planned.viewers]
-        received = sum(seen_to["bytes"]) - sum(seen_from["bytes"])
+    def of(cls, planned: Planned, before: Reading, after: Reading) -> Self:
+        """The difference of two readings."""
+        seconds = after.receivers["at"] - before.receivers["at"]
+        counts = zip(before.receivers["pictures"], after.receivers["pictures"], strict=True)
+        fps = tuple(round((to - since) / seconds, 1) for since, to in counts)[: planned.viewers]
+        received = sum(after.receivers["bytes"]) - sum(before.receivers["bytes"])
+        used = after.sender["cpu"] - before.sender["cpu"]
+        others = None
+        if before.busy is not None and after.busy is not None:
+            ours = used + after.receivers["cpu"] - before.receivers["cpu"]
+            others = max(0.0, round((after.busy - before.busy - ours) / seconds, 2))
         return cls(
             **planned._asdict(),
-            cpu=round((sent_to["cpu"] - sent_from["cpu"]) / (sent_to["at"] - sent_from["at"]), 4),
-            encoders=sent_to["encoders"],
+            cpu=round(used / (after.sender["at"] - before.sender["at"]), 4),
+            encoders=after.sender["encoders"],
             fps=fps,
             kbps=round(received * 8 / 1000 / seconds / planned.viewers),
             delivered=min(fps) >= _DELIVERED * FPS,
+            others=others,
         )
 
 

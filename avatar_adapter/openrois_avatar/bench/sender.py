@@ -6,7 +6,6 @@ play is told afterwards.
 
 import asyncio
 import itertools
-import resource
 import sys
 import time
 from collections.abc import AsyncIterator, Mapping
@@ -26,7 +25,7 @@ from openrois_streaming.session import StreamSession
 from openrois_streaming.source import RawVideo
 
 from openrois.jsonrpc.session import Handler
-from openrois_avatar.bench.partner import serve
+from openrois_avatar.bench.partner import cpu_seconds, serve
 from openrois_avatar.bench.picture import Grain
 from openrois_avatar.bench.runs import BITRATE, FPS, HEIGHT, OPENROIS, WIDTH
 
@@ -200,8 +199,7 @@ async def _role(way: str, codec: str) -> AsyncIterator[Mapping[str, Handler]]:
             sender.play(params["viewers"])
 
         async def read(_params: dict[str, Any]) -> dict[str, Any]:
-            used = resource.getrusage(resource.RUSAGE_SELF)
-            return {"at": time.monotonic(), "cpu": used.ru_utime + used.ru_stime, "encoders": sender.encoders}
+            return {"at": time.monotonic(), "cpu": cpu_seconds(), "encoders": sender.encoders}
 
         yield {"offer": offer, "answer": answer, "play": play, "read": read}
 

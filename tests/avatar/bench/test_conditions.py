@@ -4,7 +4,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 import pytest
-from openrois_avatar.bench.conditions import Conditions, conditions, load, processor
+from openrois_avatar.bench.conditions import Conditions, busy, conditions, load, processor
 
 
 def test_the_conditions_name_machine_versions_and_load(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -33,6 +33,13 @@ def test_the_conditions_as_text() -> None:
         load_after=2.0,
     )
     assert str(told) == ("2 CPUs (Imaginary), load 0.1 before and 2.0 after\nPython 3.11, openrois 1, av 2; Linux")
+
+
+def test_a_machine_is_busy_with_whatever_is_not_idling(tmp_path: Path) -> None:
+    stat = tmp_path / "stat"
+    assert busy(stat) is None
+    stat.write_text("cpu  1000 200 30 99999 88888 4 5 600 1000 0\ncpu0 1 1 1 1 1 1 1 1 0 0\n")
+    assert busy(stat) == pytest.approx(1839 / os.sysconf("SC_CLK_TCK"))
 
 
 def test_the_processor_is_named_as_linux_does(tmp_path: Path) -> None:

@@ -24,5 +24,6 @@ async def test_both_ways_of_sending_are_measured_side_by_side() -> None:
         assert len(run.fps) == run.viewers
         assert min(run.fps) > 0
         assert run.kbps > 0
+        assert run.others is None or run.others >= 0
         assert run.encoders == (1 if run.way == OPENROIS else run.viewers)
     assert {run.way for run in report.runs} == {OPENROIS, AIORTC}

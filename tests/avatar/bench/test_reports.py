@@ -48,6 +48,12 @@ def test_fanout_marks_what_was_not_delivered() -> None:
     assert told[-1].startswith("* in some round")
 
 
+def test_fanout_says_how_busy_others_were_where_that_can_be_told() -> None:
+    assert "other programs" not in str(fanout(delivered=True))
+    told = str(fanout(delivered=True, others=0.254)).splitlines()
+    assert told[-1] == "Meanwhile other programs used 0.25 cores, 0.25 at most."
+
+
 def test_fanout_as_json_is_the_whole_report() -> None:
     report = fanout(delivered=False)
     assert FanoutReport.model_validate_json(report.model_dump_json()) == report

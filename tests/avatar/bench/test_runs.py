@@ -2,7 +2,7 @@ from itertools import pairwise
 from typing import Any
 
 import pytest
-from openrois_avatar.bench.runs import AIORTC, CODECS, OPENROIS, WAYS, Planned, Run, compare, plan
+from openrois_avatar.bench.runs import AIORTC, CODECS, OPENROIS, WAYS, Planned, Reading, Run, compare, plan
 
 
 def test_every_cell_runs_in_every_round_once_each_way() -> None:
@@ -17,15 +17,16 @@ def test_what_is_compared_runs_one_after_the_other_and_takes_turns_in_being_firs
         assert [first.way, second.way] == ([OPENROIS, AIORTC] if first.round == 0 else [AIORTC, OPENROIS])
 
 
-def readings(at: float, cpu: float, pictures: list[int], received: list[int]) -> tuple[dict[str, Any], dict[str, Any]]:
-    return {"at": at, "cpu": cpu, "encoders": 1}, {"at": at, "pictures": pictures, "bytes": received}
+def reading(at: float, cpu: float, pictures: list[int], received: list[int], busy: float | None) -> Reading:
+    receivers: dict[str, Any] = {"at": at, "cpu": cpu / 10, "pictures": pictures, "bytes": received}
+    return Reading({"at": at, "cpu": cpu, "encoders": 1}, receivers, busy)
 
 
-def counted(viewers: int, pictures: list[int]) -> Run:
+def counted(viewers: int, pictures: list[int], busy: float | None = 2.15) -> Run:
     planned = Planned(0, "video/VP8", viewers, OPENROIS)
-    sent_from, seen_from = readings(10.0, 5.0, [100, 50], [0, 0])
-    sent_to, seen_to = readings(12.0, 5.5, [100 + pictures[0], 50 + pictures[1]], [250_000, 250_000])
-    return Run.of(planned, (sent_from, sent_to), (seen_from, seen_to))
+    before = reading(10.0, 5.0, [100, 50], [0, 0], None if busy is None else 100.0)
+    after = [100 + pictures[0], 50 + pictures[1]]
+    return Run.of(planned, before, reading(12.0, 5.5, after, [250_000, 250_000], None if busy is None else 100 + busy))
 
 
 def test_a_run_is_the_difference_of_two_readings() -> None:
@@ -33,6 +34,14 @@ def test_a_run_is_the_difference_of_two_readings() -> None:
     assert (run.cpu, run.fps, run.encoders) == (0.25, (30.0, 27.0), 1)
     assert run.kbps == 1000
     assert run.delivered
+
+
+def test_what_others_used_is_what_the_machine_did_beyond_the_bench() -> None:
+    # In these two seconds the sender used 0.5 s and the receivers 0.05 s.
+    assert counted(2, [60, 60], busy=2.15).others == 0.8
+    # The kernel counts in steps of 10 ms.
+    assert counted(2, [60, 60], busy=0.54).others == 0
+    assert counted(2, [60, 60], busy=None).others is None
 
 
 def test_a_run_has_not_delivered_when_one_viewer_got_too_little() -> None:
@@ -57,6 +66,7 @@ def run(number: int, way: str, cpu: float, *, delivered: bool = True, viewers: i
         fps=fps,
         kbps=900 + number,
         delivered=delivered,
+        others=None,
     )
 
 
