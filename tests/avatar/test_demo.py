@@ -9,7 +9,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-import psutil  # type: ignore[import-untyped]
+import psutil
 import pytest
 from openrois_avatar import demo as demo_module
 from openrois_avatar.process import ProgramFailed

@@ -4,7 +4,7 @@ import signal
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager, suppress
 
-import psutil  # type: ignore[import-untyped]
+import psutil
 import pytest
 from openrois_avatar import process
 from openrois_avatar.process import Program, ProgramFailed

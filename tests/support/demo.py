@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, Final
 
-import psutil  # type: ignore[import-untyped]
+import psutil
 
 _ROOT: Final = Path(__file__).parents[2]
 _START: Final = 30.0

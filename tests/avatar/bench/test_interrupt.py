@@ -3,7 +3,7 @@ import signal
 import sys
 from asyncio.subprocess import PIPE
 
-import psutil  # type: ignore[import-untyped]
+import psutil
 import pytest
 
 COMMAND = "import sys; from openrois_avatar.bench.command import main; sys.exit(main(sys.argv[1:]))"
