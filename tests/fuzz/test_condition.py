@@ -15,7 +15,7 @@ words = st.sampled_from(
 )
 
 
-@settings(max_examples=150)
+@settings(max_examples=50)
 @given(st.text() | st.lists(words, max_size=12).map(" ".join) | st.lists(words, max_size=12).map("".join))
 def test_any_text(text: str) -> None:
     with suppress(BadParameter):
@@ -24,7 +24,7 @@ def test_any_text(text: str) -> None:
         condition.matches({"component_ref": text})
 
 
-@settings(max_examples=100)
+@settings(max_examples=35)
 @given(st.lists(st.tuples(st.sampled_from(sorted(PROPERTIES)), st.booleans(), st.text(max_size=20)), max_size=4))
 def test_what_is_written_is_read_back(parts: list[tuple[str, bool, str]]) -> None:
     comparisons = tuple(Comparison(*part) for part in parts)
@@ -47,7 +47,7 @@ def expression(pattern: str) -> str:
     return "".join(out) + (re.escape("\\") if escaped else "")
 
 
-@settings(max_examples=200)
+@settings(max_examples=70)
 @given(st.text(alphabet="ab%_\\", max_size=8), st.text(alphabet="ab%_\\", max_size=8))
 def test_like_is_what_a_plain_matcher_says(pattern: str, value: str) -> None:
     expected = re.fullmatch(expression(pattern), value, re.DOTALL) is not None

@@ -49,7 +49,7 @@ def check(text: str) -> None:
             assert answer["error"]["code"] in CODES
 
 
-@settings(max_examples=100)
+@settings(max_examples=35)
 @given(st.text())
 @example("[" * 100_000)
 @example('{"a":' * 100_000)
@@ -59,13 +59,13 @@ def test_any_text(text: str) -> None:
     check(text)
 
 
-@settings(max_examples=150)
+@settings(max_examples=50)
 @given(envelopes | nearly)
 def test_any_envelope(envelope: dict[str, Any]) -> None:
     check(json.dumps(envelope))
 
 
-@settings(max_examples=150)
+@settings(max_examples=50)
 @given(nearly, st.data())
 def test_any_damaged_envelope(envelope: dict[str, Any], data: st.DataObject) -> None:
     text = json.dumps(envelope, ensure_ascii=False)

@@ -106,7 +106,7 @@ async def converse(messages: list[str]) -> None:
             await serving
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(st.lists(message, max_size=12))
 def test_any_messages_of_an_application(messages: list[str]) -> None:
     asyncio.run(converse(messages))
@@ -156,7 +156,7 @@ async def adapt(messages: list[str]) -> None:
             await serving
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=25, deadline=None)
 @given(st.lists((told | answered).map(json.dumps) | st.text(max_size=30), max_size=12))
 def test_any_messages_of_an_adapter(messages: list[str]) -> None:
     asyncio.run(adapt(messages))

@@ -15,7 +15,7 @@ scalars = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_
 lists = st.recursive(scalars, lambda inner: st.lists(inner, max_size=4), max_leaves=10)
 
 
-@settings(max_examples=300)
+@settings(max_examples=90)
 @given(types, suffixes, st.text(max_size=30) | scalars.map(str) | lists.map(json.dumps))
 def test_any_value(kind: str, suffix: str, value: str) -> None:
     if not fits(kind + suffix, value):
