@@ -7,9 +7,9 @@ as its timestamp. A loop that is late skips to the newest deadline; nothing is q
 import argparse
 import sys
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Final, assert_never
+from typing import Final, Protocol, assert_never
 
 import cv2
 
@@ -19,11 +19,12 @@ from openrois_avatar.engines.animation.pose import Pose
 from openrois_avatar.engines.animation.reactions import REACTIONS
 from openrois_avatar.engines.animation.visemes import SHAPES, Track
 from openrois_avatar.engines.settings import Available, Factory, Picture, Pixels, Renderer
-from openrois_avatar.engines.sound import PERIOD, Sound
-from openrois_avatar.link.client import LinkClient, connect_from_environment
+from openrois_avatar.engines.sound import PERIOD, Samples, Sound
+from openrois_avatar.link.client import connect_from_environment
 from openrois_avatar.link.messages import (
     Command,
     Completed,
+    Event,
     Hello,
     LinkError,
     Log,
@@ -109,6 +110,28 @@ def still_pose(reaction: str | None = None, viseme: str | None = None, at: float
     return animator.pose(start + at)
 
 
+class Link(Protocol):
+    """What the runner needs of a `LinkClient`."""
+
+    @property
+    def connected(self) -> bool:
+        """False once the adapter is gone."""
+
+    def poll_commands(self, timeout: float = 0.0) -> list[Command]:
+        """The commands that have arrived; waits up to `timeout` seconds for a first one."""
+
+    def send_video(
+        self, pixels: bytes, width: int, height: int, stride: int, format: PixelFormat, timestamp_ns: int
+    ) -> None:
+        """Send a picture."""
+
+    def send_audio(self, samples: Samples, timestamp_ns: int) -> None:
+        """Send a block of sound."""
+
+    def send_event(self, event: Event) -> None:
+        """Send an event."""
+
+
 @dataclass(slots=True)
 class _Skips:
     """What was left out since the last report."""
@@ -120,39 +143,40 @@ class _Skips:
 class Runner:
     """Serves one link with one renderer until either ends."""
 
-    def __init__(self, link: LinkClient, renderer: Renderer, picture: Picture) -> None:
-        self._link, self._renderer, self._picture = link, renderer, picture
+    def __init__(
+        self, link: Link, renderer: Renderer, picture: Picture, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self._link, self._renderer, self._picture, self._clock = link, renderer, picture, clock
         self._animator, self._sound = Animator(), Sound()
         self._skips = _Skips()
         self._waiting: list[Command] = []
+        self._quit = False
 
     def run(self) -> None:
         """Send pictures and sound on time until the adapter is gone or says `Quit`."""
-        start = time.monotonic()
+        start = self._clock()
         pictures, blocks = _Ticks(start, 1 / self._picture.fps), _Ticks(start, PERIOD)
         reports = _Ticks(start + _REPORT, _REPORT)
-        while self._link.connected:
-            now = time.monotonic()
+        while self._link.connected and not self._quit:
+            now = self._clock()
+            if reports.due <= now:
+                reports.take()
+                self._report()
             if blocks.due <= now:
                 self._skips.blocks += blocks.catch_up(now)
                 self._send_sound(blocks.take())
             elif pictures.due <= now:
                 self._skips.pictures += pictures.catch_up(now)
-                # On a machine where every picture is late, nothing is ever waited for: commands are taken here too.
-                if not self._wait(0.0):
-                    return
+                self._listen(0.0)
                 self._send_picture(pictures.take())
-            elif reports.due <= now:
-                reports.take()
-                self._report()
-            elif not self._wait(min(blocks.due, pictures.due) - now):
-                return
+            else:
+                self._listen(min(blocks.due, pictures.due) - now)
 
-    def _wait(self, seconds: float) -> bool:
-        """Take commands for so long at most; False once the engine is to quit."""
+    def _listen(self, seconds: float) -> None:
+        """Take commands for so long at most."""
         commands = self._link.poll_commands(seconds)
         self._waiting += commands
-        return not any(isinstance(command, Quit) for command in commands)
+        self._quit = self._quit or any(isinstance(command, Quit) for command in commands)
 
     def _send_sound(self, due: float) -> None:
         self._link.send_audio(self._sound.block(due), round(due * 1e9))

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from openrois_avatar.engines.animation.curves import settling, settling_speed
-from openrois_avatar.engines.animation.idle import blink_at
+from openrois_avatar.engines.animation.idle import BLINK, blink_at
 
 _YAW, _PITCH = 0.62, 0.40
 """Where x = 1 and y = 1 are, in radians."""
@@ -53,7 +53,8 @@ class Gaze:
     def look(self, time: float, x: float, y: float) -> None:
         """Look from this time on at x (-1: the picture's left .. 1) and y (-1: down .. 1)."""
         targets = (x * _YAW, y * _PITCH)
-        if any(abs(target - turn.target) >= _BLINK_FROM for target, turn in zip(targets, self._eyes, strict=True)):
+        far = any(abs(target - turn.target) >= _BLINK_FROM for target, turn in zip(targets, self._eyes, strict=True))
+        if far and time >= self._blink + BLINK:
             self._blink = time
         yaw, pitch = targets
         self._eyes = (

@@ -80,7 +80,7 @@ class Track:
 
     def __init__(self, start: float, visemes: Sequence[tuple[float, str, float]], duration: float) -> None:
         self.start, self.end = start, start + duration
-        ends = [*(offset for offset, _, _ in visemes[1:]), duration]
+        ends = [*(offset for offset, _, _ in visemes), duration][1:]
         self._voiced = [
             Voiced(offset, min(end, duration), shape, weight)
             for (offset, shape, weight), end in zip(visemes, ends, strict=True)

@@ -1,0 +1,231 @@
+from itertools import pairwise
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+from openrois_avatar.engines.animation.pose import Pose
+from openrois_avatar.engines.animation.reactions import REACTIONS
+from openrois_avatar.engines.runner import LINK_LOST, UNAVAILABLE, Runner, i420, main, still_pose
+from openrois_avatar.engines.settings import Picture, Pixels
+from openrois_avatar.engines.sound import Samples
+from openrois_avatar.link.address import ADDRESS_VARIABLE, SECRET_VARIABLE
+from openrois_avatar.link.messages import (
+    Command,
+    Completed,
+    Event,
+    Log,
+    Look,
+    Quit,
+    React,
+    Silence,
+    Speak,
+    Stop,
+    Viseme,
+)
+from openrois_avatar.link.protocol import PixelFormat
+
+SIZE = Picture(32, 16, 30)
+
+
+class Clock:
+    def __init__(self) -> None:
+        self.time = 100.0
+
+    def __call__(self) -> float:
+        return self.time
+
+
+class Drawing:
+    """Remembers the poses it was asked for; each takes `seconds` on the clock."""
+
+    def __init__(self, clock: Clock, seconds: float = 0.004) -> None:
+        self.clock, self.seconds = clock, seconds
+        self.poses: list[Pose] = []
+
+    def draw(self, pose: Pose) -> Pixels:
+        self.poses.append(pose)
+        self.clock.time += self.seconds
+        return np.full((SIZE.height, SIZE.width, 4), 128, np.uint8)
+
+
+class Link:
+    """An adapter that says each command at its time and ends the link at `end`; waiting moves the clock."""
+
+    def __init__(self, clock: Clock, end: float, script: dict[float, Command] | None = None) -> None:
+        self.clock, self.end = clock, clock.time + end
+        self.script = {clock.time + time: command for time, command in (script or {}).items()}
+        self.pictures: list[tuple[int, bytes, PixelFormat]] = []
+        self.blocks: list[tuple[int, Samples]] = []
+        self.events: list[tuple[float, Event]] = []
+
+    @property
+    def connected(self) -> bool:
+        return self.clock.time < self.end
+
+    def poll_commands(self, timeout: float = 0.0) -> list[Command]:
+        assert timeout >= 0.0
+        due = self.clock.time + timeout
+        said = sorted(time for time in self.script if time <= due)
+        self.clock.time = max(said[0], self.clock.time) if said else due
+        return [self.script.pop(said[0])] if said else []
+
+    def send_video(
+        self, pixels: bytes, width: int, height: int, stride: int, format: PixelFormat, timestamp_ns: int
+    ) -> None:
+        assert (width, height, stride) == (SIZE.width, SIZE.height, SIZE.width)
+        assert timestamp_ns <= self.clock.time * 1e9
+        self.pictures.append((timestamp_ns, pixels, format))
+
+    def send_audio(self, samples: Samples, timestamp_ns: int) -> None:
+        self.blocks.append((timestamp_ns, samples))
+
+    def send_event(self, event: Event) -> None:
+        self.events.append((self.clock.time - 100.0, event))
+
+
+def played(end: float, script: dict[float, Command] | None = None, seconds: float = 0.004) -> tuple[Link, Drawing]:
+    clock = Clock()
+    link, drawing = Link(clock, end, script), Drawing(clock, seconds)
+    Runner(link, drawing, SIZE, clock).run()
+    return link, drawing
+
+
+def test_pictures_and_sound_leave_at_their_deadlines() -> None:
+    link, _ = played(2.0)
+    times = [stamp - 100_000_000_000 for stamp, _, _ in link.pictures]
+    assert times == [round(number * 1e9 / 30) for number in range(60)]
+    assert [stamp - 100_000_000_000 for stamp, _ in link.blocks] == [number * 20_000_000 for number in range(100)]
+
+
+def test_a_picture_is_i420() -> None:
+    link, _ = played(0.1)
+    _, pixels, format = link.pictures[0]
+    assert format is PixelFormat.I420
+    assert len(pixels) == SIZE.width * SIZE.height * 3 // 2
+
+
+def test_a_slow_renderer_skips_deadlines_and_queues_nothing() -> None:
+    link, drawing = played(2.0, seconds=0.1)
+    assert 18 <= len(drawing.poses) <= 21
+    stamps = [stamp for stamp, _, _ in link.pictures]
+    assert all(later - earlier >= 66_000_000 for earlier, later in pairwise(stamps))
+    assert len({stamp for stamp, _ in link.blocks}) == len(link.blocks) <= 40
+
+
+def test_what_was_left_out_is_reported_now_and_then() -> None:
+    link, _ = played(25.0, seconds=0.05)
+    logs = [event.text for _, event in link.events if isinstance(event, Log)]
+    assert len(logs) == 2
+    assert "pictures" in logs[0]
+
+
+def test_nothing_is_reported_when_all_is_in_time() -> None:
+    link, _ = played(12.0)
+    assert link.events == []
+
+
+def test_a_reaction_is_played_and_completed() -> None:
+    link, drawing = played(4.0, {0.5: React("a", "wave")})
+    ((time, event),) = link.events
+    assert event == Completed("a", "OK")
+    assert 0.5 + REACTIONS["wave"].duration <= time <= 0.6 + REACTIONS["wave"].duration
+    assert max(pose.right.z for pose in drawing.poses[:14]) < -4
+    assert max(pose.right.z for pose in drawing.poses[15:60]) > -1.5
+    assert max(int(np.abs(samples).max()) for _, samples in link.blocks) > 1000
+
+
+def test_stop_completes_with_abort_and_ends_its_sound() -> None:
+    link, _ = played(3.0, {0.5: React("a", "wave"), 0.8: Stop("a")})
+    ((time, event),) = link.events
+    assert event == Completed("a", "ABORT")
+    assert 0.8 <= time < 0.85
+    assert not any(samples.any() for stamp, samples in link.blocks if stamp > 100_900_000_000)
+
+
+def test_a_reaction_the_engine_does_not_have_is_an_error() -> None:
+    link, _ = played(1.0, {0.2: React("a", "somersault")})
+    assert [event for _, event in link.events] == [Completed("a", "ERROR")]
+
+
+def test_speech_starts_when_its_sound_does_and_silence_ends_it() -> None:
+    speech = Speak("s", 101_000_000_000, (Viseme(0.0, "aa", 1.0), Viseme(400.0, "oh", 1.0)), 5000)
+    _, drawing = played(3.0, {0.2: speech, 2.0: Silence()})
+    jaws = [pose.mouth.jaw for pose in drawing.poses]
+    assert max(jaws[:27]) == 0.0
+    assert jaws[36] > 0.9
+    assert drawing.poses[50].mouth.round > 0.5
+    assert jaws[65] == 0.0
+
+
+def test_the_avatar_looks_where_it_is_told_to() -> None:
+    _, drawing = played(2.0, {0.5: Look(1.0, 0.0)})
+    assert drawing.poses[55].head_yaw > 0.25
+
+
+def test_a_loop_that_is_always_late_still_listens() -> None:
+    link, drawing = played(9.0, {1.0: React("a", "somersault"), 2.0: Quit()}, seconds=0.2)
+    assert [event for _, event in link.events] == [Completed("a", "ERROR")]
+    assert len(drawing.poses) <= 12
+
+
+def test_quit_ends_the_loop_at_once() -> None:
+    link, _ = played(9.0, {1.0: Quit()})
+    assert 29 <= len(link.pictures) <= 31
+
+
+def test_bgra_becomes_limited_range_planes() -> None:
+    white = np.full((4, 4, 4), 255, np.uint8)
+    planes = i420(white)
+    assert planes.shape == (6, 4)
+    assert set(planes[:4].ravel()) == {235}
+    assert set(planes[4:].ravel()) == {128}
+
+
+def test_a_still_shows_the_reaction_and_the_viseme() -> None:
+    assert still_pose().right.z < -4
+    assert still_pose("wave", None, 0.8).right.z > -1.5
+    assert still_pose(None, "aa").mouth.jaw > 0.9
+
+
+@pytest.fixture
+def quiet_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in (ADDRESS_VARIABLE, SECRET_VARIABLE):
+        monkeypatch.delenv(name, raising=False)
+
+
+def stage(picture: Picture) -> Drawing:
+    return Drawing(Clock())
+
+
+def works() -> tuple[bool, str]:
+    return True, ""
+
+
+def test_an_engine_that_cannot_run_says_why(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main("test", lambda: (False, "install it"), stage, []) == UNAVAILABLE
+    assert capsys.readouterr().err == "install it\n"
+
+
+@pytest.mark.usefixtures("quiet_environment")
+def test_an_engine_without_an_adapter_says_so(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main("test", works, stage, []) == LINK_LOST
+    assert "is not set" in capsys.readouterr().err
+
+
+def test_a_still_is_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "still.png"
+    arguments = ["--still", str(file), "--viseme", "aa", "--reaction", "wave", "--at", "0.8"]
+    assert main("test", works, stage, arguments) == 0
+    picture = cv2.imread(str(file))
+    assert picture is not None
+    assert picture.shape == (SIZE.height, SIZE.width, 3)
+    assert main("test", works, stage, ["--still", str(tmp_path / "no" / "still.png")]) == 1
+    assert "cannot write" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("arguments", [["--width", "641"], ["--height", "2"], ["--fps", "0"], ["--reaction", "fly"]])
+def test_settings_that_make_no_sense_are_refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main("test", works, stage, arguments)
+    assert "error" in capsys.readouterr().err
