@@ -29,7 +29,14 @@ _SIDE = (
     (1.05, 0.0, -3.60),
 )
 _TORSO = np.concatenate([spline(_SIDE, 4), mirrored(spline(_SIDE, 4))])
-_NECK_BASE = ((0.46, 0.1, -1.10), (0.58, 0.0, -1.40), (0.36, -0.25, -1.66), (0.0, -0.32, -1.74))
+_LIFTED = {
+    side: np.asarray([smooth((x * side - 0.30) / 0.75) * min(max((z + 3.0) / 0.9, 0.0), 1.0) for x, _, z in _TORSO])
+    for side in (1, -1)
+}
+"""How far each point of the outline follows a shoulder."""
+_BREATHING = 0.030 * np.clip((_TORSO[:, 2] + 3.3) / 1.2, 0, 1)
+_NECK_SIDE = spline(((0.46, 0.1, -1.10), (0.58, 0.0, -1.40), (0.36, -0.25, -1.66), (0.0, -0.32, -1.74)), 4)
+_NECKLINE = np.concatenate([_NECK_SIDE, mirrored(_NECK_SIDE)])
 _LEAF = np.stack(
     [
         # the edge at the neck, and the edge on the jumper, from nape to throat
@@ -60,7 +67,7 @@ class Body:
     def draw(self, canvas: Canvas, view: View, pose: Pose) -> None:
         """Jumper, neck and collar."""
         canvas.fill(view.body(ellipse((0.0, 0.35, -1.20), (0.60, 0.16))), _NAPE)
-        torso = view.body(_moved(_TORSO, pose))
+        torso = view.body(_moved(pose))
         middle = view.body(((0.0, -0.3, -2.35),))[0]
         canvas.shade(torso, middle, _CLOTH_EDGE, _CLOTH, steps=6, reach=0.16)
         canvas.stamp(self._light, middle)
@@ -69,23 +76,20 @@ class Body:
             _draw_collar(canvas, view, pose, side)
 
 
-def _moved(points: Array, pose: Pose) -> Array:
-    """Points of the jumper, with the shoulders lifted and the chest filled by breath."""
-    moved = points.copy()
-    for side in (1, -1):
-        reach = points[:, 0] * side
-        share = np.asarray([smooth((x - 0.30) / 0.75) for x in reach]) * np.clip((points[:, 2] + 3.0) / 0.9, 0, 1)
+def _moved(pose: Pose) -> Array:
+    """The jumper's outline, with the shoulders lifted and the chest filled by breath."""
+    moved = _TORSO.copy()
+    for side, share in _LIFTED.items():
         moved[:, 2] += share * shoulder_lift(pose, side)
     moved[:, 0] *= 1 + 0.012 * pose.breath
-    moved[:, 2] += 0.030 * pose.breath * np.clip((points[:, 2] + 3.3) / 1.2, 0, 1)
+    moved[:, 2] += pose.breath * _BREATHING
     return moved
 
 
 def _draw_neck(canvas: Canvas, view: View) -> None:
-    base = spline(_NECK_BASE)
     jaw = view.head(((0.40, 0.0, -0.45), (0.37, 0.10, -0.80)))
     other_jaw = view.head(((-0.37, 0.10, -0.80), (-0.40, 0.0, -0.45)))
-    neck = np.concatenate([jaw, view.body(base), view.body(mirrored(base)), other_jaw])
+    neck = np.concatenate([jaw, view.body(_NECKLINE), other_jaw])
     canvas.fill(neck, colour(palette.SKIN))
     chin = view.round(ellipse((0.0, -0.30, -0.86), (0.62, 0.42)))
     with canvas.within(neck) as shadow:

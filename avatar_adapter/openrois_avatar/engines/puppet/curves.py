@@ -52,12 +52,12 @@ def mirrored(points: Points) -> Array:
     return other
 
 
-def ribbon(line: Array, widths: npt.ArrayLike) -> Array:
+def ribbon(line: Array, widths: Array | float) -> Array:
     """The outline of a stroke along a line in the plane, with its half width at every point or at all."""
-    along = np.gradient(line, axis=0)
-    length = np.maximum(np.hypot(along[:, 0], along[:, 1]), 1e-9)
-    across = np.stack([-along[:, 1], along[:, 0]], axis=1) / length[:, None]
-    offset = across * np.broadcast_to(widths, len(line))[:, None]
+    along = np.empty_like(line)
+    along[1:-1], along[0], along[-1] = line[2:] - line[:-2], line[1] - line[0], line[-1] - line[-2]
+    offset = along[:, ::-1] * (-1.0, 1.0)
+    offset *= (widths / np.maximum(np.hypot(along[:, 0], along[:, 1]), 1e-9))[:, None]
     return np.concatenate([line + offset, (line - offset)[::-1]])
 
 

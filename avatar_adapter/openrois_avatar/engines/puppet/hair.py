@@ -6,7 +6,7 @@ import numpy as np
 
 from openrois_avatar.engines import palette
 from openrois_avatar.engines.puppet.canvas import Canvas, Colour, mixed
-from openrois_avatar.engines.puppet.curves import Points, even, ribbon, ring
+from openrois_avatar.engines.puppet.curves import Points, even, mirrored, ribbon, ring
 from openrois_avatar.engines.puppet.view import View
 
 _DEEP = mixed(palette.HAIR, palette.LASH, 0.55)
@@ -17,13 +17,16 @@ _SAMPLES: Final = 30
 """Points along each side of a lock."""
 
 # Every point is (x, depth, z) in head space.
-_BEHIND = ring(
-    (
-        (0.0, 0.2, 1.37), (0.55, 0.2, 1.24), (0.95, 0.2, 0.84), (1.08, 0.2, 0.25), (1.09, 0.2, -0.30),
-        (1.00, 0.2, -0.70), (0.82, 0.2, -0.88), (0.45, 0.3, -0.83), (0.0, 0.3, -0.79),
-        (-0.45, 0.3, -0.83), (-0.82, 0.2, -0.88), (-1.00, 0.2, -0.70), (-1.09, 0.2, -0.30), (-1.08, 0.2, 0.25), (-0.96, 0.2, 0.84), (-0.55, 0.2, 1.24),
-    )
-)  # fmt: skip
+_BACK = (
+    (0.55, 0.2, 1.24),
+    (0.95, 0.2, 0.84),
+    (1.08, 0.2, 0.25),
+    (1.09, 0.2, -0.30),
+    (1.00, 0.2, -0.70),
+    (0.82, 0.2, -0.88),
+    (0.45, 0.3, -0.83),
+)
+_BEHIND = ring(((0.0, 0.2, 1.37), *_BACK, (0.0, 0.3, -0.79), *mirrored(_BACK)), 4)
 _PARTING = (-0.33, -0.52, 1.06)
 _CROWN = ((-0.31, -0.28, 1.22), (-0.24, 0.05, 1.38))
 _SWEPT = (

@@ -10,7 +10,6 @@ from openrois_avatar.engines.animation.pose import Pose
 from openrois_avatar.engines.puppet import arms
 from openrois_avatar.engines.puppet.body import Body
 from openrois_avatar.engines.puppet.canvas import Canvas, colour, shared
-from openrois_avatar.engines.puppet.curves import Array
 from openrois_avatar.engines.puppet.face import Face, draw_ear
 from openrois_avatar.engines.puppet.hair import Hair
 from openrois_avatar.engines.puppet.view import Lens, View
@@ -50,12 +49,13 @@ class Stage:
 
 def _backdrop(lens: Lens) -> Pixels:
     """A soft light on a wall."""
-    rows, columns = np.mgrid[0 : lens.height, 0 : lens.width]
-    x, z = (columns - lens.width / 2) / lens.scale, (lens.height / 2 - rows) / lens.scale
-    share: Array = (1 - np.exp(-((x / 2.5) ** 2) - ((z - 0.5) / 2.0) ** 2))[:, :, None]
+    x = (np.arange(lens.width, dtype=np.float32) - lens.width / 2) / lens.scale
+    z = (lens.height / 2 - np.arange(lens.height, dtype=np.float32)) / lens.scale
+    share = 1 - np.outer(np.exp(-(((z - 0.5) / 2.0) ** 2)), np.exp(-((x / 2.5) ** 2)))
     centre, edge = (np.asarray(colour(part)[::-1]) for part in (palette.BACKDROP_CENTRE, palette.BACKDROP_EDGE))
     pixels = np.full((lens.height, lens.width, 4), 255, np.uint8)
     # Noise of less than a step keeps a slow change of colour from showing bands.
-    grain = np.random.default_rng(1).random(share.shape)
-    pixels[:, :, :3] = np.floor(centre + (edge - centre) * share + grain)
+    grain = np.random.default_rng(1).random(share.shape, np.float32)
+    for channel in range(3):
+        pixels[:, :, channel] = share * (edge[channel] - centre[channel]) + (grain + centre[channel])
     return pixels

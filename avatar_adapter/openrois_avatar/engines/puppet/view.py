@@ -33,9 +33,10 @@ class Lens:
     def seen(self, world: Array) -> Array:
         """Points (n, 3) in pixels (n, 2), rightwards and downwards."""
         near = self.scale * _DISTANCE / np.maximum(_DISTANCE + world[:, 1], 1.0)
-        return np.stack(
-            [self.width / 2 + world[:, 0] * near, self.height / 2 - (world[:, 2] - _EYE_LEVEL) * near], axis=1
-        )
+        pixels = np.empty((len(world), 2))
+        pixels[:, 0] = self.width / 2 + world[:, 0] * near
+        pixels[:, 1] = self.height / 2 - (world[:, 2] - _EYE_LEVEL) * near
+        return pixels
 
 
 @dataclass(frozen=True)
