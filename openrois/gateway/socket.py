@@ -90,10 +90,10 @@ class ServerSocket:
             raise StreamClosed(self.response.close_code or 1006) from error
 
     async def close(self, code: int = 1000, reason: str = "") -> None:
-        """Close with the closing handshake, for at most a second for each half of it, then cut."""
+        """Close with the closing handshake, for at most a second, then cut."""
         try:
             # The close frame itself waits for a side that does not read.
-            async with asyncio.timeout(2 * _CLOSE_TIMEOUT):
+            async with asyncio.timeout(_CLOSE_TIMEOUT):
                 await self.response.close(code=code, message=close_reason(reason).encode())
         except TimeoutError:
             self.abort()
