@@ -77,7 +77,7 @@ class ApplicationSession:
         self.engine = host.engine
         self.trusted = trusted
         self.commands = CommandLog()
-        self.events = EventLog(self.engine, notify)
+        self.events = EventLog(self.engine, notify, wall_clock=host.wall_clock)
         self.client = Client(secrets.token_hex(16), self._take_extension_notification)
         self.streams: dict[str, str] = {}
         self.connecting = 0

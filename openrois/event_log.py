@@ -15,6 +15,7 @@ from openrois.jsonrpc.session import Reply
 from openrois.types.messages import EventNotification, Result, SubscribeResult
 from openrois.types.references import new_id
 from openrois.types.streams import StreamStatusNotification
+from openrois.types.values import date_time
 
 __all__ = ["EventLog"]
 
@@ -44,11 +45,16 @@ class EventLog:
     """What one application has subscribed to and what it may ask details of."""
 
     def __init__(
-        self, engine: Engine, notify: Callable[..., None], clock: Callable[[], float] = time.monotonic
+        self,
+        engine: Engine,
+        notify: Callable[..., None],
+        clock: Callable[[], float] = time.monotonic,
+        wall_clock: Callable[[], float] = time.time,
     ) -> None:
         self._engine = engine
         self._notify = notify
         self._clock = clock
+        self._wall_clock = wall_clock
         self._subscriptions: dict[str, _Subscription] = {}
         self._details: OrderedDict[str, tuple[float, tuple[Result, ...]]] = OrderedDict()
 
@@ -124,7 +130,8 @@ class EventLog:
             Result(name="status", data_type_ref="Stream_Status", value=notice.status.value),
             Result(name="stream_id", data_type_ref="string", value=notice.stream_id),
         )
-        event = Event(new_id(self._engine.engine_id), _STATUS_EVENT, component_ref, "", results)
+        expire = date_time(self._wall_clock() + DETAIL_LIFETIME)
+        event = Event(new_id(self._engine.engine_id), _STATUS_EVENT, component_ref, expire, results)
         for subscription in tuple(self._subscriptions.values()):
             if subscription.event_type == _STATUS_EVENT and subscription.component_ref == component_ref:
                 self._take(subscription, event)

@@ -4,7 +4,7 @@ from openrois.application import ApplicationSession
 from openrois.interfaces import command, event, query, stream, system
 from openrois.jsonrpc.session import Handler
 
-__all__ = ["base_methods"]
+__all__ = ["base_methods", "stream_methods"]
 
 
 def base_methods(app: ApplicationSession) -> dict[str, Handler]:

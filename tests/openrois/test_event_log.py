@@ -55,11 +55,13 @@ class Setting:
         self.now = 100.0
         self.bus = Bus()
         self.told: list[tuple[str, str]] = []
-        self.log = EventLog(self.bus, self._notify, lambda: self.now)
+        self.expire = ""
+        self.log = EventLog(self.bus, self._notify, lambda: self.now, lambda: 0.0)
 
     def _notify(self, method: str, params: dict[str, Any], *, droppable: bool) -> None:
         assert (method, droppable) == ("rois.event.notify_event", True)
         self.told.append((params["subscribe_id"], params["event_id"]))
+        self.expire = params["expire"]
 
     async def subscribe(self, event_type: str = "rang", *, of_streams: bool = False) -> tuple[str, Callable[[], None]]:
         reply = await self.log.subscribe(BELL, event_type, of_streams=of_streams)
@@ -173,7 +175,7 @@ class TestOwnStreams:
         assert setting.told == []
         reply_left()
         ((told_id, event_id),) = setting.told
-        assert told_id == subscribe_id
+        assert (told_id, setting.expire) == (subscribe_id, "1970-01-01T00:01:00.000000+00:00")
         assert [(result.name, result.value) for result in setting.log.details(event_id)] == [
             ("timestamp", "now"),
             ("status", "STREAMING_RUNNING"),
