@@ -18,6 +18,8 @@ _RADII: Final = (0.30, 0.245, 0.20)
 _EDGE, _MIDDLE = mixed(palette.JUMPER, palette.IRIS_DARK, 0.30), mixed(palette.JUMPER, palette.IRIS_BRIGHT, 0.08)
 _TONES: Final = tuple((1 - 0.13 * step, mixed(_EDGE, _MIDDLE, step / 4)) for step in range(5))
 """Shares of the sleeve's width and their colours, from its edge to its middle."""
+_POINTING: Final = -0.45
+"""How far a unit of the hand comes towards the viewer when it points at them."""
 _CUFF_END: Final = 0.93
 """Where the sleeve ends on the way from elbow to wrist."""
 
@@ -39,8 +41,12 @@ def draw_lower(canvas: Canvas, view: View, pose: Pose) -> None:
         if raised(_arm(pose, side)):
             bones, way = chain(pose, side), np.asarray((-side, 1.0, 1.0))
             _draw_cuff(canvas, view, bones, way)
+            # A hand that points at the viewer hides its wrist.
+            hidden = float(bones.hand[1, 2]) < _POINTING
+            if side > 0 and hidden:
+                _draw_watch(canvas, view, bones, way)
             draw_hand(canvas, view.body, bones, _arm(pose, side), way)
-            if side > 0:
+            if side > 0 and not hidden:
                 _draw_watch(canvas, view, bones, way)
 
 

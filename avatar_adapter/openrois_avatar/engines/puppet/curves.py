@@ -40,11 +40,6 @@ def _through(padded: Array, steps: int) -> Array:
     return np.asarray(0.5 * (2 * b + (c - a) * t + (2 * a - 5 * b + 4 * c - d) * t**2 + (3 * b - 3 * c + d - a) * t**3))
 
 
-def joined(*lines: Points) -> Array:
-    """An outline of smooth lines with a corner wherever one follows another."""
-    return np.concatenate([spline(line) for line in lines])
-
-
 def mirrored(points: Points) -> Array:
     """The points on the other side of the body, in the opposite order, so that an outline can go on with them."""
     other = np.array(points, float)[::-1]
