@@ -27,7 +27,6 @@ _SKIN = colour(palette.SKIN)
 _LASH = colour(palette.LASH)
 _LID = mixed(palette.SKIN, palette.LID_SHADE, 0.30)
 _CREASE = mixed(palette.SKIN, palette.LID_SHADE, 0.95)
-_SCLERA_SHADE = mixed(palette.SCLERA, palette.BACKDROP_EDGE, 0.55)
 
 
 def draw(canvas: Canvas, view: View, pose: Pose, side: int) -> None:
@@ -35,7 +34,7 @@ def draw(canvas: Canvas, view: View, pose: Pose, side: int) -> None:
     lid = min(max(pose.lid_left if side > 0 else pose.lid_right, -0.2), 1.0)
     upper, lower = lids(lid, pose.squint, pose.wide)
     opening = np.concatenate([_placed(view, _T, upper, side), _placed(view, _T, lower, side)[::-1]])
-    crease = np.maximum(upper + 0.045, upper * 0.35 + (_CORNERS + _HIGH * _ARCH) * 0.65 + 0.05) + 0.0 * _T
+    crease = np.maximum(upper + 0.045, upper * 0.35 + (_CORNERS + _HIGH * _ARCH) * 0.65 + 0.05)
     canvas.fill(np.concatenate([_placed(view, _T, crease, side), _placed(view, _T, upper, side)[::-1]]), _LID)
     if lid < 0.97:
         with canvas.within(opening) as inner:

@@ -12,7 +12,6 @@ from openrois_avatar.engines.puppet.view import View
 _SKIN = colour(palette.SKIN)
 _EDGE = mixed(palette.SKIN, palette.BLUSH, 0.26)
 _SHADE = mixed(palette.SKIN, palette.LID_SHADE, 0.62)
-_LIGHT = mixed(palette.SKIN, "#ffffff", 0.22)
 
 # Every point is (x, depth, z) in head space.
 _HALF = (
