@@ -33,7 +33,6 @@ async def test_a_killed_adapter_is_named_and_its_picture_lasts_until_the_next_on
         await visit.no_banner()
     await visit.status("video", "RUNNING")
     await visit.status("audio", "RUNNING")
-    assert len(seen) > 3
     assert not any(each.black for each in seen), seen
 
 

@@ -108,7 +108,6 @@ async def test_a_disconnected_picture_stays_and_connects_again_as_another_stream
         assert await visit.another_stream("video", stream_id)
         await visit.plays()
         await visit.status("video", "RUNNING")
-    assert len(seen) > 3
     assert not any(each.black for each in seen), seen
     await visit.status("audio", "RUNNING")
     assert await visit.stream_id("audio") == audio_id

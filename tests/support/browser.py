@@ -190,6 +190,7 @@ class Visit:
             watching.cancel()
             with suppress(asyncio.CancelledError):
                 await watching
+        assert seen, "nobody looked"
 
     def connected(self, socket: WebSocket) -> None:
         """Take note of what a WebSocket of the page carries."""
