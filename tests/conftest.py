@@ -1,15 +1,20 @@
 """What some tests need and not every machine has.
 
-A test that lacks it is skipped, and pytest's summary says so in one line; where OPENROIS_REQUIRE_ALL is 1 it fails.
+A test that lacks it is skipped, and one line of pytest's summary says so; where OPENROIS_REQUIRE_ALL is 1 it fails.
 """
 
 import importlib
 import os
 import shutil
+from collections.abc import Generator
 from pathlib import Path
 from typing import NoReturn
 
 import pytest
+
+
+_lacking: set[str] = set()
+"""What this machine has not, as `Skipped` has it."""
 
 
 @pytest.fixture(scope="session")
@@ -42,4 +47,14 @@ def _require_engine(name: str) -> None:
 def _lack(reason: str) -> NoReturn:
     if os.environ.get("OPENROIS_REQUIRE_ALL") == "1":
         pytest.fail(reason, pytrace=False)
+    _lacking.add(f"Skipped: {reason}")
     pytest.skip(reason)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Say of all tests that lack the same thing that they were skipped here: pytest makes one line of that."""
+    report = yield
+    if isinstance(report.longrepr, tuple) and report.longrepr[2] in _lacking:
+        report.longrepr = (__file__, _lack.__code__.co_firstlineno, report.longrepr[2])
+    return report
