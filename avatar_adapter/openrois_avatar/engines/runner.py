@@ -9,12 +9,14 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import count
 from typing import Final, Protocol, assert_never
 
 import cv2
 
 from openrois.version import __version__
 from openrois_avatar.engines.animation.animator import Animator
+from openrois_avatar.engines.animation.idle import blink
 from openrois_avatar.engines.animation.pose import Pose
 from openrois_avatar.engines.animation.reactions import REACTIONS
 from openrois_avatar.engines.animation.visemes import SHAPES, Track
@@ -43,6 +45,7 @@ UNAVAILABLE: Final = 3
 LINK_LOST: Final = 4
 """Exit status when the adapter could not be reached or refused the engine."""
 _DEFAULT: Final = Picture()
+_STILL_SEED: Final = 1
 _REPORT: Final = 10.0
 """Seconds between two reports of what was dropped."""
 
@@ -101,8 +104,12 @@ def _still(renderer: Renderer, options: argparse.Namespace) -> int:
 
 
 def still_pose(reaction: str | None = None, viseme: str | None = None, at: float = 0.0) -> Pose:
-    """The body `at` seconds into a reaction, with the mouth in the shape of a viseme; without either, at rest."""
-    animator, start = Animator(), 10.0
+    """The body `at` seconds into a reaction, with the mouth in the shape of a viseme; without either, at rest.
+
+    It is a moment between two blinks.
+    """
+    animator = Animator(_STILL_SEED)
+    start = next(moment for moment in count(10.0, 0.1) if blink(moment + at, _STILL_SEED) == 0.0)
     if viseme is not None:
         animator.speak(start - 1, Track(start - 1, [(0.0, viseme, 1.0)], at + 5.0))
     if reaction is not None:

@@ -188,6 +188,10 @@ def test_a_still_shows_the_reaction_and_the_viseme() -> None:
     assert still_pose(None, "aa").mouth.jaw > 0.9
 
 
+def test_a_still_has_its_eyes_open() -> None:
+    assert {still_pose(None, None, number / 7).lid_left for number in range(30)} == {0.0}
+
+
 @pytest.fixture
 def quiet_environment(monkeypatch: pytest.MonkeyPatch) -> None:
     for name in (ADDRESS_VARIABLE, SECRET_VARIABLE):

@@ -12,7 +12,7 @@ from openrois_avatar.engines.animation.pose import Arm, Pose
 from openrois_avatar.engines.sculpt.body import SHOULDER, shoulder_lift
 from openrois_avatar.engines.sculpt.distance import Array
 from openrois_avatar.engines.sculpt.mesh import crossed, grid_faces
-from openrois_avatar.engines.sculpt.part import Part, Shape, State, mirrored_shape, plain, sided, stepped
+from openrois_avatar.engines.sculpt.part import Part, Shape, State, both_ways, mirrored_shape, plain, stepped
 from openrois_avatar.engines.sculpt.shading import CLOTH
 
 _Vector: TypeAlias = tuple[float, float, float]
@@ -23,14 +23,20 @@ _PALM_TOWARDS: Final = (0.0, -1.0, -0.5)
 _ELBOW_TOWARDS: Final = (-0.35, 0.50, -1.00)
 _DELTOID: Final = np.asarray((-0.80, 0.30, -2.10))
 """The middle of the roundness that sleeve and jumper share at the shoulder."""
-_RINGS, _SECTION, _SEAM = 26, 14, 9
+_RINGS, _SECTION, _SEAM = 30, 14, 12
 """Rings of a sleeve, vertices around it, and how many rings may touch the jumper."""
 # Along a sleeve: 0 the shoulder, 1 the elbow, 2 the wrist.
-_ALONG = np.linspace(-0.12, 1.97, _RINGS)
-_RADIUS = np.interp(
-    _ALONG, [-0.12, 0.0, 0.35, 0.9, 1.3, 1.82, 1.86, 1.97], [0.22, 0.325, 0.295, 0.26, 0.25, 0.21, 0.23, 0.22]
+_DOME = 0.325
+"""Radius of the shoulder, in dm."""
+_ALONG = np.concatenate(
+    [-_DOME / UPPER_LENGTH * np.cos(np.linspace(0.02, 1.2, 6)), np.linspace(-0.02, 1.97, _RINGS - 6)]
 )
-_OPENNESS = np.interp(_ALONG, [-0.12, 0.25, 0.9, 1.83, 1.86, 1.97], [0.75, 0.85, 1.0, 1.0, 0.8, 0.95])
+_RADIUS = np.where(
+    _ALONG < 0.0,
+    np.sqrt(np.maximum(_DOME**2 - (_ALONG * UPPER_LENGTH) ** 2, 0.0)),
+    np.interp(_ALONG, [0.0, 0.35, 0.9, 1.3, 1.82, 1.86, 1.97], [_DOME, 0.295, 0.26, 0.25, 0.21, 0.23, 0.22]),
+)
+_OPENNESS = np.interp(_ALONG, [-0.2, 0.25, 0.9, 1.83, 1.86, 1.97], [0.85, 0.88, 1.0, 1.0, 0.8, 0.95])
 
 
 @dataclass(frozen=True)
@@ -119,7 +125,8 @@ def _sleeve_part(side: int) -> Part:
     def shape(pose: Pose) -> Shape:
         return mirrored_shape(sleeve(chain(pose, side)), -side)
 
-    faces = sided(grid_faces(_RINGS, _SECTION, closed=True), -side)
+    # Seen from inside at the cuff.
+    faces = both_ways(grid_faces(_RINGS, _SECTION, closed=True))
     return Part(
         "sleeve",
         "body",
@@ -133,10 +140,9 @@ def _sleeve_part(side: int) -> Part:
 def sleeve(chain: Chain) -> Shape:
     """The right sleeve from inside the shoulder to the cuff."""
     shoulder, elbow, wrist = chain.shoulder, chain.elbow, chain.wrist
+    # Before the shoulder the upper arm goes on into a dome.
     first, second = np.clip(_ALONG, None, 1.0)[:, None], np.clip(_ALONG - 1.0, 0.0, None)[:, None]
     centre = shoulder + (elbow - shoulder) * first + (wrist - elbow) * second
-    inward = np.asarray((0.22, 0.0, 0.02))
-    centre = np.where(_ALONG[:, None] < 0, shoulder + inward * (_ALONG[:, None] / _ALONG[0]), centre)
     bend = np.exp(-(((_ALONG - 1.0) / 0.22) ** 2))[:, None]
     centre = centre + bend * ((shoulder + wrist) / 2 - elbow) * 0.10
     along = np.gradient(centre, axis=0)
@@ -156,7 +162,8 @@ def sleeve(chain: Chain) -> Shape:
 def _seamless(points: Array, normals: Array) -> Array:
     """Normals that turn into the shoulder's where the sleeve meets the jumper, so that light does not show the seam."""
     outward = points - _DELTOID
+    outward[:, 2] = np.maximum(outward[:, 2], 0.0)
     distance = np.linalg.norm(outward, axis=1, keepdims=True)
-    share = np.clip((0.95 - distance) / 0.45, 0, 1)
+    share = np.clip((0.80 - distance) / 0.40, 0, 1)
     mixed = normals * (1 - share) + outward / distance * share
     return np.asarray(mixed / np.linalg.norm(mixed, axis=1, keepdims=True))

@@ -23,7 +23,7 @@ def torso_field(points: Array) -> Array:
     p = mirrored(points)
     body = ellipsoid(p, (0, 0.32, -3.00), (1.02, 0.58, 1.45))
     body = join(body, cone(p, (0.20, 0.30, -1.80), (1.02, 0.31, -1.90), 0.32, 0.28), 0.45)
-    body = join(body, cone(p, (0.10, 0.34, -1.25), (0.80, 0.36, -1.70), 0.24, 0.15), 0.35)
+    body = join(body, cone(p, (0.10, 0.34, -1.25), (0.84, 0.36, -1.72), 0.24, 0.20), 0.35)
     body = join(body, ellipsoid(p, (0.40, -0.02, -2.90), (0.42, 0.32, 0.42)), 0.55)
     neck = cone(p, (0, 0.10, -0.55), (0, 0.26, -1.75), 0.345, 0.38)
     return join(body, neck, 0.30)
@@ -143,7 +143,7 @@ def _jumper() -> Part:
     chest = np.exp(-(((z + 2.6) / 0.7) ** 2)) * np.clip(0.4 - y, 0, 1)
     swell = np.stack([0.02 * chest * np.sign(x), -0.075 * chest, 0.03 * chest], axis=1)
     lifted = {
-        side: (smooth((x * side - 0.30) / 0.75) * smooth((z + 3.2) / 1.1))[:, None] * (0, 0, 1) for side in (1, -1)
+        side: (smooth((x * side - 0.52) / 0.55) * smooth((z + 3.2) / 1.1))[:, None] * (0, 0, 1) for side in (1, -1)
     }
 
     def shape(pose: Pose) -> Shape:

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 import numpy as np
+import numpy.typing as npt
 
 from openrois_avatar.engines import palette
 from openrois_avatar.engines.animation.pose import Mouth, Pose
@@ -149,9 +150,9 @@ def _inside_mouth() -> list[Part]:
         return np.zeros(3)
 
     return [
-        _jawed("upper teeth", mouth.teeth(upper=True), palette.TEETH, 0.0, 0.60, hidden),
-        _jawed("lower teeth", mouth.teeth(upper=False), palette.TEETH, 1.0, 0.30, staying),
-        _jawed("tongue", mouth.tongue(), palette.TONGUE, 0.9, 0.40, raised),
+        _jawed("upper teeth", mouth.teeth(upper=True), palette.TEETH, 0.0, mouth.teeth_openness(0.65), hidden),
+        _jawed("lower teeth", mouth.teeth(upper=False), palette.TEETH, 1.0, mouth.teeth_openness(0.32), staying),
+        _jawed("tongue", mouth.tongue(), palette.TONGUE, 0.9, 0.60, raised),
         _jawed("cavity", mouth.cavity(), palette.MOUTH_INSIDE, 0.3, 0.0, staying, closed=True),
     ]
 
@@ -161,7 +162,7 @@ def _jawed(
     grid: Array,
     colour: str,
     share: float,
-    openness: float,
+    openness: npt.ArrayLike,
     shift: Callable[[Pose], Array],
     closed: bool = False,
 ) -> Part:

@@ -11,7 +11,16 @@ import numpy as np
 from openrois_avatar.engines import palette
 from openrois_avatar.engines.sculpt.distance import Array, ellipsoid, gradient, join
 from openrois_avatar.engines.sculpt.head import face_field
-from openrois_avatar.engines.sculpt.mesh import Mesh, compact, grid_faces, grid_normals, merged, polygonised, without
+from openrois_avatar.engines.sculpt.mesh import (
+    Mesh,
+    compact,
+    crossed,
+    grid_faces,
+    grid_normals,
+    merged,
+    polygonised,
+    without,
+)
 from openrois_avatar.engines.sculpt.paint import Shadow
 from openrois_avatar.engines.sculpt.part import Part, still
 from openrois_avatar.engines.sculpt.shading import HAIR, HALFWAY, linear
@@ -39,7 +48,7 @@ _FALLING = (
             (0.42, -0.92, 0.55),
             (0.72, -0.70, 0.20),
             (0.87, -0.44, -0.20),
-            (0.80, -0.44, -0.62),
+            (0.69, -0.47, -0.66),
         ),
         0.150,
         0.060,
@@ -51,7 +60,7 @@ _FALLING = (
             (0.60, -0.76, 0.68),
             (0.88, -0.44, 0.24),
             (0.98, -0.24, -0.24),
-            (0.86, -0.30, -0.76),
+            (0.74, -0.34, -0.80),
         ),
         0.165,
         0.075,
@@ -63,7 +72,7 @@ _FALLING = (
             (0.78, -0.38, 0.80),
             (1.01, -0.12, 0.26),
             (1.06, -0.02, -0.30),
-            (0.88, -0.10, -0.86),
+            (0.74, -0.16, -0.90),
         ),
         0.180,
         0.085,
@@ -75,7 +84,7 @@ _FALLING = (
             (0.82, 0.12, 0.84),
             (1.03, 0.24, 0.26),
             (1.07, 0.30, -0.34),
-            (0.82, 0.16, -0.93),
+            (0.68, 0.08, -0.96),
         ),
         0.190,
         0.085,
@@ -113,7 +122,7 @@ _TUCKED = (
             (-0.74, -0.56, 0.50),
             (-0.88, -0.14, 0.24),
             (-0.93, 0.17, -0.14),
-            (-0.84, 0.12, -0.66),
+            (-0.72, 0.04, -0.70),
         ),
         0.120,
         0.055,
@@ -125,7 +134,7 @@ _TUCKED = (
             (-0.84, -0.40, 0.62),
             (-0.97, 0.02, 0.26),
             (-1.00, 0.26, -0.20),
-            (-0.88, 0.16, -0.80),
+            (-0.74, 0.06, -0.83),
         ),
         0.150,
         0.070,
@@ -137,7 +146,7 @@ _TUCKED = (
             (-0.93, -0.12, 0.70),
             (-1.03, 0.14, 0.24),
             (-1.05, 0.32, -0.28),
-            (-0.86, 0.20, -0.89),
+            (-0.72, 0.10, -0.91),
         ),
         0.170,
         0.080,
@@ -149,7 +158,7 @@ _TUCKED = (
             (-0.94, 0.24, 0.72),
             (-1.03, 0.36, 0.20),
             (-1.04, 0.44, -0.34),
-            (-0.80, 0.28, -0.94),
+            (-0.66, 0.18, -0.96),
         ),
         0.185,
         0.085,
@@ -213,7 +222,7 @@ def lock(curve: Array, width: float, thick: float, centre: Array) -> tuple[Array
     outward = curve - centre
     outward -= np.einsum("ij,ij->i", outward, along)[:, None] * along
     outward /= np.linalg.norm(outward, axis=1, keepdims=True)
-    across = np.cross(along, outward)
+    across = crossed(outward, along)
     s = np.linspace(0, 1, len(curve))[:, None, None]
     profile = (
         np.clip(0.45 + 2.0 * s, 0, 1) * np.sqrt(np.clip(1 - np.clip((s - 0.78) / 0.22, 0, 1) ** 2.2, 0, 1)) + 0.015
@@ -233,8 +242,7 @@ def locks(seed: int = 11, count: int = 12, rings: int = 15) -> list[tuple[Array,
         curves = np.stack([_spline(np.asarray(guide.points), rings) for guide in guides])
         sizes = np.asarray([(guide.width, guide.thick) for guide in guides])
         for layer in (1, 0):
-            # At the back of the head one layer will do.
-            for step in range(count - layer * 4):
+            for step in range(count - layer * 2):
                 position = (step + 0.5 * layer) / (count - 1) * (len(guides) - 1)
                 first = min(int(position), len(guides) - 2)
                 share = position - first
@@ -277,17 +285,17 @@ class Hair:
         base = linear(palette.HAIR)
         meshes, centres = [], []
         for grid, normals, bright in locks():
-            flat, faces = normals.reshape(-1, 3), grid_faces(bright.shape[0], bright.shape[1], closed=True)
-            middle = grid.mean(axis=1, keepdims=True)
-            if np.einsum("ijk,ijk->", normals, grid - middle) < 0:
-                flat, faces = -flat, faces[:, ::-1]
-            points = grid.reshape(-1, 3)
-            inner = np.einsum("ij,ij->i", flat, points - _CENTRE) < -0.25 * np.linalg.norm(points - _CENTRE, axis=1)
+            points, flat = grid.reshape(-1, 3), normals.reshape(-1, 3)
+            faces = grid_faces(bright.shape[0], bright.shape[1], closed=True)
+            outward = points - _CENTRE
+            # Behind the neck the inner side is the one that is seen.
+            unseen = np.einsum("ij,ij->i", flat, outward) < -0.5 * np.linalg.norm(outward, axis=1)
+            faces = without(faces, unseen & (points[:, 1] < 0.2) & (points[:, 2] < 0.9))
             albedo = bright.reshape(-1, 1) * base
-            meshes.append(compact(Mesh(points, flat, without(faces, inner), albedo, np.ones(bright.size))))
-            centres.append(middle[::2, 0])
+            meshes.append(compact(Mesh(points, flat, faces, albedo, np.ones(bright.size))))
+            centres.append(grid[::2].mean(axis=1))
         points, normals, faces = polygonised(cap_field, (-1.1, -1.0, -1.1), (1.1, 1.3, 1.5), 0.12)
-        meshes.append(Mesh(points, normals, faces, np.tile(base * 0.42, (len(points), 1)), np.full(len(points), 0.35)))
+        meshes.append(Mesh(points, normals, faces, np.tile(base * 0.60, (len(points), 1)), np.full(len(points), 0.5)))
         self._mesh = merged(meshes)
         fringe = np.concatenate(centres)
         self.shadow = Shadow(fringe[(fringe[:, 1] < 0.1) & (fringe[:, 2] > -0.3)], 0.17)

@@ -88,7 +88,7 @@ def brow(depth: DepthMap, lift: float, frown: float) -> Array:
     x = 0.150 + 0.455 * along - 0.035 * frown * (1 - along)
     z = 0.235 + 0.125 * np.sin(np.pi * (0.16 + 0.66 * along)) - 0.055 * along**2
     z = z + lift * 0.085 * (0.75 + 0.25 * np.sin(np.pi * along)) - frown * 0.085 * (1 - along) ** 1.5
-    thick = 0.033 * np.sqrt(np.clip(1.12 - along, 0, 1)) * smooth(np.asarray(0.35 + along * 6))
+    thick = 0.037 * np.sqrt(np.clip(1.12 - along, 0, 1)) * smooth(np.asarray(0.35 + along * 6))
     rows = []
     for rise, bulge in ((-1.0, -0.004), (-0.55, 0.020), (0.0, 0.028), (0.55, 0.020), (1.0, -0.004)):
         pz = z + rise * thick

@@ -32,6 +32,11 @@ _UPPER = _HEIGHT > 1e-6
 _MIDDLE = np.clip(1 - _ACROSS**2, 0, 1)
 
 
+_TEETH = np.linspace(-1, 1, 17)
+_TOOTH = ((0.0, 0.03), (0.35, 0.0), (0.85, 0.0), (1.0, 0.02))
+"""From root to edge: how far along, and how far back in dm."""
+
+
 class Lips:
     """The lips and the skin around them, deformed by a mouth shape."""
 
@@ -106,14 +111,19 @@ class Lips:
 
 def teeth(upper: bool) -> Array:
     """A row of teeth as a curved strip (4, n, 3), in head space at rest."""
-    along = np.linspace(-1, 1, 17)
-    x = 0.225 * along
-    y = MOUTH[1] + 0.075 + 0.16 * along**2
-    top, bottom = (0.075, -0.030) if upper else (-0.050, -0.125)
+    x = 0.232 * _TEETH
+    y = MOUTH[1] + 0.075 + 0.17 * _TEETH**2
+    rise = 0.030 * np.abs(_TEETH) ** 3
+    top, bottom = (0.075 + 0 * rise, -0.032 + rise) if upper else (-0.050 + rise, -0.125 + rise)
     rows = []
-    for share, bulge in ((0.0, 0.03), (0.35, 0.0), (0.85, 0.0), (1.0, 0.02)):
-        rows.append(np.stack([x, y + bulge, np.full_like(x, MOUTH[2] + top + (bottom - top) * share)], axis=1))
+    for share, bulge in _TOOTH:
+        rows.append(np.stack([x, y + bulge, MOUTH[2] + top + (bottom - top) * share], axis=1))
     return np.stack(rows)
+
+
+def teeth_openness(front: float) -> Array:
+    """How open the vertices of a row of teeth are, (n,): `front` in the middle, hardly at the sides."""
+    return np.tile(front * (1 - 0.9 * np.abs(_TEETH) ** 3), len(_TOOTH))
 
 
 def tongue() -> Array:
@@ -121,8 +131,8 @@ def tongue() -> Array:
     along, across = np.linspace(0, 1, 7)[:, None], np.linspace(-1, 1, 11)[None, :]
     width = 0.165 * np.sqrt(np.clip(1 - (1 - along) ** 2.6, 0.0, 1.0)) + 0.01
     x = width * across
-    y = MOUTH[1] + 0.10 + 0.34 * along + 0 * across
-    z = MOUTH[2] - 0.150 + 0.075 * np.sin(np.pi * (0.18 + 0.6 * along)) * (1 - 0.55 * across**2)
+    y = MOUTH[1] + 0.09 + 0.34 * along + 0 * across
+    z = MOUTH[2] - 0.128 + 0.080 * np.sin(np.pi * (0.18 + 0.6 * along)) * (1 - 0.55 * across**2)
     return np.stack([x + 0 * along, y, z], axis=2)
 
 
