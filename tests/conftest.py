@@ -12,7 +12,6 @@ from typing import NoReturn
 
 import pytest
 
-
 _lacking: set[str] = set()
 """What this machine has not, as `Skipped` has it."""
 
