@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from openrois.component import Component
-from openrois.contract import Directory, Event, Extension, Sink, SubscriptionLost
+from openrois.contract import Directory, Event, Extension, Sink
 from openrois.errors import BadParameter, Unsupported
 from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIEngineProfile, RoISIdentifier
@@ -115,9 +115,3 @@ class LocalRegistry:
             event = Event(new_id(self.engine_id), event_type, component_ref, expire, results)
             for sink in sinks:
                 sink(event)
-
-    def close(self, reason: str) -> None:
-        """Tell every subscriber that nothing more will come."""
-        subscriptions, self._subscriptions = self._subscriptions, {}
-        for subscription in subscriptions.values():
-            subscription.sink(SubscriptionLost(reason))

@@ -49,19 +49,6 @@ async def test_one_emission_is_one_event_for_all_who_listen_to_it() -> None:
     assert len({item.event_id for _, item in heard if isinstance(item, Event)}) == 2
 
 
-async def test_the_end_is_told_once() -> None:
-    bell = Bell()
-    registry = LocalRegistry("robot", [bell])
-    heard: list[Event | SubscriptionLost] = []
-    subscribe_id = await registry.subscribe("robot/bell", "rang", heard.append)
-    await registry.subscribe("robot/bell", "rang", heard.append)
-    await registry.unsubscribe(subscribe_id)
-    registry.close("the end")
-    registry.close("again")
-    bell.ring("ding")
-    assert heard == [SubscriptionLost("the end")]
-
-
 async def test_only_declared_events_can_be_listened_to() -> None:
     registry = LocalRegistry("robot", [Lamp()])
     with pytest.raises(Unsupported):
