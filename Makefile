@@ -1,4 +1,4 @@
-# A person types `make demo` or `make test`; everything they need is made first and kept in .venv.
+# A person types `make demo` or `make test`; everything they need is made first, in .venv and web_demo.
 PY := .venv/bin/python
 PAGE := web_demo/openrois_web_demo/static/index.html
 PAGE_SOURCES := $(shell find web_demo/sdk web_demo/app -type f) web_demo/build.mjs web_demo/package-lock.json
