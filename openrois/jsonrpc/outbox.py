@@ -12,7 +12,8 @@ __all__ = ["Outbox", "OutboxOverflow"]
 _log = logging.getLogger(__name__)
 
 CONTROL_LIMIT: Final = 1024
-"""Messages other than events that may wait: replies, completions, stream and signaling notifications. They are never dropped: one more ends the connection."""
+"""Messages that may wait, events aside: replies, completions, what streams and signaling tell. They are never dropped:
+one more ends the connection."""
 
 EVENT_LIMIT: Final = 256
 """Events that may wait. One more drops the oldest waiting event; order never changes."""
