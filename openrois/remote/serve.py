@@ -74,10 +74,13 @@ class _ServedExtension:
     def notifications(self) -> dict[str, NotificationHandler]:
         """Return what the parent tells about its applications."""
 
-        def client_gone(params: dict[str, Any]) -> None:
-            client_id = str(params.get("client_id"))
+        async def forget(client_id: str) -> None:
             if self._forget(client_id):
-                self._host.tasks.start(self._host.engine.extension.forget(client_id))
+                await self._host.engine.extension.forget(client_id)
+
+        def client_gone(params: dict[str, Any]) -> None:
+            # In a task, as requests are: what the application asked just before has to be begun first.
+            self._host.tasks.start(forget(str(params.get("client_id"))))
 
         return {CLIENT_GONE: client_gone}
 

@@ -184,6 +184,12 @@ class TestClientGone:
         assert (answer["id"], answer["result"]["return_code"]) == (request_id, "ERROR")
         assert child.streams.streams == {}
 
+    async def test_said_in_one_breath_with_the_question_for_a_stream(self, child: Child, parent: Parent) -> None:
+        await parent.send("rois.stream.connect_stream", component_ref=CAMERA, client_id="ann")
+        await parent.tell("openrois.client_gone", client_id="ann")
+        await settle()
+        assert (child.streams.forgotten, child.streams.streams) == (["ann"], {})
+
     async def test_a_late_disconnect_brings_nobody_back(self, child: Child, parent: Parent) -> None:
         await parent.ask("rois.stream.disconnect_stream", stream_id="robot/1", client_id="ann")
         await parent.tell("openrois.client_gone", client_id="ann")
