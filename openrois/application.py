@@ -94,6 +94,10 @@ class ApplicationSession:
         """Tell whether this session may change what the component does."""
         return self.trusted or self.host.reservations.is_held(component_ref, self)
 
+    def is_barred_from(self, component_ref: str) -> bool:
+        """Tell whether another session has the component now; one that nobody has is open to what was accepted."""
+        return not self.trusted and self.host.reservations.is_held_by_another(component_ref, self)
+
     def completed(self, command_id: str, status: CompletedStatus) -> None:
         """Tell the application how a command ended."""
         self._notify("rois.command.completed", Completed(command_id=command_id, status=status).model_dump(mode="json"))

@@ -24,6 +24,10 @@ class Reservations:
         """Tell whether `holder` holds the component."""
         return self._holders.get(component_ref) is holder
 
+    def is_held_by_another(self, component_ref: str, holder: object) -> bool:
+        """Tell whether somebody holds the component who is not `holder`."""
+        return self._holders.get(component_ref, holder) is not holder
+
     def release(self, component_ref: str, holder: object) -> None:
         """Give a component back; nothing happens if `holder` does not hold it."""
         if self.is_held(component_ref, holder):

@@ -180,6 +180,9 @@ class _Commands:
         return status
 
     async def _outcome(self, unit: CommandUnit) -> tuple[Result, ...]:
+        if self._app.is_barred_from(unit.component_ref):
+            # It was accepted while the component was this application's, and its turn came later.
+            raise OutOfResources(f"{unit.component_ref} is bound by another application by now")
         if unit.command_type in STREAM_METHODS and stream.has_streams(self._app, unit.component_ref):
             return await stream.run_verb(self._app, unit)
         return await self._app.engine.invoke(unit.component_ref, unit.command_type, unit.arguments)

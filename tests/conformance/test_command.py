@@ -337,3 +337,25 @@ async def test_commands_of_a_session_that_left_go_on(adapter: Adapter, gateway: 
         await app.completed("q")
         while len(robot.door.opened) < 3:
             await app.settled()
+
+
+async def test_what_is_left_of_a_sequence_stays_off_what_another_has_bound(
+    app: Application, other: Application, robot: Robot
+) -> None:
+    robot.door.may_answer.clear()
+    await bind(app)
+    assert await execute(app, unit("open", "open", DOOR), unit("late"), unit("last")) == "OK"
+    await app.ask("rois.command.release", component_ref=LAMP)
+    assert await bind(other) == "OK"
+    robot.door.may_answer.set()
+    assert await app.completed("open", "late", "last") == {"open": "OK", "late": "OUT_OF_RESOURCES", "last": "ABORT"}
+    assert robot.lamp.total == 0
+
+
+async def test_what_is_left_of_a_sequence_runs_on_what_nobody_has_bound(app: Application, robot: Robot) -> None:
+    robot.door.may_answer.clear()
+    await bind(app)
+    assert await execute(app, unit("open", "open", DOOR), unit("late")) == "OK"
+    await app.ask("rois.command.release", component_ref=LAMP)
+    robot.door.may_answer.set()
+    assert await app.completed("open", "late") == {"open": "OK", "late": "OK"}

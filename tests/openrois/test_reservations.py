@@ -35,6 +35,8 @@ def test_one_holder_at_a_time(ann: Holder, bob: Holder) -> None:
     with pytest.raises(OutOfResources):
         held.bind(LAMP, bob)
     assert (held.is_held(LAMP, ann), held.is_held(LAMP, bob), held.is_held("r/x", ann)) == (True, False, False)
+    barred = held.is_held_by_another(LAMP, ann), held.is_held_by_another(LAMP, bob), held.is_held_by_another("r/x", ann)
+    assert barred == (False, True, False)
 
 
 def test_only_the_holder_releases(ann: Holder, bob: Holder) -> None:
