@@ -8,7 +8,7 @@ import json
 from collections.abc import Callable
 
 from openrois.component import Component, command, parameter_profile, query
-from openrois.errors import Unsupported
+from openrois.errors import BadParameter, Unsupported
 from openrois.types.codes import ComponentFunction, ComponentStatus
 from openrois.types.messages import Result
 from openrois.types.profiles import CommandMessageProfile, EventMessageProfile, QueryMessageProfile
@@ -60,6 +60,13 @@ class Streaming(Component):
     def condition(self) -> ComponentStatus:
         """Follow the source."""
         return self._source_status()
+
+    def accept_parameters(self, values: dict[str, str]) -> dict[str, str]:
+        """Refuse to change what is available: every application reads it, and only the engine knows."""
+        for name in values:
+            if name.startswith("available_"):
+                raise BadParameter(f"{name} can only be read")
+        return values
 
     @command("connect_stream", "disconnect_stream", "suspend_stream", "resume_stream")
     async def act(self, _arguments: dict[str, str]) -> tuple[Result, ...]:

@@ -1,0 +1,41 @@
+"""The streaming components as any application sees them: parameters that are set, and parameters that are only read."""
+
+import json
+
+import pytest
+from openrois_avatar.components.streaming import Streaming
+
+from openrois.errors import BadParameter
+from openrois.registry import LocalRegistry
+from openrois.types.codes import ComponentStatus
+from openrois.types.messages import Argument
+
+VIDEO = "avatar/VideoStreaming"
+
+
+@pytest.fixture
+def registry() -> LocalRegistry:
+    return LocalRegistry("avatar", [Streaming("VideoStreaming", ("video/VP8",), lambda: ComponentStatus.READY)])
+
+
+async def set_parameters(registry: LocalRegistry, **values: str) -> None:
+    arguments = tuple(Argument(name=name, data_type_ref="String", value=value) for name, value in values.items())
+    await registry.invoke(VIDEO, "set_parameter", arguments)
+
+
+async def parameters(registry: LocalRegistry) -> dict[str, str]:
+    return {parameter.name: parameter.value for parameter in await registry.query(VIDEO, "get_parameter")}
+
+
+async def test_what_is_wanted_is_set(registry: LocalRegistry) -> None:
+    wanted = json.dumps({"codecs": ["video/VP8"]})
+    await set_parameters(registry, encoding_parameters=wanted)
+    assert (await parameters(registry))["encoding_parameters"] == wanted
+
+
+@pytest.mark.parametrize("name", ["available_encodings", "available_transports"])
+async def test_what_is_available_is_not_for_applications_to_say(registry: LocalRegistry, name: str) -> None:
+    before = await parameters(registry)
+    with pytest.raises(BadParameter, match=f"{name} can only be read"):
+        await set_parameters(registry, encoding_parameters="{}", **{name: ""})
+    assert await parameters(registry) == before
