@@ -48,11 +48,21 @@ def main(arguments: Sequence[str]) -> int:
 
 
 async def _run(settings: AvatarSettings) -> None:
+    running = asyncio.create_task(_serve(settings))
+
+    def stop() -> None:
+        # Once is enough: the second time would cut off the end of what the first one began.
+        if not running.cancelling():
+            running.cancel()
+
+    for name in (signal.SIGINT, signal.SIGTERM):
+        asyncio.get_running_loop().add_signal_handler(name, stop)
+    await asyncio.wait({running})
+    if not running.cancelled():
+        running.result()
+
+
+async def _serve(settings: AvatarSettings) -> None:
     async with run_avatar(settings) as avatar:
-        serving = asyncio.ensure_future(serve_parent(avatar.host, settings.gateway))
-        for name in (signal.SIGINT, signal.SIGTERM):
-            asyncio.get_running_loop().add_signal_handler(name, serving.cancel)
         print(f"ready {settings.engine_id}", flush=True)
-        await asyncio.wait({serving})
-        if not serving.cancelled():
-            serving.result()
+        await serve_parent(avatar.host, settings.gateway)

@@ -1,0 +1,46 @@
+"""`openrois avatar` as a command: it stops when it is told to, whatever it is doing."""
+
+import asyncio
+import os
+import signal
+import sys
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager
+
+import pytest
+from openrois_avatar import command
+from openrois_avatar.settings import AvatarSettings
+
+
+@pytest.fixture(autouse=True)
+def _as_before(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    interval = sys.getswitchinterval()
+    monkeypatch.setattr(command, "set_up_logging", lambda *, verbose: None)
+    yield
+    sys.setswitchinterval(interval)
+
+
+@pytest.mark.parametrize("name", [signal.SIGINT, signal.SIGTERM])
+def test_it_can_be_stopped_while_its_game_engine_starts(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], name: signal.Signals
+) -> None:
+    cleaned: list[str] = []
+
+    @asynccontextmanager
+    async def slow_to_start(_settings: AvatarSettings) -> AsyncIterator[None]:
+        try:
+            os.kill(os.getpid(), name)
+            async with asyncio.timeout(5):
+                await asyncio.Event().wait()
+            yield
+        finally:
+            # An impatient person presses again: what is being ended is ended all the same.
+            os.kill(os.getpid(), name)
+            for _ in range(20):
+                await asyncio.sleep(0)
+            cleaned.append("up")
+
+    monkeypatch.setattr(command, "run_avatar", slow_to_start)
+    assert command.main(["--engine", "puppet"]) == 0
+    assert cleaned == ["up"]
+    assert capsys.readouterr().out == ""
