@@ -52,8 +52,9 @@ class _Signaling:
         """Note which peers an engine opens and ends; an offer for a peer that the application can't have is dropped."""
         peer_id = str(params.get("peer_id", ""))
         if method == Offer.method:
+            if not self._relay.register(peer_id, self.app.client.client_id, engine_of(peer_id)):
+                return False
             self._peers.add(peer_id)
-            return self._relay.register(peer_id, self.app.client.client_id, engine_of(peer_id))
         if method == Bye.method:
             self._forget(peer_id)
         return True
