@@ -39,11 +39,11 @@ async def test_two_pages_and_another_application_see_the_work_of_one_encoder(
         second = await stack.enter_async_context(visiting(browser, gateway.url))
         app = await stack.enter_async_context(application(gateway.url.replace("http", "ws", 1)))
         stream_id = await app.play(VIDEO, H264)
+        _, _, pictures = await asyncio.gather(first.plays(30), second.plays(30), app.pictures(stream_id, 30))
+        assert len(pictures) == 30
         for visit in (first, second):
-            await visit.plays(30)
             await visit.status("video", "RUNNING")
             await visit.status("audio", "RUNNING")
-        assert len(await app.pictures(stream_id, 30)) == 30
         assert avatar.video.running_encoders == 1
         assert avatar.audio.running_encoders == 1
 
