@@ -1,7 +1,5 @@
 """What the profiles of the avatar's components have in common."""
 
-from typing import Final
-
 from openrois.component import COMMON_QUERIES
 from openrois.types.codes import ComponentFunction
 from openrois.types.profiles import (
@@ -14,10 +12,7 @@ from openrois.types.profiles import (
     component_urn,
 )
 
-__all__ = ["START_STOP", "component_profile"]
-
-START_STOP: Final = (CommandMessageProfile(name="start"), CommandMessageProfile(name="stop"))
-"""The commands of RoIS_Common that the avatar's actuations have; nothing here can be suspended half-way."""
+__all__ = ["component_profile"]
 
 
 def component_profile(

@@ -7,12 +7,15 @@ from openrois.component import Component, command, parameter_profile, query
 from openrois.errors import BadParameter
 from openrois.types.codes import ComponentFunction, ComponentStatus
 from openrois.types.messages import Result
-from openrois.types.profiles import QueryMessageProfile
+from openrois.types.profiles import CommandMessageProfile, QueryMessageProfile
 from openrois.types.values import encode_list
 from openrois_avatar.body import Body
-from openrois_avatar.components.profiles import START_STOP, component_profile
+from openrois_avatar.components.profiles import component_profile
 
 __all__ = ["Reaction", "reaction_ref"]
+
+_LONGEST_MS: Final = 30_000
+"""After this a reaction counts as failed: a game engine that forgets to say that one is over must not block the rest."""
 
 _ANNEX_D: Final = {
     "nod": 1,
@@ -47,7 +50,7 @@ class Reaction(Component):
             component_profile(
                 "Reaction",
                 ComponentFunction.ACTUATION,
-                commands=START_STOP,
+                commands=(CommandMessageProfile(name="start", timeout=_LONGEST_MS), CommandMessageProfile(name="stop")),
                 queries=(
                     QueryMessageProfile(
                         name="available_reactions",

@@ -6,9 +6,9 @@ from openrois.component import Component, command, parameter_profile, query
 from openrois.errors import BadParameter
 from openrois.types.codes import ComponentFunction, ComponentStatus
 from openrois.types.messages import Result
-from openrois.types.profiles import QueryMessageProfile
+from openrois.types.profiles import CommandMessageProfile, QueryMessageProfile
 from openrois.types.values import encode_list
-from openrois_avatar.components.profiles import START_STOP, component_profile
+from openrois_avatar.components.profiles import component_profile
 from openrois_avatar.voice import Voice
 
 __all__ = ["SpeechSynthesis"]
@@ -28,7 +28,7 @@ class SpeechSynthesis(Component):
             component_profile(
                 "SpeechSynthesis",
                 ComponentFunction.ACTUATION,
-                commands=START_STOP,
+                commands=(CommandMessageProfile(name="start"), CommandMessageProfile(name="stop")),
                 queries=(
                     QueryMessageProfile(
                         name="synthesizable_languages", results=(parameter_profile("languages", "string[]"),)

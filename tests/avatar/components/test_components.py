@@ -95,6 +95,13 @@ async def test_stop_ends_a_reaction_with_abort(stage: Stage) -> None:
     assert stage.told[-1] == Stop(reaction_id)
 
 
+async def test_a_reaction_that_never_ends_cannot_block_the_rest(stage: Stage) -> None:
+    profile = (await stage.registry.discover()).component_profiles["avatar/Reaction"]
+    start = profile.command("start")
+    assert start is not None
+    assert start.timeout == 30_000
+
+
 async def test_an_unknown_reaction_is_refused_and_nothing_is_stored(stage: Stage) -> None:
     with pytest.raises(BadParameter, match="no reaction"):
         await stage.set("Reaction", reaction_ref="urn:x-rois:def:reaction:OMG::49")
