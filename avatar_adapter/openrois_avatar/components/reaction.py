@@ -15,7 +15,7 @@ from openrois_avatar.components.profiles import component_profile
 __all__ = ["Reaction", "reaction_ref"]
 
 _LONGEST_MS: Final = 30_000
-"""After this a reaction counts as failed: a game engine that forgets to say that one is over must not block the rest."""
+"""After this a reaction counts as failed: a game engine that forgets to say that one is over must not block others."""
 
 _ANNEX_D: Final = {
     "nod": 1,
