@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 import pytest_asyncio
-from playwright.async_api import Browser
+from playwright.async_api import Browser, expect
 
 from openrois.gateway.server import Gateway
 from tests.support.browser import GATEWAY_AWAY, running_browser, visiting
@@ -33,10 +33,15 @@ async def gateway() -> AsyncIterator[Gateway]:
 async def test_a_gateway_that_has_gone(browser: Browser) -> None:
     async with AsyncExitStack() as stack:
         async with running_gateway() as gateway:
-            visit = await stack.enter_async_context(visiting(browser, gateway.url, tolerated=[GATEWAY_AWAY]))
+            phone = {"width": 360, "height": 640}
+            visit = await stack.enter_async_context(
+                visiting(browser, gateway.url, tolerated=[GATEWAY_AWAY], viewport=phone)
+            )
             await visit.banner("no-adapter", "No avatar is connected")
+            await visit.page.evaluate("scrollTo(0, document.body.scrollHeight)")
         words = await visit.banner("no-gateway", "The gateway does not answer")
         assert "openrois demo" in words
+        await expect(visit.item("banner")).to_be_in_viewport(ratio=1)
 
 
 async def test_a_gateway_without_an_avatar_and_then_with_one(browser: Browser, gateway: Gateway) -> None:
