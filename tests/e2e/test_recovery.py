@@ -24,6 +24,7 @@ async def test_a_killed_adapter_is_named_and_its_picture_lasts_until_the_next_on
     await visit.plays()
     await visit.status("audio", "RUNNING")
     video, audio = await visit.stream_id("video"), await visit.stream_id("audio")
+    await visit.listen()
     async with visit.watched() as seen:
         demo.program("avatar").kill()
         await visit.banner("adapter-gone", "has left")
@@ -33,6 +34,8 @@ async def test_a_killed_adapter_is_named_and_its_picture_lasts_until_the_next_on
         await visit.no_banner()
     await visit.status("video", "RUNNING")
     await visit.status("audio", "RUNNING")
+    heard = len(await visit.read("probe.markers()"))
+    await visit.until(f"probe.markers().length > {heard}")
     assert not any(each.black for each in seen), seen
 
 
