@@ -4,7 +4,7 @@ PAGE := web_demo/openrois_web_demo/static/index.html
 PAGE_SOURCES := $(shell find web_demo/sdk web_demo/app -type f) web_demo/build.mjs web_demo/package-lock.json
 NODE_MODULES := web_demo/node_modules/.stamp
 export PATH := $(if $(shell command -v npm),,$(CURDIR)/.venv/bin:)$(PATH)
-.PHONY: demo test check lint fmt page
+.PHONY: demo test unit check lint fmt page
 
 demo: .venv/demo.stamp $(PAGE)
 	@.venv/bin/openrois demo $(ARGS)
@@ -12,6 +12,9 @@ demo: .venv/demo.stamp $(PAGE)
 test: .venv/dev.stamp $(NODE_MODULES) $(PAGE)
 	cd web_demo && npm run --silent test
 	$(PY) -m pytest $(ARGS)
+
+unit: .venv/dev.stamp
+	$(PY) -m pytest -n auto -m "not media and not browser and not engine" $(ARGS)
 
 check: lint test
 
