@@ -22,12 +22,13 @@ from openrois_avatar.scene import Scene, embedded_scene, synthetic_scene
 from openrois_avatar.settings import AvatarSettings
 from openrois_avatar.streams import AvatarStreams, Published
 
-__all__ = ["Avatar", "run_avatar", "serve_scene"]
+__all__ = ["AUDIO", "VIDEO", "Avatar", "run_avatar", "serve_scene"]
 
 _log = logging.getLogger(__name__)
 
-_VIDEO: Final = "VideoStreaming"
-_AUDIO: Final = "AudioStreaming"
+VIDEO: Final = "VideoStreaming"
+AUDIO: Final = "AudioStreaming"
+"""The names of the streaming components."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,13 +76,13 @@ async def serve_scene(engine_id: str, scene: Scene, clock: MediaClock) -> AsyncI
     video = VideoPublisher(scene.video, clock=clock, stamp=True, frame_rate=scene.frame_rate)
     audio = AudioPublisher(scene.audio, clock=clock)
     published = {
-        reference(engine_id, _VIDEO): Published(video, "video"),
-        reference(engine_id, _AUDIO): Published(audio, "audio"),
+        reference(engine_id, VIDEO): Published(video, "video"),
+        reference(engine_id, AUDIO): Published(audio, "audio"),
     }
     components = (
         SystemInformation(engine_id, scene.status),
-        Streaming(_VIDEO, _codecs("video/"), scene.status),
-        Streaming(_AUDIO, _codecs("audio/"), scene.status),
+        Streaming(VIDEO, _codecs("video/"), scene.status),
+        Streaming(AUDIO, _codecs("audio/"), scene.status),
         *scene.components,
     )
     async with AsyncExitStack() as stack:

@@ -36,9 +36,15 @@ class Scene:
     status: Callable[[], ComponentStatus]
 
 
-def synthetic_scene(clock: MediaClock) -> Scene:
-    """Return colour bars with a moving dot, and a tone at each whole second; nobody is there to act."""
-    bars = ColourBars(clock=clock)
+def synthetic_scene(clock: MediaClock, width: int = 640, height: int = 360) -> Scene:
+    """Return colour bars with a moving dot, and a tone at each whole second; nobody is there to act.
+
+    Args:
+        clock: the media clock.
+        width: of the picture, in pixels.
+        height: of the picture, in pixels.
+    """
+    bars = ColourBars(width, height, clock=clock)
     return Scene(bars, Tone(clock=clock), bars.fps, (), lambda: ComponentStatus.READY)
 
 
