@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from openrois.types.codes import ComponentStatus
 
-__all__ = ["check_value", "date_time", "encode_list"]
+__all__ = ["check_value", "date_time", "decode_value", "encode_list", "encode_value"]
 
 _INTEGER: Final = re.compile(r"-?[0-9]{1,20}", re.ASCII)
 _NUMBER: Final = re.compile(r"-?[0-9]{1,40}(\.[0-9]{1,40})?([eE][+-]?[0-9]{1,4})?", re.ASCII)
@@ -89,3 +89,43 @@ def encode_list(items: Sequence[str]) -> str:
 def date_time(epoch_seconds: float) -> str:
     """Write a DateTime value: ISO 8601, UTC, microseconds."""
     return datetime.fromtimestamp(epoch_seconds, UTC).isoformat(timespec="microseconds")
+
+
+def encode_value(data_type_ref: str, value: Any) -> str:
+    """Write a Python value as the text of its type.
+
+    Args:
+        data_type_ref: the type's code; the value fits it.
+        value: text, number, truth value, enumerator or datetime, or a sequence of them for a `T[]`.
+    """
+    if data_type_ref.endswith("[]"):
+        return json.dumps(_plain(value), ensure_ascii=False)
+    plain = _plain(value)
+    return plain if isinstance(plain, str) else json.dumps(plain)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, str):
+        return str(value)
+    if isinstance(value, datetime):
+        return value.isoformat()
+    if isinstance(value, Sequence):
+        return [_plain(item) for item in value]
+    return value
+
+
+def decode_value(data_type_ref: str, text: str) -> Any:
+    """Read the text of a value: what comes back is text, a number, a truth value, or a list of them.
+
+    Raises:
+        ValueError: it does not fit its type.
+    """
+    check_value(data_type_ref, text)
+    code = data_type_ref.lower()
+    if code.endswith("[]"):
+        return json.loads(text)
+    if code in _INTEGERS:
+        return int(text)
+    if code in _NUMBERS:
+        return float(text)
+    return text == "true" if code in _TRUTHS else text
