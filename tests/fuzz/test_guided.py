@@ -1,0 +1,28 @@
+"""The coverage-guided fuzzers of the parsers, each for as many cases as continuous integration has time for."""
+
+import importlib.util
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+GUIDED = Path(__file__).with_name("guided.py")
+CASES = 250_000
+
+
+@pytest.mark.skipif(importlib.util.find_spec("atheris") is None, reason="atheris has no wheel for this platform")
+@pytest.mark.guided
+@pytest.mark.timeout(300)
+@pytest.mark.parametrize("target", ["protocol", "condition", "values"])
+def test_no_input_breaks(target: str, tmp_path: Path) -> None:
+    folder = tmp_path / target
+    fuzzer = subprocess.run(
+        [sys.executable, str(GUIDED), target, str(folder), f"-runs={CASES}", "-seed=1", "-max_len=512", "-timeout=5"],
+        capture_output=True,
+        timeout=280,
+        check=False,
+    )
+    said = fuzzer.stderr.decode("utf-8", "replace")
+    assert fuzzer.returncode == 0, said[-4000:]
+    assert f"Done {CASES} runs" in said, said[-4000:]
