@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from typing import Any, ClassVar, Final, TypeVar
 
 from openrois.errors import Aborted, BadParameter, ComponentFailed, RoISError, TimedOut, Unsupported
-from openrois.types.codes import ComponentStatus
+from openrois.types.codes import ComponentStatus, ErrorType
 from openrois.types.messages import Argument, Parameter, Result
 from openrois.types.profiles import (
     HRIComponentProfile,
@@ -21,6 +21,7 @@ __all__ = [
     "COMMON_QUERIES",
     "Component",
     "Emit",
+    "Report",
     "check_arguments",
     "command",
     "parameter_profile",
@@ -34,6 +35,8 @@ CommandFunction = Callable[[Any, Arguments], Awaitable[tuple[Result, ...]]]
 QueryFunction = Callable[[Any], Awaitable[tuple[Result, ...]]]
 Emit = Callable[[str, tuple[Result, ...]], None]
 """Announces an event of the component: its type and its results."""
+Report = Callable[[ErrorType, str], None]
+"""Reports a fault of the component: its kind, and a sentence for a person."""
 
 _MILLISECOND: Final = 0.001
 _Function = TypeVar("_Function", bound=Callable[..., Awaitable[tuple[Result, ...]]])
@@ -88,6 +91,7 @@ class Component:
     def __init__(self, profile: HRIComponentProfile) -> None:
         self.profile = profile
         self.emit: Emit = _nobody_listens
+        self.report: Report = _nobody_watches
         self.parameters: dict[str, str] = {p.name: p.default_value for p in profile.parameter_profiles}
         self._require_methods()
         self._running = 0
@@ -155,7 +159,9 @@ class Component:
             async with asyncio.timeout(None if profile.timeout is None else profile.timeout * _MILLISECOND):
                 return await self._run_checked(command_type, values)
         except TimeoutError:
-            raise TimedOut(f"{self.profile.name}: {command_type} took longer than {profile.timeout} ms") from None
+            sentence = f"{self.profile.name}: {command_type} took longer than {profile.timeout} ms"
+            self.report(ErrorType.COMPONENT_NOT_RESPONDING, sentence)
+            raise TimedOut(sentence) from None
         finally:
             self._running -= 1
 
@@ -210,7 +216,9 @@ class Component:
         except Exception as error:
             # Whoever asked learns that it failed; only the log of this process can tell where.
             _log.exception("%s: %s failed", self.profile.name, message)
-            raise ComponentFailed(f"{self.profile.name}: {message} failed: {error}") from error
+            sentence = f"{self.profile.name}: {message} failed: {error}"
+            self.report(ErrorType.COMPONENT_INTERNAL_ERROR, sentence)
+            raise ComponentFailed(sentence) from error
 
     def _require_usable(self) -> None:
         status = self.status
@@ -269,3 +277,7 @@ def _collect(cls: type, attribute: str) -> dict[str, str]:
 
 def _nobody_listens(_event_type: str, _results: tuple[Result, ...]) -> None:
     """Stand in until the component is in a registry: an event that nobody can hear is dropped."""
+
+
+def _nobody_watches(_error_type: ErrorType, _description: str) -> None:
+    """Stand in until the component is in a registry: nobody could be told of its fault."""

@@ -16,12 +16,25 @@ keeps, checked by one contract suite:
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
+from openrois.types.codes import ErrorType
 from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile
 
-__all__ = ["Client", "ComponentBus", "Directory", "Event", "Extension", "Sink", "SubscriptionLost"]
+__all__ = [
+    "Client",
+    "ComponentBus",
+    "Directory",
+    "Event",
+    "Extension",
+    "Fault",
+    "FaultSource",
+    "OnFault",
+    "Sink",
+    "SubscriptionLost",
+    "ignore_fault",
+]
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,6 +91,40 @@ class ComponentBus(Protocol):
     async def unsubscribe(self, subscribe_id: str) -> None:
         """Stop listening; an unknown id is ignored."""
         ...
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """Something went wrong that is worth telling, whoever asked for it.
+
+    Attributes:
+        error_id: `<engine_id>/<rest>`, minted by the engine that noticed.
+        error_type: of which kind.
+        component_ref: whose fault it is; empty where it is the engine's itself.
+        description: a sentence for a person.
+        timestamp: DateTime when it was noticed.
+    """
+
+    error_id: str
+    error_type: ErrorType
+    component_ref: str
+    description: str
+    timestamp: str
+
+
+OnFault = Callable[[Fault], None]
+"""Takes the faults of a bus; must not block."""
+
+
+def ignore_fault(_fault: Fault) -> None:
+    """Stand in until the bus is attached: nobody could be told."""
+
+
+@runtime_checkable
+class FaultSource(Protocol):
+    """What a bus has that can tell of faults: whoever it is attached to sets `on_fault`."""
+
+    on_fault: OnFault
 
 
 @dataclass(frozen=True, slots=True)
