@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, BeforeValidator, Field
 
-from openrois.types.codes import CompletedStatus, ReturnCode
+from openrois.types.codes import CompletedStatus, ErrorType, ReturnCode
 from openrois.types.model import Model
 from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile
 
@@ -21,6 +21,8 @@ __all__ = [
     "ConcurrentCommands",
     "ConditionParams",
     "DetailParams",
+    "ErrorDetailParams",
+    "ErrorNotification",
     "EventNotification",
     "ExecuteParams",
     "NoParams",
@@ -161,6 +163,13 @@ class DetailParams(Model):
     condition: str = ""
 
 
+class ErrorDetailParams(Model):
+    """Params of get_error_detail."""
+
+    error_id: str
+    condition: str = ""
+
+
 class ReturnResult(Model):
     """A result without out parameters."""
 
@@ -199,7 +208,7 @@ class SetParameterResult(ReturnResult):
 
 
 class ResultsResult(ReturnResult):
-    """Result of query, get_command_result and get_event_detail."""
+    """Result of query, get_command_result, get_event_detail and get_error_detail."""
 
     results: tuple[Result, ...] = Field(default=(), strict=False)
 
@@ -225,3 +234,10 @@ class EventNotification(Model):
     subscribe_id: str
     expire: str = ""
     results: tuple[Result, ...] = Field(default=(), strict=False)
+
+
+class ErrorNotification(Model):
+    """Notification: an engine or a component reports a fault; get_error_detail tells more."""
+
+    error_id: str
+    error_type: Annotated[ErrorType, Field(strict=False)]

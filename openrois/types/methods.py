@@ -1,0 +1,121 @@
+"""Every method and notification of the wire with the models of what it carries: the table that all else is made of."""
+
+from dataclasses import dataclass
+from typing import Any, Final, Generic, TypeVar
+
+from openrois.types.messages import (
+    CommandResultParams,
+    Completed,
+    ComponentParams,
+    ConditionParams,
+    DetailParams,
+    ErrorDetailParams,
+    ErrorNotification,
+    EventNotification,
+    ExecuteParams,
+    NoParams,
+    ParametersResult,
+    ProfileResult,
+    QueryParams,
+    ReferenceResult,
+    ResultsResult,
+    ReturnResult,
+    SearchResult,
+    SetParameterParams,
+    SetParameterResult,
+    SubscribeParams,
+    SubscribeResult,
+    UnsubscribeParams,
+)
+from openrois.types.model import Model
+from openrois.types.streams import (
+    ConnectStreamParams,
+    ConnectStreamResult,
+    HelloParams,
+    HelloResult,
+    StreamParams,
+    StreamStatusNotification,
+    StreamStatusResult,
+)
+
+__all__ = ["METHODS", "NOTIFICATIONS", "MethodType", "NotificationType"]
+
+Params = TypeVar("Params", bound=Model)
+Outcome = TypeVar("Outcome", bound=ReturnResult)
+
+
+@dataclass(frozen=True, slots=True)
+class MethodType(Generic[Params, Outcome]):
+    """A method that an application calls, and a gateway of its adapters.
+
+    Attributes:
+        name: on the wire.
+        params: the model of its params.
+        result: the model of its result.
+        summary: one sentence.
+        extension: the extension it belongs to; empty for the base.
+    """
+
+    name: str
+    params: type[Params]
+    result: type[Outcome]
+    summary: str
+    extension: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class NotificationType(Generic[Params]):
+    """A notification that an engine sends to an application, and an adapter to its gateway.
+
+    Attributes:
+        name: on the wire.
+        params: the model of its params.
+        summary: one sentence.
+        extension: the extension it belongs to; empty for the base.
+    """
+
+    name: str
+    params: type[Params]
+    summary: str
+    extension: str = ""
+
+
+METHODS: Final[tuple[MethodType[Any, Any], ...]] = (
+    MethodType("rois.system.connect", NoParams, ReturnResult, "Begin a session."),
+    MethodType("rois.system.disconnect", NoParams, ReturnResult, "End it: what it has bound and subscribed is free."),
+    MethodType("rois.system.get_profile", ConditionParams, ProfileResult, "Ask which engines and components exist."),
+    MethodType("rois.system.get_error_detail", ErrorDetailParams, ResultsResult, "Ask more about a fault."),
+    MethodType("rois.command.search", ConditionParams, SearchResult, "Ask for the components that meet a condition."),
+    MethodType("rois.command.bind", ComponentParams, ReturnResult, "Reserve a component."),
+    MethodType("rois.command.bind_any", ConditionParams, ReferenceResult, "Reserve one that meets a condition."),
+    MethodType("rois.command.release", ComponentParams, ReturnResult, "Give a component back."),
+    MethodType("rois.command.get_parameter", ComponentParams, ParametersResult, "Ask for its parameters."),
+    MethodType("rois.command.set_parameter", SetParameterParams, SetParameterResult, "Change its parameters."),
+    MethodType("rois.command.execute", ExecuteParams, ReturnResult, "Start a sequence of commands."),
+    MethodType("rois.command.get_command_result", CommandResultParams, ResultsResult, "Ask what a command gave."),
+    MethodType("rois.query.query", QueryParams, ResultsResult, "Ask a component something."),
+    MethodType("rois.event.subscribe", SubscribeParams, SubscribeResult, "Be told of an event."),
+    MethodType("rois.event.unsubscribe", UnsubscribeParams, ReturnResult, "Be told of it no more."),
+    MethodType("rois.event.get_event_detail", DetailParams, ResultsResult, "Ask what an event tells."),
+    MethodType("openrois.hello", HelloParams, HelloResult, "Say and ask which extensions are spoken.", "openrois"),
+    MethodType(
+        "rois.stream.connect_stream", ConnectStreamParams, ConnectStreamResult, "Connect a stream.", "rois.stream"
+    ),
+    MethodType("rois.stream.disconnect_stream", StreamParams, ReturnResult, "End a stream.", "rois.stream"),
+    MethodType("rois.stream.suspend_stream", StreamParams, ReturnResult, "Pause a stream.", "rois.stream"),
+    MethodType("rois.stream.resume_stream", StreamParams, ReturnResult, "Go on with a stream.", "rois.stream"),
+    MethodType(
+        "rois.stream.query_stream_status", StreamParams, StreamStatusResult, "Ask what a stream does.", "rois.stream"
+    ),
+)
+"""The base in the order of the standard, then the extensions; `signaling.*` stands in `openrois_signaling`."""
+
+NOTIFICATIONS: Final[tuple[NotificationType[Any], ...]] = (
+    NotificationType("rois.system.notify_error", ErrorNotification, "An engine or a component has a fault."),
+    NotificationType("rois.system.profile_changed", NoParams, "The engines or components are others now."),
+    NotificationType("rois.command.completed", Completed, "A command has ended."),
+    NotificationType("rois.event.notify_event", EventNotification, "An event happened."),
+    NotificationType(
+        StreamStatusNotification.method, StreamStatusNotification, "A stream does something else now.", "rois.stream"
+    ),
+)
