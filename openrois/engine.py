@@ -10,8 +10,21 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-from openrois.contract import Client, ComponentBus, Directory, Extension, Sink
-from openrois.errors import BadParameter, Unsupported
+from openrois.contract import (
+    Client,
+    ComponentBus,
+    Directory,
+    Extension,
+    Fault,
+    FaultSource,
+    OnFault,
+    Sink,
+    ignore_fault,
+)
+from openrois.errors import BadParameter, NotResponding, TimedOut, Unsupported
+from openrois.faults import FaultMint
+from openrois.listeners import Listeners
+from openrois.types.codes import ErrorType
 from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIEngineProfile, RoISIdentifier
 from openrois.types.references import engine_of, is_engine_id
@@ -32,20 +45,34 @@ class _Child:
     own: bool
 
 
+@dataclass(frozen=True, slots=True)
+class _Subscription:
+    bus: ComponentBus
+    component_ref: str
+
+
 class Engine:
     """An engine with a name of its own and any number of buses attached; itself a `ComponentBus`.
 
     A bus whose root has the engine's own id brings the engine's own components; every other is a sub-engine.
+
+    Attributes:
+        engine_id: the engine's name in its tree.
+        faults: who is told of the faults of the engine and of every bus attached to it.
+        on_fault: the engine that this one is attached to is told, too.
     """
 
     def __init__(self, engine_id: str) -> None:
         if not is_engine_id(engine_id):
             raise BadParameter(f"{engine_id!r} is no engine id: it is empty, too long, or has a slash")
         self.engine_id = engine_id
+        self.faults: Listeners[Fault] = Listeners()
+        self.on_fault: OnFault = ignore_fault
         self._children: list[_Child] = []
         self._routes: dict[str, ComponentBus] = {}
-        self._subscriptions: dict[str, ComponentBus] = {}
-        self._listeners: dict[object, Callable[[], None]] = {}
+        self._subscriptions: dict[str, _Subscription] = {}
+        self._changes: Listeners[()] = Listeners()
+        self._mint = FaultMint(engine_id)
         self._directory = self._merge()
 
     async def attach(self, bus: ComponentBus, *, own: bool = True) -> None:
@@ -65,6 +92,8 @@ class Engine:
         child = _Child(bus, await bus.discover(), own)
         self._check(child.directory, child)
         self._children.append(child)
+        if isinstance(bus, FaultSource):
+            bus.on_fault = self._tell
         self._changed()
 
     async def refresh(self, bus: ComponentBus) -> None:
@@ -86,18 +115,23 @@ class Engine:
         remaining = [child for child in self._children if child.bus is not bus]
         if len(remaining) < len(self._children):
             self._children = remaining
-            self._subscriptions = {key: owner for key, owner in self._subscriptions.items() if owner is not bus}
+            if isinstance(bus, FaultSource):
+                bus.on_fault = ignore_fault
             self._changed()
 
     def on_change(self, listener: Callable[[], None]) -> Callable[[], None]:
         """Call `listener`, which must not block, whenever the tree changes; return what ends that."""
-        key = object()
-        self._listeners[key] = listener
+        return self._changes.add(listener)
 
-        def leave() -> None:
-            self._listeners.pop(key, None)
+    def report(self, error_type: ErrorType, description: str, component_ref: str = "") -> None:
+        """Tell of a fault that this engine noticed: its own, or that of a component which it called."""
+        fault = self._mint.make(error_type, component_ref, description)
+        if fault is not None:
+            self._tell(fault)
 
-        return leave
+    def _tell(self, fault: Fault) -> None:
+        self.faults.tell(fault)
+        self.on_fault(fault)
 
     def _check(self, directory: Directory, child: _Child) -> None:
         ids = directory.profile.engine_ids()
@@ -125,8 +159,13 @@ class Engine:
         self._routes = {
             engine_id: child.bus for child in self._children for engine_id in child.directory.profile.engine_ids()
         }
-        for listener in tuple(self._listeners.values()):
-            listener()
+        self._subscriptions = {
+            subscribe_id: subscription
+            for subscribe_id, subscription in self._subscriptions.items()
+            if subscription.component_ref in self._directory.component_profiles
+            and self._routes.get(engine_of(subscription.component_ref)) is subscription.bus
+        }
+        self._changes.tell()
 
     def _merge(self) -> Directory:
         own = [c.directory for c in self._children if c.directory.profile.identifier.code == self.engine_id]
@@ -171,26 +210,40 @@ class Engine:
 
     async def query(self, component_ref: str, query_type: str) -> tuple[Result, ...]:
         """Ask a component of the tree."""
-        return await self.route(component_ref).query(component_ref, query_type)
+        try:
+            return await self.route(component_ref).query(component_ref, query_type)
+        except NotResponding as silence:
+            raise self.blame(component_ref, silence) from None
 
     async def invoke(
         self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = ()
     ) -> tuple[Result, ...]:
         """Run a command of a component of the tree to its end."""
-        return await self.route(component_ref).invoke(component_ref, command_type, arguments)
+        try:
+            return await self.route(component_ref).invoke(component_ref, command_type, arguments)
+        except NotResponding as silence:
+            raise self.blame(component_ref, silence) from None
 
     async def subscribe(self, component_ref: str, event_type: str, sink: Sink) -> str:
         """Listen to a component of the tree."""
         bus = self.route(component_ref)
-        subscribe_id = await bus.subscribe(component_ref, event_type, sink)
-        self._subscriptions[subscribe_id] = bus
+        try:
+            subscribe_id = await bus.subscribe(component_ref, event_type, sink)
+        except NotResponding as silence:
+            raise self.blame(component_ref, silence) from None
+        self._subscriptions[subscribe_id] = _Subscription(bus, component_ref)
         return subscribe_id
 
     async def unsubscribe(self, subscribe_id: str) -> None:
         """Stop listening."""
-        bus = self._subscriptions.pop(subscribe_id, None)
-        if bus is not None:
-            await bus.unsubscribe(subscribe_id)
+        subscription = self._subscriptions.pop(subscribe_id, None)
+        if subscription is not None:
+            await subscription.bus.unsubscribe(subscribe_id)
+
+    def blame(self, component_ref: str, silence: NotResponding) -> TimedOut:
+        """Report that a call to a component had no answer; return what to raise, so that nobody reports it again."""
+        self.report(ErrorType.COMPONENT_NOT_RESPONDING, str(silence), component_ref)
+        return TimedOut(str(silence))
 
     @property
     def extension(self) -> Extension:
@@ -225,7 +278,13 @@ class _TreeExtension:
         extension = extension_of(self.engine.route(subject))
         if extension is None:
             raise Unsupported(f"the engine of {subject[:200]!r} has no streams")
-        return await extension.call(method, params, client)
+        try:
+            return await extension.call(method, params, client)
+        except NotResponding as silence:
+            component_ref = params.get("component_ref")
+            if not isinstance(component_ref, str):
+                raise
+            raise self.engine.blame(component_ref, silence) from None
 
     async def forget(self, client_id: str) -> None:
         """Tell every bus that a client is gone; one that fails does not keep the others from hearing it."""

@@ -9,6 +9,7 @@ __all__ = [
     "BadParameter",
     "ComponentFailed",
     "EngineUnreachable",
+    "NotResponding",
     "OutOfResources",
     "RoISError",
     "TimedOut",
@@ -53,6 +54,10 @@ class TimedOut(RoISError):
 
     return_code = ReturnCode.TIMEOUT
     completed_status = CompletedStatus.TIMEOUT
+
+
+class NotResponding(TimedOut):
+    """The engine that owns the component did not answer at all."""
 
 
 class ComponentFailed(RoISError):

@@ -6,8 +6,10 @@ from dataclasses import dataclass
 from typing import Final
 
 from openrois.component import Component
-from openrois.contract import Directory, Event, Extension, Sink
+from openrois.contract import Directory, Event, Extension, OnFault, Sink, ignore_fault
 from openrois.errors import BadParameter, Unsupported
+from openrois.faults import FaultMint
+from openrois.types.codes import ErrorType
 from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIEngineProfile, RoISIdentifier
 from openrois.types.references import is_engine_id, new_id, reference
@@ -51,7 +53,9 @@ class LocalRegistry:
             raise BadParameter(f"{engine_id!r} is no engine id: it is empty, too long, or has a slash")
         self.engine_id = engine_id
         self.extension = extension
+        self.on_fault: OnFault = ignore_fault
         self._wall_clock = wall_clock
+        self._mint = FaultMint(engine_id, wall_clock)
         self._components: dict[str, Component] = {}
         self._subscriptions: dict[str, _Subscription] = {}
         for component in components:
@@ -67,7 +71,13 @@ class LocalRegistry:
         def emit(event_type: str, results: tuple[Result, ...]) -> None:
             self._emit(component_ref, event_type, results)
 
+        def report(error_type: ErrorType, description: str) -> None:
+            fault = self._mint.make(error_type, component_ref, description)
+            if fault is not None:
+                self.on_fault(fault)
+
         component.emit = emit
+        component.report = report
 
     async def discover(self) -> Directory:
         """Return the engine's own components."""

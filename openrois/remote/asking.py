@@ -5,7 +5,7 @@ from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
-from openrois.errors import ComponentFailed, EngineUnreachable, TimedOut, error_for
+from openrois.errors import ComponentFailed, EngineUnreachable, NotResponding, error_for
 from openrois.jsonrpc.session import RpcError, RpcSession, SessionClosed
 from openrois.types.codes import ReturnCode
 from openrois.types.messages import ReturnResult
@@ -77,7 +77,7 @@ class Asking:
         try:
             return await self._session.call(name, params, on_result=on_result, on_late=too_late)
         except TimeoutError:
-            raise TimedOut(f"the engine did not answer {name} in time") from None
+            raise NotResponding(f"the engine did not answer {name} in time") from None
         except SessionClosed as closed:
             raise EngineUnreachable(str(closed)) from closed
         except RpcError as refused:
