@@ -176,7 +176,7 @@ def _require_own(app: ApplicationSession, stream_id: str, component_ref: str | N
 async def _call(app: ApplicationSession, method: str, params: Mapping[str, Any], model: type[Outcome]) -> Outcome:
     answer = await app.engine.extension.call(method, params, app.client)
     try:
-        result = model.model_validate(answer)
+        result = model.read(answer)
     except ValidationError as error:
         raise ComponentFailed(f"the engine's answer to {method} is malformed") from error
     if result.return_code is not ReturnCode.OK:

@@ -91,6 +91,6 @@ def read_result(name: str, result: Any, model: type[Outcome]) -> Outcome:
         ComponentFailed: it is none.
     """
     try:
-        return model.model_validate(result)
+        return model.read(result)
     except ValidationError as error:
         raise ComponentFailed(f"the engine's answer to {name} is malformed: {error}") from error

@@ -4,9 +4,10 @@ A method's params are named as the IDL's `in` parameters, its result as `return_
 failure in RoIS terms is a result whose `return_code` is not OK and whose other fields have their defaults.
 """
 
-from typing import Annotated, Any
+from collections.abc import Mapping
+from typing import Annotated, Any, Self
 
-from pydantic import AfterValidator, BeforeValidator, Field
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
 from openrois.types.codes import CompletedStatus, ErrorType, ReturnCode
 from openrois.types.model import Model
@@ -171,9 +172,21 @@ class ErrorDetailParams(Model):
 
 
 class ReturnResult(Model):
-    """A result without out parameters."""
+    """A result without out parameters. On the wire its return code always stands."""
+
+    model_config = ConfigDict(json_schema_extra={"required": ["return_code"]})
 
     return_code: Code = ReturnCode.OK
+
+    @classmethod
+    def read(cls, result: Any) -> Self:
+        """Read a result off the wire.
+
+        Raises:
+            ValidationError: it does not fit, or has no return code.
+        """
+        without = isinstance(result, Mapping) and "return_code" not in result
+        return cls.model_validate({**result, "return_code": None} if without else result)
 
 
 class ProfileResult(ReturnResult):

@@ -44,7 +44,7 @@ def test_every_model_is_frozen_strict_and_closed() -> None:
     for name in messages.__all__:
         model = getattr(messages, name)
         if isinstance(model, type) and issubclass(model, Model):
-            assert model.model_config == Model.model_config, name
+            assert model.model_config.items() >= Model.model_config.items(), name
 
 
 def test_a_model_cannot_be_changed() -> None:
@@ -164,6 +164,13 @@ def test_a_return_code_is_a_name(code: Any) -> None:
 )
 def test_results_of_an_adapter_are_read_as_strictly(model: type[Model], params: dict[str, Any], path: str) -> None:
     assert problems(model, params) == {path}
+
+
+def test_off_the_wire_a_result_has_its_return_code() -> None:
+    assert SubscribeResult.read({"return_code": "OK", "subscribe_id": "s"}) == SubscribeResult(subscribe_id="s")
+    for result in ({"subscribe_id": "s"}, {}, [], None, "OK"):
+        with pytest.raises(ValidationError):
+            SubscribeResult.read(result)
 
 
 def test_notifications() -> None:
