@@ -15,6 +15,7 @@ PACKAGES = (
     "streaming/openrois_streaming/",
     "avatar_adapter/openrois_avatar/",
     "web_demo/openrois_web_demo/",
+    "codegen/openrois_codegen/",
 )
 MODULE_LINES, CLASS_LINES, METHODS, MAKEFILE_LINES = 400, 300, 20, 40
 
@@ -38,7 +39,7 @@ def tracked() -> tuple[str, ...]:
 
 
 def modules() -> list[str]:
-    """Return the modules of the five packages."""
+    """Return the modules of the packages."""
     return [path for path in tracked() if path.endswith(".py") and path.startswith(PACKAGES)]
 
 

@@ -1,7 +1,9 @@
 """Every method and notification of the wire with the models of what it carries: the table that all else is made of."""
 
 from dataclasses import dataclass
-from typing import Any, Final, Generic, TypeVar
+from typing import Final
+
+from pydantic import BaseModel
 
 from openrois.types.messages import (
     CommandResultParams,
@@ -27,7 +29,6 @@ from openrois.types.messages import (
     SubscribeResult,
     UnsubscribeParams,
 )
-from openrois.types.model import Model
 from openrois.types.streams import (
     ConnectStreamParams,
     ConnectStreamResult,
@@ -40,12 +41,9 @@ from openrois.types.streams import (
 
 __all__ = ["METHODS", "NOTIFICATIONS", "MethodType", "NotificationType"]
 
-Params = TypeVar("Params", bound=Model)
-Outcome = TypeVar("Outcome", bound=ReturnResult)
-
 
 @dataclass(frozen=True, slots=True)
-class MethodType(Generic[Params, Outcome]):
+class MethodType:
     """A method that an application calls, and a gateway of its adapters.
 
     Attributes:
@@ -57,14 +55,14 @@ class MethodType(Generic[Params, Outcome]):
     """
 
     name: str
-    params: type[Params]
-    result: type[Outcome]
+    params: type[BaseModel]
+    result: type[ReturnResult]
     summary: str
     extension: str = ""
 
 
 @dataclass(frozen=True, slots=True)
-class NotificationType(Generic[Params]):
+class NotificationType:
     """A notification that an engine sends to an application, and an adapter to its gateway.
 
     Attributes:
@@ -75,12 +73,12 @@ class NotificationType(Generic[Params]):
     """
 
     name: str
-    params: type[Params]
+    params: type[BaseModel]
     summary: str
     extension: str = ""
 
 
-METHODS: Final[tuple[MethodType[Any, Any], ...]] = (
+METHODS: Final[tuple[MethodType, ...]] = (
     MethodType("rois.system.connect", NoParams, ReturnResult, "Begin a session."),
     MethodType("rois.system.disconnect", NoParams, ReturnResult, "End it: what it has bound and subscribed is free."),
     MethodType("rois.system.get_profile", ConditionParams, ProfileResult, "Ask which engines and components exist."),
@@ -110,7 +108,7 @@ METHODS: Final[tuple[MethodType[Any, Any], ...]] = (
 )
 """The base in the order of the standard, then the extensions; `signaling.*` stands in `openrois_signaling`."""
 
-NOTIFICATIONS: Final[tuple[NotificationType[Any], ...]] = (
+NOTIFICATIONS: Final[tuple[NotificationType, ...]] = (
     NotificationType("rois.system.notify_error", ErrorNotification, "An engine or a component has a fault."),
     NotificationType("rois.system.profile_changed", NoParams, "The engines or components are others now."),
     NotificationType("rois.command.completed", Completed, "A command has ended."),

@@ -1,0 +1,1 @@
+"""From the Pydantic models to JSON Schema, OpenRPC, TypeScript, C# and Python: `make generate` writes it all."""

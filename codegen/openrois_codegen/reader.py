@@ -1,0 +1,162 @@
+"""Reads Pydantic models into definitions: their fields, constraints, defaults and docstrings."""
+
+import inspect
+import types
+import typing
+from collections.abc import Iterator, Mapping
+from datetime import datetime
+from enum import Enum
+from typing import Annotated, Any, Final, Literal, get_args, get_origin
+
+from annotated_types import Ge, Le, MaxLen, MinLen
+from pydantic import BaseModel
+from pydantic.fields import FieldInfo
+from pydantic_core import to_jsonable_python
+
+from openrois.catalog.payload import Data, Payload
+from openrois_codegen.ir import (
+    Definition,
+    Enumeration,
+    Field,
+    Instant,
+    Integer,
+    ListOf,
+    MapOf,
+    Named,
+    Number,
+    Structure,
+    Text,
+    Truth,
+    Type,
+    Union,
+)
+
+__all__ = ["Reader", "doc_of"]
+
+_PLAIN: Final[Mapping[Any, Type]] = {bool: Truth(), float: Number(), datetime: Instant()}
+
+
+class Reader:
+    """Reads models, and with each the types it is made of.
+
+    Args:
+        names: the names and sentences of literals and unions of models, which have none of their own.
+
+    Attributes:
+        definitions: what was read, by name.
+    """
+
+    def __init__(self, names: Mapping[Any, tuple[str, str]]) -> None:
+        self._names = names
+        self.definitions: dict[str, Definition] = {}
+
+    def read(self, model: type[BaseModel]) -> str:
+        """Read a model and return its name.
+
+        Raises:
+            TypeError: a field has a type that the wire does not.
+        """
+        name = model.__name__
+        if name not in self.definitions:
+            self.definitions[name] = Structure(name, doc_of(model), ())  # a profile has profiles of its own kind
+            wire_required = _extra(model.model_config).get("required", ())
+            said = model.data() if issubclass(model, Payload) else {}
+            fields = tuple(
+                self._field(field_name, field, field_name in wire_required, said.get(field_name, Data()))
+                for field_name, field in model.model_fields.items()
+            )
+            self.definitions[name] = Structure(name, doc_of(model), fields)
+        return name
+
+    def _field(self, name: str, field: FieldInfo, wire_required: bool, data: Data) -> Field:
+        found, nullable = self._nullable(field.annotation, _limits([*field.metadata, field]))
+        required = field.is_required() or wire_required
+        default = None if required else to_jsonable_python(field.get_default(call_default_factory=True))
+        return Field(name, found, required, nullable, default, data.description, data.code)
+
+    def _nullable(self, annotation: Any, limits: Mapping[str, int]) -> tuple[Type, bool]:
+        alternatives = _alternatives(annotation)
+        others = [alternative for alternative in alternatives if alternative is not types.NoneType]
+        if len(others) == len(alternatives):
+            return self._type(annotation, limits), False
+        if len(others) == 1:
+            return self._type(others[0], limits), True
+        raise TypeError(f"{annotation!r}: null beside several types")
+
+    def _type(self, annotation: Any, limits: Mapping[str, int]) -> Type:
+        if get_origin(annotation) is Annotated:
+            inner, *metadata = get_args(annotation)
+            return self._type(inner, {**limits, **_limits(metadata)})
+        if annotation in self._names:
+            return self._aliased(annotation)
+        if annotation is str:
+            return Text(limits.get("min_length", 0), limits.get("max_length"))
+        if annotation is int:
+            return Integer(limits.get("minimum"), limits.get("maximum"))
+        if annotation in _PLAIN:
+            return _PLAIN[annotation]
+        return self._composed(annotation, limits)
+
+    def _composed(self, annotation: Any, limits: Mapping[str, int]) -> Type:
+        origin, arguments = get_origin(annotation), get_args(annotation)
+        if origin is tuple and arguments[1:] == (Ellipsis,):
+            return ListOf(self._type(arguments[0], {}), limits.get("min_length", 0), limits.get("max_length"))
+        if origin is dict and arguments[0] is str:
+            return MapOf(self._type(arguments[1], {}))
+        if inspect.isclass(annotation) and issubclass(annotation, BaseModel):
+            return Named(self.read(annotation))
+        if inspect.isclass(annotation) and issubclass(annotation, Enum):
+            members = tuple(str(member.value) for member in annotation)
+            return self._define(Enumeration(annotation.__name__, doc_of(annotation), members))
+        raise TypeError(f"{annotation!r} is no type of the wire")
+
+    def _aliased(self, annotation: Any) -> Type:
+        name, doc = self._names[annotation]
+        if get_origin(annotation) is Literal:
+            return self._define(Enumeration(name, doc, get_args(annotation)))
+        return self._define(Union(name, doc, tuple(self.read(member) for member in get_args(annotation))))
+
+    def _define(self, definition: Definition) -> Named:
+        self.definitions[definition.name] = definition
+        return Named(definition.name)
+
+
+def doc_of(owner: type) -> str:
+    """Return a class's own docstring without indentation."""
+    return inspect.cleandoc(owner.__doc__ or "")
+
+
+def _alternatives(annotation: Any) -> tuple[Any, ...]:
+    return get_args(annotation) if get_origin(annotation) in (typing.Union, types.UnionType) else (annotation,)
+
+
+_KEYWORDS: Final = {
+    "minLength": "min_length",
+    "minItems": "min_length",
+    "maxLength": "max_length",
+    "maxItems": "max_length",
+}
+
+
+def _limits(metadata: list[Any]) -> dict[str, int]:
+    return dict(pair for item in metadata for pair in _limits_of(item))
+
+
+def _limits_of(item: Any) -> Iterator[tuple[str, int]]:
+    if isinstance(item, FieldInfo):
+        yield from _limits(item.metadata).items()
+        yield from ((_KEYWORDS[keyword], limit) for keyword, limit in _extra(item).items())
+    for kind, name, attribute in (
+        (Ge, "minimum", "ge"),
+        (Le, "maximum", "le"),
+        (MinLen, "min_length", "min_length"),
+        (MaxLen, "max_length", "max_length"),
+    ):
+        if isinstance(item, kind):
+            yield name, int(getattr(item, attribute))
+
+
+def _extra(owner: Any) -> Mapping[str, Any]:
+    """Return what a field or a model adds to its JSON schema by hand."""
+    found = owner.get("json_schema_extra") if isinstance(owner, dict) else owner.json_schema_extra
+    return found if isinstance(found, dict) else {}

@@ -1,0 +1,21 @@
+"""Which files are generated, and with what."""
+
+from typing import Final
+
+from openrois_codegen import typescript
+from openrois_codegen.wire import document
+
+__all__ = ["GENERATED", "targets"]
+
+GENERATED: Final = ("web_demo/sdk/rois/generated/*",)
+"""Where nothing stands but what is generated."""
+
+
+def targets() -> dict[str, str]:
+    """Return the text of every generated file by its path in the repository."""
+    found = document()
+    return {
+        "web_demo/sdk/rois/generated/types.ts": typescript.types(found),
+        "web_demo/sdk/rois/generated/methods.ts": typescript.methods(found),
+        "web_demo/sdk/rois/generated/components.ts": typescript.components(found),
+    }

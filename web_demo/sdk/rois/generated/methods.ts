@@ -1,0 +1,119 @@
+/** What each method and notification of the wire carries. Written by `make generate`; edits are lost. */
+
+import type {
+  Answer,
+  Bye,
+  Candidate,
+  CommandResultParams,
+  Completed,
+  ComponentParams,
+  ConditionParams,
+  ConnectStreamParams,
+  ConnectStreamResult,
+  DetailParams,
+  ErrorDetailParams,
+  ErrorNotification,
+  EventNotification,
+  ExecuteParams,
+  HelloParams,
+  HelloResult,
+  IceServersResult,
+  NoParams,
+  Offer,
+  ParametersResult,
+  ProfileResult,
+  QueryParams,
+  ReferenceResult,
+  Restart,
+  ResultsResult,
+  ReturnResult,
+  SearchResult,
+  SetParameterParams,
+  SetParameterResult,
+  StreamParams,
+  StreamStatusNotification,
+  StreamStatusResult,
+  SubscribeParams,
+  SubscribeResult,
+  UnsubscribeParams,
+} from "./types.ts";
+
+/** Params and result of every method that an application may call. */
+export interface Methods {
+  /** Begin a session. */
+  readonly "rois.system.connect": { params: NoParams; result: ReturnResult };
+  /** End it: what it has bound and subscribed is free. */
+  readonly "rois.system.disconnect": { params: NoParams; result: ReturnResult };
+  /** Ask which engines and components exist. */
+  readonly "rois.system.get_profile": { params: ConditionParams; result: ProfileResult };
+  /** Ask more about a fault. */
+  readonly "rois.system.get_error_detail": { params: ErrorDetailParams; result: ResultsResult };
+  /** Ask for the components that meet a condition. */
+  readonly "rois.command.search": { params: ConditionParams; result: SearchResult };
+  /** Reserve a component. */
+  readonly "rois.command.bind": { params: ComponentParams; result: ReturnResult };
+  /** Reserve one that meets a condition. */
+  readonly "rois.command.bind_any": { params: ConditionParams; result: ReferenceResult };
+  /** Give a component back. */
+  readonly "rois.command.release": { params: ComponentParams; result: ReturnResult };
+  /** Ask for its parameters. */
+  readonly "rois.command.get_parameter": { params: ComponentParams; result: ParametersResult };
+  /** Change its parameters. */
+  readonly "rois.command.set_parameter": { params: SetParameterParams; result: SetParameterResult };
+  /** Start a sequence of commands. */
+  readonly "rois.command.execute": { params: ExecuteParams; result: ReturnResult };
+  /** Ask what a command gave. */
+  readonly "rois.command.get_command_result": { params: CommandResultParams; result: ResultsResult };
+  /** Ask a component something. */
+  readonly "rois.query.query": { params: QueryParams; result: ResultsResult };
+  /** Be told of an event. */
+  readonly "rois.event.subscribe": { params: SubscribeParams; result: SubscribeResult };
+  /** Be told of it no more. */
+  readonly "rois.event.unsubscribe": { params: UnsubscribeParams; result: ReturnResult };
+  /** Ask what an event tells. */
+  readonly "rois.event.get_event_detail": { params: DetailParams; result: ResultsResult };
+  /** Say and ask which extensions are spoken. */
+  readonly "openrois.hello": { params: HelloParams; result: HelloResult };
+  /** Connect a stream. */
+  readonly "rois.stream.connect_stream": { params: ConnectStreamParams; result: ConnectStreamResult };
+  /** End a stream. */
+  readonly "rois.stream.disconnect_stream": { params: StreamParams; result: ReturnResult };
+  /** Pause a stream. */
+  readonly "rois.stream.suspend_stream": { params: StreamParams; result: ReturnResult };
+  /** Go on with a stream. */
+  readonly "rois.stream.resume_stream": { params: StreamParams; result: ReturnResult };
+  /** Ask what a stream does. */
+  readonly "rois.stream.query_stream_status": { params: StreamParams; result: StreamStatusResult };
+  /** Answer an engine's offer. */
+  readonly "signaling.answer": { params: Answer; result: ReturnResult };
+  /** Tell an engine of a candidate. */
+  readonly "signaling.candidate": { params: Candidate; result: ReturnResult };
+  /** Ask for a new peer connection. */
+  readonly "signaling.restart": { params: Restart; result: ReturnResult };
+  /** Ask which servers help to connect. */
+  readonly "signaling.ice_servers": { params: NoParams; result: IceServersResult };
+}
+
+export type MethodName = keyof Methods;
+
+/** Params of every notification that an application may get. */
+export interface Notifications {
+  /** An engine or a component has a fault. */
+  readonly "rois.system.notify_error": ErrorNotification;
+  /** The engines or components are others now. */
+  readonly "rois.system.profile_changed": NoParams;
+  /** A command has ended. */
+  readonly "rois.command.completed": Completed;
+  /** An event happened. */
+  readonly "rois.event.notify_event": EventNotification;
+  /** A stream does something else now. */
+  readonly "rois.stream.notify_stream_status": StreamStatusNotification;
+  /** An engine offers a peer connection. */
+  readonly "signaling.offer": Offer;
+  /** An engine has a candidate. */
+  readonly "signaling.candidate": Candidate;
+  /** An engine has ended a peer connection. */
+  readonly "signaling.bye": Bye;
+}
+
+export type NotificationName = keyof Notifications;

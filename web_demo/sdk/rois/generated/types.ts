@@ -1,0 +1,387 @@
+/** Types of the wire, named as in the data model. Written by `make generate`; edits are lost. */
+
+/** The application's description for the offer of the same generation. */
+export interface Answer {
+  readonly peer_id: string;
+  readonly generation: number;
+  readonly sdp: string;
+}
+
+/** An argument of a command. */
+export interface Argument {
+  readonly name: string;
+  readonly data_type_ref: string;
+  readonly value: string;
+}
+
+/** The deliberate end of a peer connection; `reason` is a sentence for a person. */
+export interface Bye {
+  readonly peer_id: string;
+  readonly reason: string;
+}
+
+/** One ICE candidate of the sender, belonging to the description of `generation`. */
+export interface Candidate {
+  readonly peer_id: string;
+  readonly generation: number;
+  readonly candidate: string | null;
+  readonly sdp_mid?: string | null;
+  readonly sdp_m_line_index?: number | null;
+}
+
+/** A command: what it takes, what `get_command_result` gives, and the milliseconds it may take. */
+export interface CommandMessageProfile {
+  readonly name: string;
+  readonly results?: readonly ParameterProfile[];
+  readonly arguments?: readonly ParameterProfile[];
+  readonly timeout?: number | null;
+}
+
+/** Params of get_command_result. */
+export interface CommandResultParams {
+  readonly command_id: string;
+  readonly condition?: string;
+}
+
+/** One command. `delay_time` is the milliseconds between its turn and its start. */
+export interface CommandUnit {
+  readonly component_ref: string;
+  readonly command_type: string;
+  readonly command_id: string;
+  readonly arguments?: readonly Argument[];
+  readonly delay_time?: number | null;
+}
+
+/** Notification: a command has ended, said exactly once. */
+export interface Completed {
+  readonly command_id: string;
+  readonly status: CompletedStatus;
+}
+
+/** How a command ended (RoIS_Service::Completed_Status). */
+export const CompletedStatus = ["OK", "ERROR", "ABORT", "OUT_OF_RESOURCES", "TIMEOUT"] as const;
+export type CompletedStatus = (typeof CompletedStatus)[number];
+
+/**
+ * The class of a component: only an actuation has to be bound before it is operated. An extension of
+ * the wire.
+ */
+export const ComponentFunction = ["actuation", "sensing", "function"] as const;
+export type ComponentFunction = (typeof ComponentFunction)[number];
+
+/** Params of bind, release and get_parameter. */
+export interface ComponentParams {
+  readonly component_ref: string;
+}
+
+/** What a component is able to do now (RoIS_Common::Component_Status). */
+export const ComponentStatus = ["UNINITIALIZED", "READY", "BUSY", "WARNING", "ERROR"] as const;
+export type ComponentStatus = (typeof ComponentStatus)[number];
+
+/** Commands that run at the same time; the next item of the sequence waits for all of them. */
+export interface ConcurrentCommands {
+  readonly command_list: readonly CommandUnit[];
+  readonly delay_time?: number | null;
+}
+
+/** Params of get_profile, search and bind_any: a condition, empty for everything. */
+export interface ConditionParams {
+  readonly condition?: string;
+}
+
+/**
+ * Params of connect_stream; parameters are `encoding_parameters` and `transport_parameters`, JSON text
+ * each.
+ */
+export interface ConnectStreamParams {
+  readonly component_ref: string;
+  readonly parameters?: readonly Parameter[];
+}
+
+/** Result of connect_stream: the id that stands for this stream until it ends. */
+export interface ConnectStreamResult {
+  readonly return_code: ReturnCode;
+  readonly stream_id?: string;
+}
+
+/** Params of get_event_detail. */
+export interface DetailParams {
+  readonly event_id: string;
+  readonly condition?: string;
+}
+
+/** Where the media of a section flow, as seen from the application. */
+export const Direction = ["recvonly", "sendonly", "sendrecv"] as const;
+export type Direction = (typeof Direction)[number];
+
+/** Params of get_error_detail. */
+export interface ErrorDetailParams {
+  readonly error_id: string;
+  readonly condition?: string;
+}
+
+/** Notification: an engine or a component reports a fault; get_error_detail tells more. */
+export interface ErrorNotification {
+  readonly error_id: string;
+  readonly error_type: ErrorType;
+}
+
+/** What kind of error is notified (RoIS_Service::ErrorType). */
+export const ErrorType = [
+  "ENGINE_INTERNAL_ERROR",
+  "COMPONENT_INTERNAL_ERROR",
+  "COMPONENT_NOT_RESPONDING",
+  "USER_DEFINED_ERROR",
+] as const;
+export type ErrorType = (typeof ErrorType)[number];
+
+/** An event and its results; the schema gives events no arguments. */
+export interface EventMessageProfile {
+  readonly name: string;
+  readonly results?: readonly ParameterProfile[];
+}
+
+/** Notification: an event happened. `results` is an extension that repeats what get_event_detail gives. */
+export interface EventNotification {
+  readonly event_id: string;
+  readonly event_type: string;
+  readonly subscribe_id: string;
+  readonly expire?: string;
+  readonly results?: readonly Result[];
+}
+
+/** Params of execute: a command unit sequence of at least one item. */
+export interface ExecuteParams {
+  readonly command_unit_list: readonly SequenceItem[];
+}
+
+/** What one component understands. `name` is the instance's name; `function` is an extension of the wire. */
+export interface HRIComponentProfile {
+  readonly identifier: RoISIdentifier;
+  readonly name: string;
+  readonly function?: ComponentFunction | null;
+  readonly sub_component_profiles?: readonly string[];
+  readonly command_profiles?: readonly CommandMessageProfile[];
+  readonly query_profiles?: readonly QueryMessageProfile[];
+  readonly event_profiles?: readonly EventMessageProfile[];
+  readonly parameter_profiles?: readonly ParameterProfile[];
+}
+
+/** An engine, its own components and its sub-engines. */
+export interface HRIEngineProfile {
+  readonly identifier: RoISIdentifier;
+  readonly sub_profiles?: readonly HRIEngineProfile[];
+  readonly component_ids?: readonly string[];
+  readonly parameter_profiles?: readonly ParameterProfile[];
+}
+
+/** Params of `openrois.hello`: what the asking side speaks beyond the base wire. */
+export interface HelloParams {
+  readonly version: string;
+  readonly extensions?: readonly string[];
+}
+
+/** Result of `openrois.hello`. */
+export interface HelloResult {
+  readonly return_code: ReturnCode;
+  readonly version?: string;
+  readonly extensions?: readonly string[];
+  readonly client_id?: string;
+}
+
+/** A STUN or TURN server in the form of the W3C dictionary RTCIceServer, with password credentials only. */
+export interface IceServer {
+  readonly urls: readonly string[];
+  readonly username?: string | null;
+  readonly credential?: string | null;
+}
+
+/** Result of `signaling.ice_servers`: the servers to use, and for how many seconds their credentials hold. */
+export interface IceServersResult {
+  readonly return_code: ReturnCode;
+  readonly ice_servers?: readonly IceServer[];
+  readonly ttl?: number;
+}
+
+/** What a section of a peer connection carries. */
+export const MediaKind = ["audio", "video"] as const;
+export type MediaKind = (typeof MediaKind)[number];
+
+/** No params. */
+export type NoParams = { readonly [name: string]: never };
+
+/**
+ * The engine's description number `generation` of the peer connection `peer_id`; `replaces` names the
+ * one it ends.
+ */
+export interface Offer {
+  readonly peer_id: string;
+  readonly generation: number;
+  readonly sdp: string;
+  readonly streams: readonly StreamSection[];
+  readonly replaces?: string | null;
+}
+
+/** A parameter of a component. */
+export interface Parameter {
+  readonly name: string;
+  readonly data_type_ref: string;
+  readonly value: string;
+}
+
+/** The name and type of a parameter, an argument or a result. */
+export interface ParameterProfile {
+  readonly name: string;
+  readonly data_type_ref: RoISIdentifier;
+  readonly default_value?: string;
+  readonly description?: string;
+}
+
+/** Result of get_parameter. */
+export interface ParametersResult {
+  readonly return_code: ReturnCode;
+  readonly parameters?: readonly Parameter[];
+}
+
+/** Result of get_profile; `component_profiles` is an extension of the wire. */
+export interface ProfileResult {
+  readonly return_code: ReturnCode;
+  readonly profile?: HRIEngineProfile | null;
+  readonly component_profiles?: { readonly [name: string]: HRIComponentProfile };
+}
+
+/** A query and its results; the schema gives queries no arguments. */
+export interface QueryMessageProfile {
+  readonly name: string;
+  readonly results?: readonly ParameterProfile[];
+}
+
+/** Params of query. */
+export interface QueryParams {
+  readonly query_type: string;
+  readonly condition?: string;
+}
+
+/** Result of bind_any. */
+export interface ReferenceResult {
+  readonly return_code: ReturnCode;
+  readonly component_ref?: string;
+}
+
+/** The application's request for a new peer connection in place of `peer_id`. */
+export interface Restart {
+  readonly peer_id: string;
+}
+
+/** A named value with its type; `value` is always text, see `openrois.types.values`. */
+export interface Result {
+  readonly name: string;
+  readonly data_type_ref: string;
+  readonly value: string;
+}
+
+/** Result of query, get_command_result, get_event_detail and get_error_detail. */
+export interface ResultsResult {
+  readonly return_code: ReturnCode;
+  readonly results?: readonly Result[];
+}
+
+/** How an operation ended (RoIS_HRI::ReturnCode_t). */
+export const ReturnCode = [
+  "OK",
+  "ERROR",
+  "BAD_PARAMETER",
+  "UNSUPPORTED",
+  "OUT_OF_RESOURCES",
+  "TIMEOUT",
+] as const;
+export type ReturnCode = (typeof ReturnCode)[number];
+
+/** A result without out parameters. On the wire its return code always stands. */
+export interface ReturnResult {
+  readonly return_code: ReturnCode;
+}
+
+/** An identifier (RoISIdentifierType): a code, and the authority and book that give it its meaning. */
+export interface RoISIdentifier {
+  readonly code: string;
+  readonly authority?: string;
+  readonly codebook_ref?: string;
+  readonly version?: string;
+}
+
+/** Result of search. */
+export interface SearchResult {
+  readonly return_code: ReturnCode;
+  readonly component_ref_list?: readonly string[];
+}
+
+/** One item of a command sequence; items run one after another. */
+export type SequenceItem = CommandUnit | ConcurrentCommands;
+
+/** Params of set_parameter: several parameters are one change. */
+export interface SetParameterParams {
+  readonly component_ref: string;
+  readonly parameters: readonly Parameter[];
+}
+
+/** Result of set_parameter; the outcome comes as `completed` with this id. */
+export interface SetParameterResult {
+  readonly return_code: ReturnCode;
+  readonly command_id?: string;
+}
+
+/** Params of every method that acts on a connected stream. */
+export interface StreamParams {
+  readonly stream_id: string;
+}
+
+/** Which m-section of an offer carries which stream. */
+export interface StreamSection {
+  readonly mid: string;
+  readonly stream_id: string;
+  readonly component_ref: string;
+  readonly kind: MediaKind;
+  readonly direction: Direction;
+}
+
+/** What a stream does (Stream_Status, table 8.10); RESUMED is announced as an event and is never a state. */
+export const StreamStatus = [
+  "STREAMING_NOT_CONNECTED",
+  "STREAMING_NOT_RUNNING",
+  "STREAMING_RUNNING",
+  "STREAMING_SUSPENDED",
+  "STREAMING_RESUMED",
+] as const;
+export type StreamStatus = (typeof StreamStatus)[number];
+
+/** Params of the notification `rois.stream.notify_stream_status`; `timestamp` is a DateTime. */
+export interface StreamStatusNotification {
+  readonly stream_id: string;
+  readonly component_ref: string;
+  readonly status: StreamStatus;
+  readonly timestamp: string;
+}
+
+/** Result of query_stream_status. */
+export interface StreamStatusResult {
+  readonly return_code: ReturnCode;
+  readonly status?: StreamStatus;
+}
+
+/** Params of subscribe. */
+export interface SubscribeParams {
+  readonly event_type: string;
+  readonly condition?: string;
+}
+
+/** Result of subscribe. */
+export interface SubscribeResult {
+  readonly return_code: ReturnCode;
+  readonly subscribe_id?: string;
+}
+
+/** Params of unsubscribe. */
+export interface UnsubscribeParams {
+  readonly subscribe_id: string;
+}
