@@ -13,15 +13,16 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from openrois.command_log import CommandLog
-from openrois.contract import Client
+from openrois.contract import Client, Fault
 from openrois.engine import Engine
+from openrois.error_log import ErrorLog
 from openrois.event_log import EventLog
 from openrois.lost_streams import lost_streams
 from openrois.ordering import ReplyFirst
 from openrois.reservations import Reservations
 from openrois.tasks import TaskScope
-from openrois.types.codes import CompletedStatus, StreamStatus
-from openrois.types.messages import Completed
+from openrois.types.codes import CompletedStatus, ErrorType, StreamStatus
+from openrois.types.messages import Completed, ErrorNotification
 from openrois.types.references import engine_of
 from openrois.types.streams import StreamStatusNotification, subject_of
 
@@ -76,8 +77,11 @@ class ApplicationSession:
         self.host = host
         self.engine = host.engine
         self.trusted = trusted
-        self.commands = CommandLog()
+        self.commands = CommandLog(time.monotonic)
         self.events = EventLog(self.engine, notify, wall_clock=host.wall_clock)
+        self.errors = ErrorLog()
+        self.bound: set[str] = set()
+        self.connected = trusted
         self.client = Client(secrets.token_hex(16), self._take_extension_notification)
         self.streams: dict[str, str] = {}
         self.connecting = 0
@@ -89,6 +93,7 @@ class ApplicationSession:
         self._passes = passes
         self._left = left
         self._stop_listening = self.engine.on_change(self._tree_changed)
+        self._stop_watching = self.engine.faults.add(self._take_fault)
 
     def may_operate(self, component_ref: str) -> bool:
         """Tell whether this session may change what the component does."""
@@ -102,10 +107,34 @@ class ApplicationSession:
         """Tell the application how a command ended."""
         self._notify("rois.command.completed", Completed(command_id=command_id, status=status).model_dump(mode="json"))
 
+    def crashed(self, what: str) -> None:
+        """Report that something went wrong inside the engine, which is nobody else's fault."""
+        self.engine.report(ErrorType.ENGINE_INTERNAL_ERROR, f"{what} failed inside the engine")
+
+    def _take_fault(self, fault: Fault) -> None:
+        if not self._is_concerned_by(fault):
+            return
+        self.errors.note(fault)
+        told = ErrorNotification(error_id=fault.error_id, error_type=fault.error_type).model_dump(mode="json")
+        # Whatever was asked and failed is answered first.
+        asyncio.get_running_loop().call_soon(lambda: self._notify("rois.system.notify_error", told, droppable=True))
+
+    def _is_concerned_by(self, fault: Fault) -> bool:
+        """Tell whether the application works with the component; of the engine's own faults all hear that connected."""
+        component_ref = fault.component_ref
+        if self.trusted or not component_ref:
+            return self.connected
+        return (
+            component_ref in self.bound
+            or self.events.listens_to(component_ref)
+            or self.commands.has_one_on(component_ref)
+        )
+
     def _tree_changed(self) -> None:
         for notice in lost_streams(self.streams, self.engine.directory, self.host.wall_clock()):
             self._deliver(notice.method, notice.model_dump(mode="json"))
         self.events.keep_only(self.engine.directory.component_profiles.keys())
+        self.bound &= self.engine.directory.component_profiles.keys()
         self._notify("rois.system.profile_changed", {})
 
     def _take_extension_notification(self, method: str, params: Mapping[str, Any]) -> None:
@@ -125,6 +154,8 @@ class ApplicationSession:
     async def leave(self) -> None:
         """Give back reservations, subscriptions and streams. What runs goes on."""
         self.departures += 1
+        self.connected = False
+        self.bound.clear()
         self.host.reservations.release_all(self)
         self.streams.clear()
         self.order.clear()
@@ -135,4 +166,5 @@ class ApplicationSession:
         """Leave for good."""
         self.closed = True
         self._stop_listening()
+        self._stop_watching()
         await self.leave()

@@ -111,6 +111,10 @@ class EventLog:
             if not subscription.bus_id and subscription.component_ref not in component_refs:
                 del self._subscriptions[subscription.subscribe_id]
 
+    def listens_to(self, component_ref: str) -> bool:
+        """Tell whether there is a subscription to an event of the component."""
+        return any(s.open and s.component_ref == component_ref for s in self._subscriptions.values())
+
     def details(self, event_id: str) -> tuple[Result, ...]:
         """Return the results of an event that this application was told.
 

@@ -29,7 +29,7 @@ async def serve_adapter(host: EngineHost, stream: MessageStream, answer_timeout:
     """
     session = RpcSession(stream, call_timeout=answer_timeout)
     changed = asyncio.Event()
-    proxy = RemoteProxy(session, changed.set)
+    proxy = RemoteProxy(session, changed.set, host.tasks)
     session.notifications = proxy.notifications()
     engine = host.engine
     attaching = host.tasks.start(_keep_attached(host, session, proxy, changed))

@@ -76,6 +76,7 @@ class _Commands:
     def _bind(self, component_ref: str) -> None:
         if self._profile(component_ref).function is ComponentFunction.ACTUATION:
             self._app.host.reservations.bind(component_ref, self._app)
+        self._app.bound.add(component_ref)
 
     async def bind_any(self, params: ConditionParams) -> ReferenceResult:
         refs = matching(self._app.engine, parse_condition(params.condition, COMPONENT_PROPERTIES))
@@ -92,6 +93,7 @@ class _Commands:
     async def release(self, params: ComponentParams) -> ReturnResult:
         self._profile(params.component_ref)
         self._app.host.reservations.release(params.component_ref, self._app)
+        self._app.bound.discard(params.component_ref)
         return ReturnResult()
 
     async def get_parameter(self, params: ComponentParams) -> ParametersResult:
@@ -110,7 +112,7 @@ class _Commands:
         )
         self._check_operable(unit)
         self._check_arguments(unit)
-        self._app.commands.accept([unit.command_id])
+        self._app.commands.accept({unit.command_id: unit.component_ref})
         return Reply(
             SetParameterResult(command_id=unit.command_id),
             lambda: self._start(ExecuteParams(command_unit_list=(unit,))),
@@ -125,7 +127,7 @@ class _Commands:
             self._check_operable(unit)
             self._check_arguments(unit)
             self._check_id(unit.command_id, seen)
-        self._app.commands.accept([unit.command_id for unit in units])
+        self._app.commands.accept({unit.command_id: unit.component_ref for unit in units})
         return Reply(ReturnResult(), lambda: self._start(params))
 
     def _check_operable(self, unit: CommandUnit) -> None:
@@ -176,6 +178,7 @@ class _Commands:
             # Whatever went wrong inside, the application is owed its one `completed`.
             status = CompletedStatus.ERROR
             _log.exception("%s of %s failed", unit.command_type, unit.component_ref)
+            self._app.crashed(f"{unit.command_type} of {unit.component_ref}")
         self._finish(unit, status, results)
         return status
 

@@ -1,11 +1,19 @@
-"""The System interface (RoIS_HRI::SystemIF): connect, disconnect, get_profile."""
+"""The System interface (RoIS_HRI::SystemIF): connect, disconnect, get_profile, get_error_detail."""
 
 from openrois.application import ApplicationSession
 from openrois.condition import parse_condition
+from openrois.errors import BadParameter
 from openrois.interfaces.operation import operation
 from openrois.interfaces.selection import COMPONENT_PROPERTIES, matching
 from openrois.jsonrpc.session import Handler
-from openrois.types.messages import ConditionParams, NoParams, ProfileResult, ReturnResult
+from openrois.types.messages import (
+    ConditionParams,
+    ErrorDetailParams,
+    NoParams,
+    ProfileResult,
+    ResultsResult,
+    ReturnResult,
+)
 from openrois.types.profiles import HRIEngineProfile
 
 __all__ = ["methods"]
@@ -15,6 +23,7 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
     """Return the interface's method table."""
 
     async def connect(_params: NoParams) -> ReturnResult:
+        app.connected = True
         return ReturnResult()
 
     async def disconnect(_params: NoParams) -> ReturnResult:
@@ -30,10 +39,16 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
             component_profiles={ref: profile for ref, profile in directory.component_profiles.items() if ref in kept},
         )
 
+    async def get_error_detail(params: ErrorDetailParams) -> ResultsResult:
+        if params.condition:
+            raise BadParameter("the condition of get_error_detail is empty")
+        return ResultsResult(results=app.errors.details(params.error_id))
+
     return {
         "rois.system.connect": operation(NoParams, ReturnResult, connect),
         "rois.system.disconnect": operation(NoParams, ReturnResult, disconnect),
         "rois.system.get_profile": operation(ConditionParams, ProfileResult, get_profile),
+        "rois.system.get_error_detail": operation(ErrorDetailParams, ResultsResult, get_error_detail),
     }
 
 

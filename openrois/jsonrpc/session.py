@@ -113,6 +113,7 @@ class RpcSession:
         notifications: what the other side may tell; unknown ones are dropped.
         outbox: what waits to be sent.
         call_timeout: seconds that a call of ours waits for its answer.
+        on_failure: called with what failed when a handler here raised what it must not raise, after that was logged.
     """
 
     stream: MessageStream
@@ -120,6 +121,7 @@ class RpcSession:
     notifications: Mapping[str, NotificationHandler] = field(default_factory=dict)
     outbox: Outbox = field(default_factory=Outbox)
     call_timeout: float = CALL_TIMEOUT
+    on_failure: Callable[[str], None] = lambda _what: None
 
     def __post_init__(self) -> None:
         self._peer = Peer()
@@ -196,7 +198,7 @@ class RpcSession:
         except _MethodNotFound:
             answer = Peer.error(request.id, protocol.METHOD_NOT_FOUND, "Method not found")
         except Exception:
-            _log.exception("%s failed", request.method)
+            self._failed(request.method)
             answer = Peer.error(request.id, protocol.INTERNAL_ERROR, "Internal error")
         finally:
             self._slots.release()
@@ -209,7 +211,7 @@ class RpcSession:
             then()
         except Exception:
             # The reply has left, so this can't be told any more.
-            _log.exception("what follows the reply of %s failed", name)
+            self._failed(f"what follows the reply of {name}")
 
     async def _handle(self, request: protocol.Request) -> Any:
         handler = self.methods.get(request.method)
@@ -228,7 +230,12 @@ class RpcSession:
         except ValidationError:
             self._violations.note(f"the params of the notification {name} do not fit")
         except Exception:
-            _log.exception("the notification %s could not be taken", name)
+            self._failed(f"taking the notification {name}")
+
+    def _failed(self, what: str) -> None:
+        """Log the exception that is being handled, and say that there was one."""
+        _log.exception("%s failed", what)
+        self.on_failure(what)
 
     def _put(self, text: str, *, droppable: bool = False) -> None:
         if self._closed is not None:

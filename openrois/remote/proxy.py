@@ -6,7 +6,7 @@ import secrets
 from collections.abc import Callable
 from typing import Any, Final
 
-from openrois.contract import Directory, Event, Extension, Sink, SubscriptionLost
+from openrois.contract import Directory, Event, Extension, OnFault, Sink, SubscriptionLost
 from openrois.errors import (
     Aborted,
     ComponentFailed,
@@ -22,7 +22,9 @@ from openrois.logs import Tally
 from openrois.remote.asking import Asking, read_result
 from openrois.remote.claims import Claims
 from openrois.remote.extension import RemoteExtension
+from openrois.remote.faults import RemoteFaults
 from openrois.remote.subscriptions import SharedSubscriptions
+from openrois.tasks import TaskScope
 from openrois.types.codes import CompletedStatus
 from openrois.types.messages import (
     Argument,
@@ -60,9 +62,10 @@ class RemoteProxy:
     Args:
         session: the connection. Its `notifications` have to hold this proxy's `notifications()`.
         profile_changed: called when the other side says that its tree changed; must not block.
+        tasks: owns the questions that follow from what the other side tells.
     """
 
-    def __init__(self, session: RpcSession, profile_changed: Callable[[], None]) -> None:
+    def __init__(self, session: RpcSession, profile_changed: Callable[[], None], tasks: TaskScope) -> None:
         self.extension: Extension | None = None
         self._session = session
         self._profile_changed = profile_changed
@@ -71,6 +74,7 @@ class RemoteProxy:
         self._remote_extension = RemoteExtension(
             self._asking.ask_unread, session.post, session.notify, self._claims.is_own
         )
+        self._faults = RemoteFaults(self._error_details, self._claims, tasks)
         self._commands: dict[str, _Ended] = {}
         self._subscriptions = SharedSubscriptions(self._subscribe, self._unsubscribe, self._drop_subscription)
         self._strays = Tally(_log, "events that do not fit their subscription")
@@ -82,8 +86,22 @@ class RemoteProxy:
             "rois.command.completed": self._take_completed,
             "rois.event.notify_event": self._take_event,
             "rois.system.profile_changed": self._take_profile_changed,
+            "rois.system.notify_error": self._faults.take,
             **self._remote_extension.notifications(),
         }
+
+    @property
+    def on_fault(self) -> OnFault:
+        """Who is told of the faults of the other side."""
+        return self._faults.on_fault
+
+    @on_fault.setter
+    def on_fault(self, on_fault: OnFault) -> None:
+        self._faults.on_fault = on_fault
+
+    async def _error_details(self, error_id: str) -> ResultsResult:
+        params = {"error_id": error_id, "condition": ""}
+        return await self._asking.ask("rois.system.get_error_detail", params, ResultsResult)
 
     async def discover(self) -> Directory:
         """Read the other side's profile, and ask which extensions it speaks unless it has said that it speaks none."""

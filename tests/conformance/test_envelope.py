@@ -48,11 +48,6 @@ async def test_the_ladder_of_errors(app: Application, subtests: pytest.Subtests)
     assert await app.code("rois.system.connect") == "OK"
 
 
-async def test_what_is_not_served_yet_is_unknown(app: Application) -> None:
-    for method in ("rois.system.get_error_detail", "rois.system.notify_error"):
-        assert (await app.refused(method))["code"] == -32601
-
-
 async def test_an_id_comes_back_as_it_was(app: Application) -> None:
     ids: list[Any] = ["text", "", 7, -1, 2.5, None, "\ud800", "日本"]
     for request_id in ids:

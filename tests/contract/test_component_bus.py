@@ -6,13 +6,14 @@ from contextlib import AbstractAsyncContextManager, asynccontextmanager
 
 import pytest
 
-from openrois.contract import ComponentBus, Event, SubscriptionLost
+from openrois.contract import ComponentBus, Event, Fault, FaultSource, SubscriptionLost
 from openrois.dialer import serve_parent
 from openrois.engine import Engine
 from openrois.errors import Aborted, BadParameter, ComponentFailed, RoISError, TimedOut, Unsupported
 from openrois.gateway.server import run_gateway
 from openrois.gateway.settings import GatewaySettings
 from openrois.registry import LocalRegistry
+from openrois.types.codes import ErrorType
 from openrois.types.messages import Argument
 from tests.support.components import Bell, Lamp
 from tests.support.wire import adapter_leg, engine_over, hosted, proxied
@@ -225,6 +226,23 @@ async def test_subscribe_to_the_unknown_is_unsupported(bus: ComponentBus) -> Non
 
 async def test_unsubscribe_of_the_unknown_is_ignored(bus: ComponentBus) -> None:
     await bus.unsubscribe("nothing")
+
+
+async def test_a_fault_of_a_component_is_told_with_what_is_known_of_it(bus: ComponentBus, robot: Robot) -> None:
+    told: asyncio.Queue[Fault] = asyncio.Queue()
+    assert isinstance(bus, FaultSource)
+    bus.on_fault = told.put_nowait
+    with pytest.raises(ComponentFailed):
+        await bus.invoke(LAMP, "crash")
+    robot.bell.report(ErrorType.USER_DEFINED_ERROR, "cracked")
+    async with asyncio.timeout(5):
+        faults = [await told.get(), await told.get()]
+    assert [(fault.error_type, fault.component_ref, fault.description) for fault in faults] == [
+        (ErrorType.COMPONENT_INTERNAL_ERROR, LAMP, "lamp: crash failed: a bug"),
+        (ErrorType.USER_DEFINED_ERROR, BELL, "cracked"),
+    ]
+    assert all(fault.error_id.startswith("robot/") and fault.timestamp.endswith("+00:00") for fault in faults)
+    assert len({fault.error_id for fault in faults}) == 2
 
 
 async def test_many_calls_at_once(bus: ComponentBus, robot: Robot) -> None:

@@ -61,7 +61,7 @@ params = st.dictionaries(
     max_size=4,
 )
 execute = st.fixed_dictionaries({"command_unit_list": st.lists(item, min_size=1, max_size=4)})
-methods = st.sampled_from([*RESULTS, "rois.system.get_error_detail", "nothing"])
+methods = st.sampled_from([*RESULTS, "nothing"])
 request = st.fixed_dictionaries(
     {"jsonrpc": st.just("2.0"), "id": st.integers(0, 5) | st.text(max_size=3), "method": methods, "params": params}
 )
@@ -115,9 +115,7 @@ def test_any_messages_of_an_application(messages: list[str]) -> None:
 told = st.fixed_dictionaries(
     {
         "jsonrpc": st.just("2.0"),
-        "method": st.sampled_from([*NOTIFICATIONS, "rois.system.notify_error"]).filter(
-            lambda name: name != "rois.system.profile_changed"
-        ),
+        "method": st.sampled_from([name for name in NOTIFICATIONS if name != "rois.system.profile_changed"]),
         "params": st.dictionaries(
             st.sampled_from(["command_id", "status", "event_id", "event_type", "subscribe_id", "client_id", "peer_id"]),
             loose,

@@ -284,6 +284,11 @@ async def until(engine: Engine, condition: Any) -> None:
         stop()
 
 
+async def forever() -> None:
+    """Wait for what never comes."""
+    await asyncio.Event().wait()
+
+
 async def no_wait(_seconds: float) -> None:
     """Stand in for a clock whose time passes at once."""
 

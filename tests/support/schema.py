@@ -4,6 +4,12 @@ from typing import Any
 
 RETURN_CODES = {"OK", "ERROR", "BAD_PARAMETER", "UNSUPPORTED", "OUT_OF_RESOURCES", "TIMEOUT"}
 COMPLETED_STATUS = {"OK", "ERROR", "ABORT", "OUT_OF_RESOURCES", "TIMEOUT"}
+ERROR_TYPES = {
+    "ENGINE_INTERNAL_ERROR",
+    "COMPONENT_INTERNAL_ERROR",
+    "COMPONENT_NOT_RESPONDING",
+    "USER_DEFINED_ERROR",
+}
 STREAM_STATUS = {f"STREAMING_{name}" for name in ("NOT_CONNECTED", "NOT_RUNNING", "RUNNING", "SUSPENDED", "RESUMED")}
 FUNCTIONS = {"actuation", "sensing", "function"}
 
@@ -50,6 +56,7 @@ RESULTS: dict[str, dict[str, Any]] = {
         "profile": Optional(ENGINE_PROFILE),
         "component_profiles": {"*": COMPONENT_PROFILE},
     },
+    "rois.system.get_error_detail": {"results": [VALUE]},
     "rois.command.search": {"component_ref_list": [str]},
     "rois.command.bind": {},
     "rois.command.bind_any": {"component_ref": str},
@@ -83,6 +90,7 @@ NOTIFICATIONS: dict[str, dict[str, Any]] = {
         "expire": str,
         "results": [VALUE],
     },
+    "rois.system.notify_error": {"error_id": str, "error_type": ERROR_TYPES},
     "rois.system.profile_changed": {},
     "rois.stream.notify_stream_status": {
         "stream_id": str,

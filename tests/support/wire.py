@@ -44,9 +44,9 @@ async def proxied(
     """Serve `engine` on one end of a connection and yield the proxy on the other."""
     near, far = streams or memory_pair()
     session = RpcSession(near)
-    proxy = RemoteProxy(session, lambda: None)
-    session.notifications = proxy.notifications()
-    async with hosted(engine) as host, asyncio.TaskGroup() as tasks:
+    async with hosted(engine) as host, TaskScope() as questions, asyncio.TaskGroup() as tasks:
+        proxy = RemoteProxy(session, lambda: None, questions)
+        session.notifications = proxy.notifications()
         serving = tasks.create_task(serve_engine(host, far))
         running = tasks.create_task(session.run())
         running.add_done_callback(lambda _task: proxy.lost("the connection has ended"))

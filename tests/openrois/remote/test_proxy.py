@@ -12,6 +12,7 @@ from openrois.contract import Event, SubscriptionLost
 from openrois.errors import Aborted, ComponentFailed, EngineUnreachable, TimedOut
 from openrois.jsonrpc.session import RpcSession
 from openrois.remote.proxy import RemoteProxy
+from openrois.tasks import TaskScope
 from openrois.transport.memory import MemoryStream, memory_pair
 from tests.support.plain import profile_result
 
@@ -63,14 +64,15 @@ async def far() -> AsyncIterator[Far]:
     def changed() -> None:
         made.changes += 1
 
-    proxy = RemoteProxy(session, changed)
-    made = Far(stream, proxy, session)
-    session.notifications = proxy.notifications()
-    running = asyncio.ensure_future(session.run())
-    running.add_done_callback(lambda _task: proxy.lost("gone"))
-    yield made
-    stream.abort()
-    await running
+    async with TaskScope() as tasks:
+        proxy = RemoteProxy(session, changed, tasks)
+        made = Far(stream, proxy, session)
+        session.notifications = proxy.notifications()
+        running = asyncio.ensure_future(session.run())
+        running.add_done_callback(lambda _task: proxy.lost("gone"))
+        yield made
+        stream.abort()
+        await running
 
 
 class TestDiscover:

@@ -159,6 +159,7 @@ class TestExtensionCalls:
         monkeypatch.setattr(child.streams, "_own", lambda *_asked: 1 / 0)
         await parent.send("rois.stream.suspend_stream", stream_id=stream_id, client_id="ann")
         assert (await parent.hear())["error"]["code"] == -32603
+        assert (await parent.hear())["params"]["error_type"] == "ENGINE_INTERNAL_ERROR"
         child.streams.announce(stream_id, StreamStatus.STREAMING_RUNNING)
         assert (await parent.hear())["params"]["status"] == "STREAMING_RUNNING"
 

@@ -1,0 +1,75 @@
+"""Faults that a remote engine notifies: who it is about is asked for, because the notification does not say."""
+
+import logging
+import time
+from collections.abc import Awaitable, Callable
+from typing import Any, Final
+
+from openrois.contract import Fault, OnFault, ignore_fault
+from openrois.errors import RoISError
+from openrois.faults import MAX_DESCRIPTION, fault_limit
+from openrois.logs import Tally
+from openrois.remote.claims import Claims
+from openrois.tasks import TaskScope
+from openrois.types.messages import ErrorNotification, ResultsResult
+from openrois.types.values import date_time
+
+__all__ = ["RemoteFaults"]
+
+_log = logging.getLogger(__name__)
+
+_MAX_TIMESTAMP: Final = 64
+
+
+class RemoteFaults:
+    """The faults of a remote engine and of those below it.
+
+    Args:
+        ask: asks the other side for the details of an error.
+        claims: which ids are the other side's.
+        tasks: owns the questions.
+
+    Attributes:
+        on_fault: is told.
+    """
+
+    def __init__(self, ask: Callable[[str], Awaitable[ResultsResult]], claims: Claims, tasks: TaskScope) -> None:
+        self.on_fault: OnFault = ignore_fault
+        self._ask = ask
+        self._claims = claims
+        self._tasks = tasks
+        self._limit = fault_limit()
+        self._foreign = Tally(_log, "faults with an id or a component of another engine")
+        self._untold = Tally(_log, "faults of a remote engine that came too fast to be told", logging.WARNING)
+
+    def take(self, params: dict[str, Any]) -> None:
+        """Take a notification and ask what it is about; of too many the rest is counted."""
+        told = ErrorNotification.model_validate(params)
+        if not self._claims.is_own(told.error_id):
+            self._foreign.note(f"the id {told.error_id[:200]!r}")
+        elif not self._limit.admits():
+            self._untold.note(told.error_id[:200])
+        else:
+            self._tasks.start(self._find_out(told))
+
+    async def _find_out(self, told: ErrorNotification) -> None:
+        details: dict[str, str] = {}
+        try:
+            answer = await self._ask(told.error_id)
+            details = {result.name: result.value for result in answer.results}
+        except RoISError as error:
+            # An engine of the plain wire may know no details: then the fault is the engine's own.
+            _log.debug("there are no details of %s: %s", told.error_id, error)
+        component_ref = details.get("component_ref", "")
+        if component_ref and self._claims.profile(component_ref) is None:
+            self._foreign.note(f"the component {component_ref[:200]!r}")
+            component_ref = ""
+        self.on_fault(
+            Fault(
+                error_id=told.error_id,
+                error_type=told.error_type,
+                component_ref=component_ref,
+                description=details.get("description", "")[:MAX_DESCRIPTION],
+                timestamp=details.get("timestamp", "")[:_MAX_TIMESTAMP] or date_time(time.time()),
+            )
+        )
