@@ -2,19 +2,26 @@
 
 from typing import Final
 
-from openrois_codegen import typescript
+from openrois.schema import VERSION
+from openrois_codegen import json_schema, openrpc, typescript
 from openrois_codegen.wire import document
 
 __all__ = ["GENERATED", "targets"]
 
-GENERATED: Final = ("web_demo/sdk/rois/generated/*",)
+GENERATED: Final = (
+    f"openrois/schema/{VERSION}/*",
+    "web_demo/sdk/rois/generated/*",
+)
 """Where nothing stands but what is generated."""
 
 
 def targets() -> dict[str, str]:
     """Return the text of every generated file by its path in the repository."""
     found = document()
+    folder = f"openrois/schema/{found.version}"
     return {
+        f"{folder}/rois.schema.json": json_schema.emit(found),
+        f"{folder}/openrpc.json": openrpc.emit(found),
         "web_demo/sdk/rois/generated/types.ts": typescript.types(found),
         "web_demo/sdk/rois/generated/methods.ts": typescript.methods(found),
         "web_demo/sdk/rois/generated/components.ts": typescript.components(found),

@@ -18,16 +18,14 @@ from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.catalog.common import ROIS_COMMON
 from openrois.catalog.component_type import CommandType, ComponentType, EventType, QueryType
 from openrois.catalog.payload import Payload
+from openrois.schema import VERSION
 from openrois.types.messages import CommandUnit, ConcurrentCommands, NoParams, ReturnResult
 from openrois.types.methods import METHODS, NOTIFICATIONS, MethodType, NotificationType
 from openrois.types.streams import EXTENSION_VERSION
 from openrois_codegen.ir import Component, Document, Enumeration, Message, Method, Notification, Structure
 from openrois_codegen.reader import Reader
 
-__all__ = ["VERSION", "document"]
-
-VERSION: Final = "2026-11-21"
-"""The schema's version: a released one is never changed, a new one gets a folder of its own."""
+__all__ = ["document"]
 
 _ROIS_VERSION: Final = "2.0"
 

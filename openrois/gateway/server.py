@@ -1,4 +1,4 @@
-"""The gateway's one port: the web demo, applications, adapters, and whether it is alive."""
+"""The gateway's one port: the web demo, applications, adapters, what it speaks, and whether it is alive."""
 
 import asyncio
 import logging
@@ -18,6 +18,7 @@ from openrois.gateway.loopback import is_loopback
 from openrois.gateway.page import page_response
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import ADAPTER, APPLICATION, ServerSocket, SocketProfile
+from openrois.schema import openrpc
 from openrois.tasks import TaskScope
 from openrois.transport.stream import MessageStream
 
@@ -28,6 +29,7 @@ _log = logging.getLogger(__name__)
 MAX_CONNECTIONS: Final = 1024
 """Applications and adapters at a time; one more is answered 503."""
 
+_OPENRPC: Final = "openrpc.json"
 _SHUTDOWN_TIMEOUT: Final = 1.0
 
 
@@ -97,7 +99,10 @@ class _Server:
             return await self._serve(
                 request, self._application_profile, lambda stream: serve_application(self._host, stream)
             )
-        return page_response(request.match_info["path"])
+        path = request.match_info["path"]
+        if path == _OPENRPC:
+            return web.Response(body=openrpc(), content_type="application/json")
+        return page_response(path)
 
     async def _adapter(self, request: web.Request) -> web.StreamResponse:
         if not _wants_websocket(request):

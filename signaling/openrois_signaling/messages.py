@@ -41,6 +41,8 @@ Direction = Literal["recvonly", "sendonly", "sendrecv"]
 
 
 def _at_most(limit: int) -> AfterValidator:
+    """Refuse text of more bytes; a schema, which can count characters only, says so with `maxLength`."""
+
     def check(text: str) -> str:
         if len(text.encode()) > limit:
             raise PydanticCustomError(TOO_LONG, "more than {limit} bytes", {"limit": limit})
@@ -49,9 +51,9 @@ def _at_most(limit: int) -> AfterValidator:
     return AfterValidator(check)
 
 
-Identifier = Annotated[str, Field(min_length=1), _at_most(ID_LIMIT)]
-Mid = Annotated[str, Field(min_length=1), _at_most(MID_LIMIT)]
-Sdp = Annotated[str, Field(min_length=1), _at_most(SDP_LIMIT)]
+Identifier = Annotated[str, Field(min_length=1, json_schema_extra={"maxLength": ID_LIMIT}), _at_most(ID_LIMIT)]
+Mid = Annotated[str, Field(min_length=1, json_schema_extra={"maxLength": MID_LIMIT}), _at_most(MID_LIMIT)]
+Sdp = Annotated[str, Field(min_length=1, json_schema_extra={"maxLength": SDP_LIMIT}), _at_most(SDP_LIMIT)]
 Generation = Annotated[int, Field(strict=True, ge=1, le=GENERATION_LIMIT)]
 
 
@@ -108,8 +110,8 @@ class Candidate(_Message):
 
     method: ClassVar[str] = "signaling.candidate"
     generation: Generation
-    candidate: Annotated[str, _at_most(CANDIDATE_LIMIT)] | None
-    sdp_mid: Annotated[str, _at_most(MID_LIMIT)] | None = None
+    candidate: Annotated[str, Field(json_schema_extra={"maxLength": CANDIDATE_LIMIT}), _at_most(CANDIDATE_LIMIT)] | None
+    sdp_mid: Annotated[str, Field(json_schema_extra={"maxLength": MID_LIMIT}), _at_most(MID_LIMIT)] | None = None
     sdp_m_line_index: Annotated[int, Field(strict=True, ge=0, le=2**16 - 1)] | None = None
 
     @model_validator(mode="after")
