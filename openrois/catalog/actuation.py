@@ -34,7 +34,10 @@ class SynthesizableLanguagesResult(Payload):
 class AvailableVoicesResult(Payload):
     """The voices that can speak."""
 
-    characters: Annotated[tuple[str, ...], Data("string[]", "M", "names of voices", note="a parameter in the IDL")]
+    characters: Annotated[
+        tuple[str, ...],
+        Data("string[]", "M", "names of voices", note="the parameter synthesizable_characters in the IDL"),
+    ]
 
 
 class SpeechSynthesisParameters(Payload):
@@ -77,7 +80,12 @@ class NavigationParameters(Payload):
 
     target_positions: Annotated[
         tuple[str, ...] | None,
-        Data("string[]", "M", "the positions to pass, the last one is the destination", note="target_position in IDL"),
+        Data(
+            "string[]",
+            "M",
+            "the positions to pass, the last one is the destination",
+            note="target_position in IDL and text",
+        ),
     ] = None
     time_limit: Annotated[int, Data("int", "O", "the milliseconds it may take; 0 is no limit")] = 0
     routing_policy: Annotated[str, Data("string", "O", "what counts more: `time` or `distance`")] = "time"
@@ -94,8 +102,10 @@ class FollowParameters(Payload):
 class MoveParameters(Payload):
     """A motion: along a line or a curve, one of the two."""
 
-    line: Annotated[tuple[int, ...] | None, Data("int[]", "C", "millimetres and degrees")] = None
-    curve: Annotated[tuple[int, ...] | None, Data("int[]", "C", "radius in millimetres and degrees")] = None
+    line: Annotated[tuple[int, ...] | None, Data("int[]", "C", "the millimetres to go and the degrees to turn")] = None
+    curve: Annotated[
+        tuple[int, ...] | None, Data("int[]", "C", "the curve's radius in millimetres and its direction in degrees")
+    ] = None
     time: Annotated[int | None, Data("int", "O", "the milliseconds it should take")] = None
 
 

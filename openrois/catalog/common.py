@@ -27,4 +27,6 @@ ROIS_COMMON: Final = ComponentType(
         CommandType("resume", "Go on with it."),
     ),
     queries=(QueryType("component_status", "Ask what the component is able to do now.", ComponentStatusResult),),
+    # With a capital C, here and wherever another type includes it.
+    spelled_urn="urn:x-rois:def:Component:OMG::RoISCommon",
 )

@@ -1,4 +1,4 @@
-"""Component types: what all components of a kind understand, and the profile that follows from it."""
+"""Component types: what all components of a kind understand, and the profiles that follow from it."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -40,7 +40,7 @@ class CommandType:
 
 @dataclass(frozen=True, slots=True)
 class QueryType:
-    """A query and what it answers. `arguments` stand in the standard's XML of some and have no place in its schema."""
+    """A query and what it answers. It takes no arguments: the schema has no place for them."""
 
     name: str
     description: str
@@ -53,7 +53,7 @@ class QueryType:
 
 @dataclass(frozen=True, slots=True)
 class EventType:
-    """An event and what it tells."""
+    """An event and what it tells. It takes no arguments either."""
 
     name: str
     description: str
@@ -78,6 +78,7 @@ class ComponentType:
         parameters: of the component.
         includes: the types whose messages it has as well.
         authority: who defines it.
+        spelled_urn: its URN, where that is not formed of authority and code as it should be.
     """
 
     code: str
@@ -91,11 +92,12 @@ class ComponentType:
     parameters: type[Payload] | None = None
     includes: tuple["ComponentType", ...] = ()
     authority: str = "OMG"
+    spelled_urn: str = ""
 
     @property
     def urn(self) -> str:
         """The type's identifier in profiles and conditions."""
-        return component_urn(self.code, self.authority)
+        return self.spelled_urn or component_urn(self.code, self.authority)
 
     def all_commands(self) -> tuple[CommandType, ...]:
         """Return the commands of the type and of all it includes, the included ones first."""
@@ -125,13 +127,32 @@ class ComponentType:
         Args:
             name: of the instance; the standard's unless given.
         """
+        return self._profile(
+            name or self.name, (), commands=self.all_commands(), queries=self.all_queries(), events=self.all_events()
+        )
+
+    def definition(self) -> HRIComponentProfile:
+        """Return the profile of the type itself, as the standard writes it: what it includes is named, not listed."""
+        included = tuple(each.urn for each in self.includes)
+        return self._profile(self.name, included, commands=self.commands, queries=self.queries, events=self.events)
+
+    def _profile(
+        self,
+        name: str,
+        included: tuple[str, ...],
+        *,
+        commands: tuple[CommandType, ...],
+        queries: tuple[QueryType, ...],
+        events: tuple[EventType, ...],
+    ) -> HRIComponentProfile:
         return HRIComponentProfile(
             identifier=RoISIdentifier(code=self.urn, authority=self.authority),
-            name=name or self.name,
+            name=name,
             function=self.function,
-            command_profiles=tuple(command.profile() for command in self.all_commands()),
-            query_profiles=tuple(query.profile() for query in self.all_queries()),
-            event_profiles=tuple(event.profile() for event in self.all_events()),
+            sub_component_profiles=included,
+            command_profiles=tuple(command.profile() for command in commands),
+            query_profiles=tuple(query.profile() for query in queries),
+            event_profiles=tuple(event.profile() for event in events),
             parameter_profiles=_profiles(self.parameters),
         )
 

@@ -127,7 +127,7 @@ class RecognizableLanguagesResult(Payload):
     languages: Annotated[tuple[str, ...], Data("string[]", "M", "ISO 639-1 codes")]
 
 
-_UNITLESS: Final = "the standard gives no unit: the ontology speaks of a spatial and of a time interval"
+_UNITLESS: Final = "the unit is ours: the standard gives none, the ontology speaks of an interval of space or of time"
 
 
 class LocalizationParameters(Payload):
@@ -148,9 +148,9 @@ class SpeechRecognitionParameters(Payload):
         tuple[str, ...],
         Data("string[]", "M", "ISO 639-1 codes", note="the XML's default is the text jp: no array, and not ISO 639-1"),
     ] = ("ja",)
-    grammar: Annotated[str, Data("string", "O", "the grammar to use", note="IDL and text table spell it grammer")] = (
-        "default"
-    )
+    grammar: Annotated[
+        str, Data("string", "O", "the grammar to use", note="grammer in the IDL and in the text's table")
+    ] = "default"
     rule: Annotated[str, Data("string", "O", "the grammar's rule to begin with")] = "default"
 
 
@@ -158,7 +158,7 @@ class GestureRecognitionParameters(Payload):
     """What gestures can be recognised."""
 
     recognizable_gestures: Annotated[
-        tuple[str, ...] | None, Data("RoISIdentifier[]", "M", "the gestures it knows", note="read-only in the IDL")
+        tuple[str, ...] | None, Data("RoISIdentifier[]", "M", "the gestures it knows", note="read only in the IDL")
     ] = None
 
 
@@ -247,9 +247,9 @@ SPEECH_RECOGNITION: Final = ComponentType(
         ),
     ),
     events=(
-        EventType("speech_recognized", "Something was said.", SpeechRecognized),
         EventType("speech_input_started", "Somebody began to speak.", SpeechInputStarted),
         EventType("speech_input_finished", "Somebody stopped speaking.", SpeechInputFinished),
+        EventType("speech_recognized", "Something was said.", SpeechRecognized),
     ),
     parameters=SpeechRecognitionParameters,
     includes=(ROIS_COMMON,),

@@ -54,20 +54,21 @@ class NotifyStreamStatus(Payload):
     ] = None
 
 
-_SYNTAX: Final = "the standard leaves the syntax open; ours is JSON, see docs/wire.md"
+_SET: Final = "the standard leaves the syntax open, ours is JSON (docs/wire.md); the IDL's get_parameter lacks it"
+_READ: Final = "the standard leaves the syntax open, ours is JSON; the IDL's set_parameter lacks it"
 
 
 class StreamingParameters(Payload):
     """How streams are to be made, and how they can be."""
 
-    encoding_parameters: Annotated[str | None, Data("String", "M", "the encoding to use", note=_SYNTAX)] = None
-    transport_parameters: Annotated[str | None, Data("String", "M", "the transport to use", note=_SYNTAX)] = None
-    available_encodings: Annotated[str | None, Data("String", "M", "what can be chosen; read only", note=_SYNTAX)] = (
-        None
-    )
-    available_transports: Annotated[str | None, Data("String", "M", "what can be chosen; read only", note=_SYNTAX)] = (
-        None
-    )
+    encoding_parameters: Annotated[str | None, Data("String", "M", "the encoding to use", note=_SET)] = None
+    transport_parameters: Annotated[str | None, Data("String", "M", "the transport to use", note=_SET)] = None
+    available_encodings: Annotated[
+        str | None, Data("String", "M", "the encodings to choose from; read only", note=_READ)
+    ] = None
+    available_transports: Annotated[
+        str | None, Data("String", "M", "the transports to choose from; read only", note=_READ)
+    ] = None
 
 
 _COMMANDS: Final = (

@@ -24,7 +24,7 @@ class EngineStatusResult(Payload):
     status: Annotated[ComponentStatus, Data("Component_Status", "M", "the engine's status")]
     operable_time: Annotated[
         datetime | None,
-        Data("DateTime", "O", "since when, or when again, it can be used", note="a list in IDL and text"),
+        Data("DateTime", "O", "when it can be used", note="a list in IDL and text"),
     ] = None
 
 

@@ -4,12 +4,13 @@ import json
 import math
 import re
 from collections.abc import Sequence
+from contextlib import suppress
 from datetime import UTC, datetime
 from typing import Any, Final
 
-from openrois.types.codes import ComponentStatus
+from openrois.types.codes import ComponentStatus, StreamStatus
 
-__all__ = ["check_value", "date_time", "decode_value", "encode_list", "encode_value"]
+__all__ = ["check_value", "date_time", "decode_value", "encode_list", "encode_value", "read_date_time"]
 
 _INTEGER: Final = re.compile(r"-?[0-9]{1,20}", re.ASCII)
 _NUMBER: Final = re.compile(r"-?[0-9]{1,40}(\.[0-9]{1,40})?([eE][+-]?[0-9]{1,4})?", re.ASCII)
@@ -18,6 +19,7 @@ _NUMBERS: Final = {"float", "double"}
 _TRUTHS: Final = {"bool", "boolean"}
 _INTEGER_LIMIT: Final = 10**20
 _MAX_DEPTH: Final = 8
+_DATE_LENGTH: Final = len("2026-06-01")
 
 
 def check_value(data_type_ref: str, value: str) -> None:
@@ -91,16 +93,35 @@ def date_time(epoch_seconds: float) -> str:
     return datetime.fromtimestamp(epoch_seconds, UTC).isoformat(timespec="microseconds")
 
 
+def read_date_time(text: str) -> datetime:
+    """Read a DateTime value; one without an offset says nothing of its time zone.
+
+    Raises:
+        ValueError: it is not a date and a time of ISO 8601.
+    """
+    # A date alone, which `fromisoformat` takes as midnight, has no place for the hour that is meant.
+    if len(text) > _DATE_LENGTH:
+        with suppress(ValueError):
+            return datetime.fromisoformat(text)
+    raise ValueError(f"{text[:80]!r} is no date and time of ISO 8601, such as 2026-06-01T12:00:00+00:00")
+
+
 def encode_value(data_type_ref: str, value: Any) -> str:
     """Write a Python value as the text of its type.
 
     Args:
-        data_type_ref: the type's code; the value fits it.
+        data_type_ref: the type's code, in any case.
         value: text, number, truth value, enumerator or datetime, or a sequence of them for a `T[]`.
+
+    Raises:
+        ValueError: it does not fit the type: it is of another one, no finite number, too large, or no enumerator.
     """
-    if data_type_ref.endswith("[]"):
-        return json.dumps(_plain(value), ensure_ascii=False)
-    plain = _plain(value)
+    code, plain = data_type_ref.lower(), _plain(value)
+    if code.endswith("[]"):
+        _check_items(code, plain, 0)
+        return json.dumps(plain, ensure_ascii=False)
+    if not _fits_item(code, plain) or not _is_enumerator(code, plain):
+        raise ValueError(f"{_shown(value)} is not of type {data_type_ref}")
     return plain if isinstance(plain, str) else json.dumps(plain)
 
 
@@ -109,9 +130,20 @@ def _plain(value: Any) -> Any:
         return str(value)
     if isinstance(value, datetime):
         return value.isoformat()
-    if isinstance(value, Sequence):
+    if isinstance(value, list | tuple):
         return [_plain(item) for item in value]
     return value
+
+
+def _shown(value: Any) -> str:
+    if isinstance(value, int) and abs(value) >= _INTEGER_LIMIT:
+        return f"a number of {value.bit_length()} bits"
+    return repr(str(value)[:80])
+
+
+def _is_enumerator(code: str, plain: Any) -> bool:
+    """Tell whether we may say it: of a Stream_Status the wire takes any text, but we send what there is."""
+    return code != "stream_status" or plain in StreamStatus.__members__
 
 
 def decode_value(data_type_ref: str, text: str) -> Any:

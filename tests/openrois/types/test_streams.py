@@ -12,6 +12,7 @@ from openrois.types.streams import (
     HelloResult,
     StreamStatusNotification,
     StreamStatusResult,
+    subject_of,
 )
 
 
@@ -46,3 +47,17 @@ def test_a_status_notification_survives_the_wire() -> None:
     notice = StreamStatusNotification.model_validate(params)
     assert notice.model_dump(mode="json") == params
     assert StreamStatusNotification.method == "rois.stream.notify_stream_status"
+
+
+@pytest.mark.parametrize(
+    ("params", "subject"),
+    [
+        ({"component_ref": "robot/eye"}, "robot/eye"),
+        ({"stream_id": "robot/1", "client_id": "c"}, "robot/1"),
+        ({"peer_id": "robot/2"}, "robot/2"),
+        ({"stream_id": 5}, ""),
+        ({}, ""),
+    ],
+)
+def test_what_a_message_is_about(params: dict[str, object], subject: str) -> None:
+    assert subject_of(params) == subject
