@@ -19,7 +19,7 @@ _NUMBERS: Final = {"float", "double"}
 _TRUTHS: Final = {"bool", "boolean"}
 _INTEGER_LIMIT: Final = 10**20
 _MAX_DEPTH: Final = 8
-_DATE_LENGTH: Final = len("2026-06-01")
+_DATE_TIME: Final = re.compile(r"[0-9W-]{7,10}[T ][0-9:.,]{2,20}(Z|[+-][0-9:.]{2,15})?", re.ASCII)
 
 
 def check_value(data_type_ref: str, value: str) -> None:
@@ -99,8 +99,8 @@ def read_date_time(text: str) -> datetime:
     Raises:
         ValueError: it is not a date and a time of ISO 8601.
     """
-    # A date alone, which `fromisoformat` takes as midnight, has no place for the hour that is meant.
-    if len(text) > _DATE_LENGTH:
+    # `fromisoformat` takes more: a date alone as midnight, any character between date and time, any number of digits.
+    if _DATE_TIME.fullmatch(text):
         with suppress(ValueError):
             return datetime.fromisoformat(text)
     raise ValueError(f"{text[:80]!r} is no date and time of ISO 8601, such as 2026-06-01T12:00:00+00:00")
