@@ -163,16 +163,17 @@ def _proxy(component: Component, *, generic: bool) -> str:
         base += "<Parameters>"
     elif component.parameters:
         base += f"<{component.parameters}>"
-    members = list(_members(component))
+    members = list(_members(component, typed=not generic))
     body = "".join("\n" * (index > 0) + member for index, member in enumerate(members))
     return f"{_doc(component.doc)}export class {name} extends {base} {{\n{body}}}"
 
 
-def _members(component: Component) -> Iterator[str]:
-    fields = f"  static readonly componentType = {_quoted(component.urn)};\n"
+def _members(component: Component, *, typed: bool) -> Iterator[str]:
+    fields = f"  static readonly componentType = {_quoted(component.urn)};\n" if typed else ""
     if component.parameters:
         fields += f"  protected override readonly parameterTypes = {constant(component.parameters)};\n"
-    yield fields
+    if fields:
+        yield fields
     yield from (_command(command) for command in component.commands)
     yield from (_query(query) for query in component.queries)
     for event in component.events:

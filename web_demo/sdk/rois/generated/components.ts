@@ -13,8 +13,6 @@ const COMPONENT_STATUS_RESULT: Types<ComponentStatusResult> = { status: "Compone
 
 /** Messages shared by the basic components. */
 export class RoISCommon<Parameters extends object = object> extends ComponentProxy<Parameters> {
-  static readonly componentType = "urn:x-rois:def:Component:OMG::RoISCommon";
-
   /** Begin what the component is for. */
   start(): Promise<void> {
     return this.execute("start");
