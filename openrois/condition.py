@@ -16,10 +16,11 @@ __all__ = ["Comparison", "Condition", "parse_condition"]
 
 MAX_LENGTH: Final = 4096
 
+# Every repetition is possessive (`*+`), so that nothing is ever read twice.
 _TOKEN: Final = re.compile(
-    r"\s*(?:(?P<name>[A-Za-z_:][A-Za-z0-9_.:]*)"
-    r'|"(?P<quoted>[A-Za-z_:][A-Za-z0-9_.:]*)"'
-    r"|'(?P<text>[^']*(?:''[^']*)*)'"
+    r"\s*+(?:(?P<name>[A-Za-z_:][A-Za-z0-9_.:]*+)"
+    r'|"(?P<quoted>[A-Za-z_:][A-Za-z0-9_.:]*+)"'
+    r"|'(?P<text>[^']*+(?:''[^']*+)*+)'"
     r"|(?P<equals>=)"
     r"|(?P<end>$))"
 )

@@ -1,7 +1,13 @@
 """Conditions: what can be read, what matches, and what does not cost time."""
 
+import re
+import sys
+from collections.abc import Callable
+from types import FrameType
+
 import pytest
 
+from openrois import condition
 from openrois.condition import Comparison, Condition, parse_condition
 from openrois.errors import BadParameter
 
@@ -9,8 +15,8 @@ PROPERTIES = frozenset({"component_ref", "component_type", "a:b.c_1"})
 LAMP = {"component_ref": "robot/lamp", "component_type": "urn:x-rois:def:component:Test::Lamp"}
 
 
-def matches(condition: str, value: str = "robot/lamp") -> bool:
-    return parse_condition(condition, PROPERTIES).matches({**LAMP, "component_ref": value})
+def matches(text: str, value: str = "robot/lamp") -> bool:
+    return parse_condition(text, PROPERTIES).matches({**LAMP, "component_ref": value})
 
 
 @pytest.mark.parametrize("text", ["", " ", "\t\n "])
@@ -92,8 +98,8 @@ def test_what_cannot_be_read(text: str) -> None:
 
 
 def test_quotes_are_doubled() -> None:
-    condition = parse_condition("component_ref = 'it''s ''here'''", PROPERTIES)
-    assert condition.comparisons == (Comparison("component_ref", False, "it's 'here'"),)
+    read = parse_condition("component_ref = 'it''s ''here'''", PROPERTIES)
+    assert read.comparisons == (Comparison("component_ref", False, "it's 'here'"),)
     assert matches("component_ref LIKE 'it''s%'", "it's")
 
 
@@ -128,20 +134,83 @@ def test_like(pattern: str, value: str, expected: bool) -> None:
     assert Comparison("p", True, pattern).matches(value) is expected
 
 
-def test_a_pattern_that_would_backtrack_costs_little() -> None:
-    assert not Comparison("p", True, "%a" * 1000 + "b").matches("a" * 2000)
+def lines_run(function: Callable[[], object]) -> int:
+    """Count the lines of the module under test that a call runs."""
+    count = 0
+
+    def trace(frame: FrameType, event: str, _argument: object) -> object:
+        nonlocal count
+        if frame.f_code.co_filename != condition.__file__:
+            return None
+        count += event == "line"
+        return trace
+
+    before = sys.gettrace()
+    sys.settrace(trace)  # type: ignore[arg-type]
+    try:
+        function()
+    finally:
+        sys.settrace(before)
+    return count
 
 
-def test_text_that_would_backtrack_costs_little() -> None:
+def refused(text: str) -> None:
     with pytest.raises(BadParameter):
-        parse_condition("component_ref = '" + "''" * 2000, PROPERTIES)
+        parse_condition(text, PROPERTIES)
+
+
+@pytest.mark.parametrize(
+    "written",
+    [
+        lambda n: "component_ref = '" + "''" * n,
+        lambda n: "component_ref = '" + "a" * n,
+        lambda n: " AND ".join(["component_ref = 'a'"] * n) + " AND",
+        lambda n: "component_ref" + " " * n,
+        lambda n: "component_ref = 'a' " + "a" * n,
+        lambda n: '"' + "a" * n,
+    ],
+)
+def test_reading_takes_time_linear_in_the_condition(written: Callable[[int], str]) -> None:
+    few, many = (lines_run(lambda n=n: refused(written(n))) for n in (80, 160))  # type: ignore[misc]
+    assert 0 < few <= many <= 2 * few + 20
+
+
+def test_a_token_is_read_without_going_back() -> None:
+    repetitions = re.findall(r"(?<!\\)[*+?{][+]?", re.sub(r"\(\?(?:P<\w+>|:)", "(", condition._TOKEN.pattern))
+    assert repetitions
+    assert set(repetitions) == {"*+"}
+
+
+@pytest.mark.parametrize(
+    ("pattern", "value"),
+    [
+        (lambda n: "%a" * n + "b", lambda n: "a" * n),
+        (lambda n: "%" * n + "b", lambda n: "a" * n),
+        (lambda n: "%" + "a" * n + "b", lambda n: "a" * n * 2),
+        (lambda n: "a%" * n + "c", lambda n: "ab" * n),
+        (lambda n: "_%" * n + "c", lambda n: "ab" * n),
+    ],
+)
+def test_a_pattern_costs_at_most_its_length_times_the_text(
+    pattern: Callable[[int], str], value: Callable[[int], str]
+) -> None:
+    for n in (10, 20, 40, 80):
+        comparison, text = Comparison("p", True, pattern(n)), value(n)
+        assert not comparison.matches(text)
+        lines = lines_run(lambda comparison=comparison, text=text: comparison.matches(text))  # type: ignore[misc]
+        assert lines <= 8 * (len(comparison.text) + 1) * (len(text) + 1)
+
+
+def test_a_pattern_that_matches_at_once_costs_no_more_than_both_lengths() -> None:
+    lines = [lines_run(lambda n=n: Comparison("p", True, "ab%" * n).matches("ab" * n)) for n in (50, 100)]  # type: ignore[misc]
+    assert lines[1] <= 2 * lines[0]
 
 
 def test_what_a_property_must_equal() -> None:
-    condition = parse_condition(
+    read = parse_condition(
         "component_ref LIKE 'r%' AND component_ref = 'robot/lamp' AND component_type = 'urn'", PROPERTIES
     )
-    assert condition.value_of("component_ref") == "robot/lamp"
-    assert condition.value_of("a:b.c_1") is None
-    rest = condition.without("component_ref", "a:b.c_1")
+    assert read.value_of("component_ref") == "robot/lamp"
+    assert read.value_of("a:b.c_1") is None
+    rest = read.without("component_ref", "a:b.c_1")
     assert rest.comparisons == (Comparison("component_type", False, "urn"),)
