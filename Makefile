@@ -14,7 +14,7 @@ test: .venv/dev.stamp $(NODE_MODULES) $(PAGE)
 	$(PY) -m pytest $(ARGS)
 
 unit: .venv/dev.stamp
-	$(PY) -m pytest -n auto -m "not media and not browser and not engine and not guided" $(ARGS)
+	$(PY) -m pytest -n auto -m "not media and not browser and not engine and not long" $(ARGS)
 
 check: lint test
 

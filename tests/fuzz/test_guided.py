@@ -12,7 +12,7 @@ CASES = 250_000
 
 
 @pytest.mark.skipif(importlib.util.find_spec("atheris") is None, reason="atheris has no wheel for this platform")
-@pytest.mark.guided
+@pytest.mark.long
 @pytest.mark.timeout(300)
 @pytest.mark.parametrize("target", ["protocol", "condition", "values"])
 def test_no_input_breaks(target: str, tmp_path: Path) -> None:

@@ -1,0 +1,49 @@
+"""Every branch of the pure modules is run by their tests."""
+
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+TESTS = ("tests/openrois", "tests/signaling", "tests/streaming", "tests/fuzz", "tests/codegen")
+
+
+def pure_modules() -> list[str]:
+    """Return what the import contract on pure modules lists: what does no input or output can be tested whole."""
+    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
+    (pure,) = (contract for contract in contracts if contract["name"] == "Pure modules do no input or output")
+    return list(pure["source_modules"])
+
+
+def files_of(module: str) -> list[str]:
+    """Return the patterns of a module's files: its own, and those below it if it is a package."""
+    places = {"openrois_signaling": "signaling/", "openrois_streaming": "streaming/", "openrois_codegen": "codegen/"}
+    path = places.get(module.partition(".")[0], "") + module.replace(".", "/")
+    return [f"{path}/*"] if (ROOT / path).is_dir() else [f"{path}.py"]
+
+
+@pytest.mark.long
+@pytest.mark.timeout(240)
+def test_every_branch_of_the_pure_modules(tmp_path: Path) -> None:
+    settings, data = tmp_path / "coverage.ini", tmp_path / "data"
+    included = "".join(f"\n    {pattern}" for module in pure_modules() for pattern in files_of(module))
+    settings.write_text(
+        f"[run]\nbranch = true\ndata_file = {data}\ninclude ={included}\n[report]\nshow_missing = true\n"
+    )
+    coverage = [sys.executable, "-m", "coverage"]
+    chosen = ["-m", "pytest", "-q", "-m", "not media and not browser and not engine and not long", *TESTS]
+    ran = subprocess.run(
+        [*coverage, "run", f"--rcfile={settings}", *chosen], cwd=ROOT, capture_output=True, text=True, check=False
+    )
+    assert ran.returncode == 0, ran.stdout[-4000:]
+    report = subprocess.run(
+        [*coverage, "report", f"--rcfile={settings}", "--fail-under=100", "--skip-covered"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert report.returncode == 0, report.stdout
