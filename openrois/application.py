@@ -82,18 +82,21 @@ class ApplicationSession:
         self.errors = ErrorLog()
         self.bound: set[str] = set()
         self.connected = trusted
-        self.client = Client(secrets.token_hex(16), self._take_extension_notification)
+        self.client_id = secrets.token_hex(16)
+        self.client = self._new_client()
         self.streams: dict[str, str] = {}
         self.connecting = 0
         self.order = ReplyFirst()
         self.extended = False
         self.closed = False
-        self.departures = 0
         self._notify = notify
         self._passes = passes
         self._left = left
         self._stop_listening = self.engine.on_change(self._tree_changed)
         self._stop_watching = self.engine.faults.add(self._take_fault)
+
+    def _new_client(self) -> Client:
+        return Client(self.client_id, self._take_extension_notification)
 
     def may_operate(self, component_ref: str) -> bool:
         """Tell whether this session may change what the component does."""
@@ -153,14 +156,14 @@ class ApplicationSession:
 
     async def leave(self) -> None:
         """Give back reservations, subscriptions and streams. What runs goes on."""
-        self.departures += 1
         self.connected = False
         self.bound.clear()
         self.host.reservations.release_all(self)
         self.streams.clear()
         self.order.clear()
         self._left()
-        await asyncio.gather(self.events.clear(), self.engine.extension.forget(self.client.client_id))
+        former, self.client = self.client, self._new_client()
+        await asyncio.gather(self.events.clear(), self.engine.extension.forget(former))
 
     async def close(self) -> None:
         """Leave for good."""

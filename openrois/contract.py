@@ -127,12 +127,15 @@ class FaultSource(Protocol):
     on_fault: OnFault
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, eq=False)
 class Client:
-    """The application that an extension call comes from, wherever it is.
+    """The application that an extension call comes from, wherever it is, from its coming to its leaving.
+
+    Identity decides: an application that left and came back, or comes over a new connection, is another `Client`, and
+    what the former one has left behind is not its own.
 
     Attributes:
-        client_id: opaque, unguessable, the same over any number of hops.
+        client_id: opaque, unguessable.
         notify: sends the application a notification of an extension; must not block.
     """
 
@@ -151,6 +154,6 @@ class Extension(Protocol):
         """
         ...
 
-    async def forget(self, client_id: str) -> None:
+    async def forget(self, client: Client) -> None:
         """Say that a client is gone for good: its streams end. An unknown client is ignored."""
         ...

@@ -286,9 +286,9 @@ class _TreeExtension:
                 raise
             raise self.engine.blame(component_ref, silence) from None
 
-    async def forget(self, client_id: str) -> None:
+    async def forget(self, client: Client) -> None:
         """Tell every bus that a client is gone; one that fails does not keep the others from hearing it."""
-        told = (extension.forget(client_id) for extension in self.engine.extensions())
+        told = (extension.forget(client) for extension in self.engine.extensions())
         for outcome in await asyncio.gather(*told, return_exceptions=True):
             if isinstance(outcome, Exception):
                 _log.info("an engine could not be told that a client is gone: %s", outcome)

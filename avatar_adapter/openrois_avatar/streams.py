@@ -93,19 +93,19 @@ class AvatarStreams:
         self._engine_id = engine_id
         self._published = published
         self._clock = clock
-        self._clients: dict[str, Client] = {}
+        self._names: dict[Client, str] = {}
         self._numbers = itertools.count(1)
         self.sessions = StreamSessions(self._make_session)
 
     async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
         """Do what an application asks; the reply always comes before the notifications that it causes.
 
-        An application that comes over a new connection of the parent is another `Client`, with a session of its own:
-        the one it had plays on until the grace of the old connection is over, and is forgotten first.
+        Each `Client` has a session of its own: an application that comes over a new connection of the parent starts
+        anew, while what it had plays on until the grace of the old connection is over.
         """
-        if method == _CONNECT and not self._session_name(client):
+        if method == _CONNECT and client not in self._names:
             # Noted whatever comes of it: each that tries to connect is forgotten once.
-            self._clients[f"{client.client_id[:8]}-{next(self._numbers)}"] = client
+            self._names[client] = f"{client.client_id[:8]}-{next(self._numbers)}"
         try:
             more = await self._handle(method, params, client)
         except ValidationError as error:
@@ -171,10 +171,10 @@ class AvatarStreams:
 
     def _session_name(self, client: Client) -> str:
         """The name of a client's session; empty for one that never tried to connect."""
-        return next((name for name, known in self._clients.items() if known is client), "")
+        return self._names.get(client, "")
 
     def _make_session(self, session_name: str) -> StreamSession:
-        client = self._clients[session_name]
+        client = next(client for client, name in self._names.items() if name == session_name)
 
         def send(message: Offer | Bye) -> None:
             client.notify(message.method, message.wire())
@@ -205,12 +205,10 @@ class AvatarStreams:
             )
             client.notify(notice.method, notice.model_dump(mode="json"))
 
-    async def forget(self, client_id: str) -> None:
-        """End the streams of an application that is gone; the oldest, if it came more than once."""
-        found = (name for name, client in self._clients.items() if client.client_id == client_id)
-        session_name = next(found, None)
+    async def forget(self, client: Client) -> None:
+        """End the streams of an application that is gone."""
+        session_name = self._names.pop(client, None)
         if session_name is not None:
-            del self._clients[session_name]
             await self.sessions.close(session_name, "the application is gone")
 
 

@@ -53,7 +53,7 @@ class _Signaling:
         """Note which peers an engine opens and ends; an offer for a peer that the application can't have is dropped."""
         peer_id = str(params.get("peer_id", ""))
         if method == Offer.method:
-            if not self._relay.register(peer_id, self.app.client.client_id, engine_of(peer_id)):
+            if not self._relay.register(peer_id, self.app.client_id, engine_of(peer_id)):
                 return False
             self._peers.add(peer_id)
         if method == Bye.method:
@@ -80,7 +80,7 @@ class _Signaling:
         """Return the `signaling.*` methods; whoever calls one gets the extensions' notifications."""
         servers = tuple(IceServer.model_validate(server) for server in self._host.ice_servers)
         offered = IceServers(servers, ICE_SERVERS_TTL)
-        table = signaling_methods(self._relay, self.app.client.client_id, lambda: offered)
+        table = signaling_methods(self._relay, self.app.client_id, lambda: offered)
 
         def answering(name: str) -> Handler:
             async def answer(params: dict[str, Any]) -> dict[str, Any]:

@@ -43,7 +43,7 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
 
     async def hello(_params: HelloParams) -> HelloResult:
         app.extended = True
-        return HelloResult(client_id=app.client.client_id)
+        return HelloResult(client_id=app.client_id)
 
     async def connect(params: ConnectStreamParams) -> ConnectStreamResult:
         app.extended = True
@@ -97,15 +97,15 @@ async def connect_stream(app: ApplicationSession, component_ref: str, parameters
     if app.host.ice_servers:
         # The other end of the stream needs them as much as the application does.
         params["ice_servers"] = list(app.host.ice_servers)
-    departures = app.departures
+    client = app.client
     app.connecting += 1
     try:
         result = await _call(app, STREAM_METHODS["connect_stream"], params, ConnectStreamResult)
     finally:
         app.connecting -= 1
-    if app.departures != departures:
+    if app.client is not client:
         # It left while the stream was made, and has been forgotten already: that has to be said again.
-        await app.engine.extension.forget(app.client.client_id)
+        await app.engine.extension.forget(client)
         raise Aborted("the application has left")
     if not app.engine.leads_alike(result.stream_id, component_ref):
         raise ComponentFailed(f"the engine minted the stream_id {result.stream_id[:200]!r}, which is not its own")

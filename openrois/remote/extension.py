@@ -1,6 +1,7 @@
 """The extension calls of many applications over one connection: each carries the `client_id` of its application."""
 
 import logging
+import secrets
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any, Final
 
@@ -8,13 +9,16 @@ from openrois.contract import Client
 from openrois.errors import ComponentFailed
 from openrois.jsonrpc.session import NotificationHandler
 from openrois.logs import Tally
+from openrois.types.streams import STREAM_METHODS
 
 __all__ = ["CLIENT_GONE", "EXTENSION_METHODS", "EXTENSION_NOTIFICATIONS", "RemoteExtension"]
 
 _log = logging.getLogger(__name__)
 
+_CONNECT: Final = STREAM_METHODS["connect_stream"]
+
 EXTENSION_METHODS: Final = (
-    "rois.stream.connect_stream",
+    _CONNECT,
     "rois.stream.disconnect_stream",
     "rois.stream.suspend_stream",
     "rois.stream.resume_stream",
@@ -40,6 +44,8 @@ CLIENT_GONE: Final = "openrois.client_gone"
 class RemoteExtension:
     """The extension of a remote engine; an `Extension`.
 
+    A client has its own `client_id` on the other side, too, unless a former one with that id is still there.
+
     Args:
         ask: asks the other side and returns the result as it came; one that comes after the asking was given up goes to
             its third argument.
@@ -60,28 +66,35 @@ class RemoteExtension:
         self._notify = notify
         self._is_theirs = is_theirs
         self._clients: dict[str, Client] = {}
+        self._ids: dict[Client, str] = {}
         self._foreign = Tally(_log, "notifications that name a reference or id of another engine")
 
     async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
-        """Ask for an application; from the first call on it is told what the other side says to it."""
-        self._clients[client.client_id] = client
+        """Ask for an application; from its first connect_stream on it is told what the other side says to it."""
+        client_id = self._ids.get(client) or self._free_id(client)
+        if method == _CONNECT:
+            self._clients[client_id] = client
+            self._ids[client] = client_id
         result = await self._ask(
-            method,
-            {**params, "client_id": client.client_id},
-            lambda late: self._end_late_stream(late, client.client_id),
+            method, {**params, "client_id": client_id}, lambda late: self._end_late_stream(late, client_id)
         )
         if not isinstance(result, dict):
             raise ComponentFailed(f"the engine's answer to {method} is not an object")
         return result
+
+    def _free_id(self, client: Client) -> str:
+        return secrets.token_hex(16) if client.client_id in self._clients else client.client_id
 
     def _end_late_stream(self, result: Any, client_id: str) -> None:
         """End a stream that was connected after nobody waited for it any more: its id is known to nobody else."""
         if isinstance(result, dict) and isinstance(stream_id := result.get("stream_id"), str) and stream_id:
             self._post("rois.stream.disconnect_stream", {"stream_id": stream_id, "client_id": client_id})
 
-    async def forget(self, client_id: str) -> None:
+    async def forget(self, client: Client) -> None:
         """Tell the other side that an application is gone, if it was ever heard of there."""
-        if self._clients.pop(client_id, None) is not None:
+        client_id = self._ids.pop(client, None)
+        if client_id is not None:
+            del self._clients[client_id]
             self._notify(CLIENT_GONE, {"client_id": client_id})
 
     def notifications(self) -> dict[str, NotificationHandler]:
@@ -104,3 +117,4 @@ class RemoteExtension:
     def lost(self) -> None:
         """Forget the applications: the other side is gone."""
         self._clients.clear()
+        self._ids.clear()

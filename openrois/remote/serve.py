@@ -76,8 +76,9 @@ class _ServedExtension:
         """Return what the parent tells about its applications."""
 
         async def forget(client_id: str) -> None:
-            if self._forget(client_id):
-                await self._host.engine.extension.forget(client_id)
+            client = self._forget(client_id)
+            if client is not None:
+                await self._host.engine.extension.forget(client)
 
         def client_gone(params: dict[str, Any]) -> None:
             # In a task, as requests are: what the application asked just before has to be begun first.
@@ -112,7 +113,7 @@ class _ServedExtension:
             return {"return_code": error.return_code.value}
         if name == _CONNECT and self._clients.get(client_id) is not client:
             # The application went while its stream was made: the engine has to be told again.
-            await extension.forget(client_id)
+            await extension.forget(client)
             return {"return_code": Aborted.return_code.value}
         self._note_stream(name, params, result, client_id)
         return result
@@ -138,15 +139,16 @@ class _ServedExtension:
             client_id, _ = self._streams.pop(notice.stream_id)
             self._notify(notice.method, {**notice.model_dump(mode="json"), "client_id": client_id})
 
-    def _forget(self, client_id: str) -> bool:
-        """Drop what is noted of an application and tell whether it was known."""
+    def _forget(self, client_id: str) -> Client | None:
+        """Drop what is noted of an application and return it, if it was known."""
         self._streams = {key: owned for key, owned in self._streams.items() if owned[0] != client_id}
-        return self._clients.pop(client_id, None) is not None
+        return self._clients.pop(client_id, None)
 
     async def close(self) -> None:
         """End the streams of every application of the parent, after the grace."""
         self._stop_listening()
         await self._host.sleep(STREAM_GRACE)
-        for client_id in tuple(self._clients):
-            self._forget(client_id)
-            await self._host.engine.extension.forget(client_id)
+        clients, self._clients = tuple(self._clients.values()), {}
+        self._streams.clear()
+        for client in clients:
+            await self._host.engine.extension.forget(client)

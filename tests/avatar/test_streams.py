@@ -43,10 +43,10 @@ class Caller:
     def __init__(self, stage: Stage, client_id: str = "alice") -> None:
         self.told: list[tuple[str, Mapping[str, Any]]] = []
         self._streams = stage.streams
-        self._client = Client(client_id, lambda name, params: self.told.append((name, params)))
+        self.client = Client(client_id, lambda name, params: self.told.append((name, params)))
 
     async def ask(self, method: str, **params: Any) -> dict[str, Any]:
-        return await self._streams.call(method, params, self._client)
+        return await self._streams.call(method, params, self.client)
 
     async def connect(self, encoding: str = VP8, component_ref: str = VIDEO, **more: Any) -> str:
         parameters = [{"name": "encoding_parameters", "data_type_ref": "String", "value": encoding}]
@@ -259,16 +259,14 @@ async def test_the_number_of_applications_and_sections_is_bounded(stage: Stage, 
 async def test_an_application_that_is_gone_is_forgotten_with_all_it_had(stage: Stage, alice: Caller) -> None:
     await alice.connect()
     await alice.answer()
-    await stage.streams.forget("alice")
-    await stage.streams.forget("alice")
-    await stage.streams.forget("somebody else")
+    await stage.streams.forget(alice.client)
+    await stage.streams.forget(alice.client)
+    await stage.streams.forget(Caller(stage, "somebody else").client)
     assert alice.all("signaling.bye")
     assert len(stage.streams.sessions) == 0
 
 
-async def test_over_a_new_connection_an_application_starts_anew_and_the_old_session_is_forgotten_first(
-    stage: Stage, alice: Caller
-) -> None:
+async def test_over_a_new_connection_an_application_starts_anew(stage: Stage, alice: Caller) -> None:
     old = await alice.connect()
     await alice.answer()
     later = Caller(stage)
@@ -278,9 +276,9 @@ async def test_over_a_new_connection_an_application_starts_anew_and_the_old_sess
     offer = await later.answer()
     assert [section["stream_id"] for section in offer["streams"]] == [new]
 
-    await stage.streams.forget("alice")
+    await stage.streams.forget(alice.client)
     assert WirelessConnection.made[0].closed
     assert not WirelessConnection.made[1].closed
     assert await later.ask("rois.stream.suspend_stream", stream_id=new) == OK
-    await stage.streams.forget("alice")
+    await stage.streams.forget(later.client)
     assert len(stage.streams.sessions) == 0

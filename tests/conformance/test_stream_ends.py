@@ -7,10 +7,12 @@ from contextlib import AsyncExitStack
 import pytest
 from openrois_signaling.relay import PEERS_PER_OWNER
 
+from openrois.application import EngineHost
 from openrois.engine import Engine
 from openrois.gateway.server import Gateway
 from openrois.registry import LocalRegistry
 from openrois.remote.serve import STREAM_GRACE
+from openrois.tasks import TaskScope
 from tests.support import deployment
 from tests.support.deployment import Adapter, Application, Robot
 from tests.support.viewer import CAMERA, STATUS, peer_of, statuses, stream_of
@@ -168,6 +170,55 @@ class TestTwoHops:
             async with deployment.patience():
                 await robot.streams.gone.wait()
             assert robot.streams.streams == {}
+
+    async def test_what_is_connected_anew_outlives_what_was_before_a_cut(
+        self, middle: Engine, leg: AsyncExitStack, robot: Robot
+    ) -> None:
+        """The link between gateway and fleet is cut and comes back within the grace."""
+        grace_ends = asyncio.Event()
+
+        async def sleep(_seconds: float) -> None:
+            await grace_ends.wait()
+
+        async with (
+            TaskScope() as tasks,
+            hosted(Engine("gateway")) as host,
+            memory_application(host) as app,
+        ):
+            fleet = EngineHost(middle, tasks, sleep=sleep)
+            async with adapter_leg(host, fleet):
+                before = (await app.ask("rois.stream.connect_stream", component_ref=CAMERA))["stream_id"]
+            async with adapter_leg(host, fleet):
+                after = (await app.ask("rois.stream.connect_stream", component_ref=CAMERA))["stream_id"]
+                assert set(robot.streams.streams) == {before, after}
+                grace_ends.set()
+                async with deployment.patience():
+                    while before in robot.streams.streams:
+                        await app.ask("rois.stream.query_stream_status", stream_id=after)
+                answer = await app.ask("rois.stream.query_stream_status", stream_id=after)
+                assert answer["return_code"] == "OK"
+
+    async def test_connect_disconnect_connect_in_one_breath(
+        self, middle: Engine, leg: AsyncExitStack, robot: Robot
+    ) -> None:
+        robot.streams.may_answer.clear()
+        async with hosted(Engine("gateway")) as host, adapter_leg(host, middle), memory_application(host) as app:
+            connect = "rois.stream.connect_stream"
+            first = asyncio.ensure_future(app.ask(connect, component_ref=CAMERA))
+            leaving = asyncio.ensure_future(app.ask("rois.system.disconnect"))
+            second = asyncio.ensure_future(app.ask(connect, component_ref=CAMERA))
+            assert (await leaving)["return_code"] == "OK"
+            async with deployment.patience():
+                while len(robot.streams.calls) < 2:
+                    await app.ask("rois.system.connect")
+            robot.streams.may_answer.set()
+            assert (await first)["return_code"] == "ERROR"
+            stream_id = (await second)["stream_id"]
+            async with deployment.patience():
+                while set(robot.streams.streams) != {stream_id}:
+                    await app.ask("rois.system.connect")
+            answer = await app.ask("rois.stream.query_stream_status", stream_id=stream_id)
+            assert answer["return_code"] == "OK"
 
     async def test_the_adapter_is_lost(self, middle: Engine, leg: AsyncExitStack, robot: Robot) -> None:
         async with hosted(Engine("gateway")) as host, adapter_leg(host, middle), memory_application(host) as app:

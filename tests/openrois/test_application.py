@@ -75,7 +75,7 @@ async def test_how_a_command_ended_is_told(app: ApplicationSession, told: Told) 
 
 
 async def test_clients_are_told_apart(host: EngineHost, told: Told) -> None:
-    ids = {ApplicationSession(host, told.notify).client.client_id for _ in range(10)}
+    ids = {ApplicationSession(host, told.notify).client_id for _ in range(10)}
     assert len(ids) == 10
     assert all(len(bytes.fromhex(client_id)) == 16 for client_id in ids)
 
@@ -112,7 +112,7 @@ async def test_leaving_gives_everything_back(host: EngineHost, registry: LocalRe
     await app.leave()
     replied()
     assert (app.may_operate(LAMP), app.streams, streams.streams) == (False, {}, {})
-    assert (streams.forgotten, left.is_set(), told.methods) == ([app.client.client_id], True, [])
+    assert (streams.forgotten, left.is_set(), told.methods) == ([app.client_id], True, [])
     await host.engine.attach(LocalRegistry("other", []))
     assert told.methods == ["rois.system.profile_changed"]
     await app.close()

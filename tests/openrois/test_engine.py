@@ -63,10 +63,10 @@ class FarExtension:
         self.calls.append((method, client.client_id))
         return {"return_code": "OK"}
 
-    async def forget(self, client_id: str) -> None:
+    async def forget(self, client: Client) -> None:
         if self.broken:
             raise EngineUnreachable("gone")
-        self.forgotten.append(client_id)
+        self.forgotten.append(client.client_id)
 
 
 @pytest.fixture
@@ -304,7 +304,7 @@ class TestExtension:
         for bus in buses:
             await engine.attach(bus)
         with caplog.at_level(logging.INFO):
-            await engine.extension.forget("me")
+            await engine.extension.forget(Client("me", lambda _method, _params: None))
         assert buses[2].extension.forgotten == ["me"]
         assert "could not be told" in caplog.text
 

@@ -145,7 +145,7 @@ class FakeStreams:
 
     def _own(self, params: Mapping[str, Any], client: Client) -> Stream:
         stream = self.streams.get(params["stream_id"])
-        if stream is None or stream.client.client_id != client.client_id:
+        if stream is None or stream.client is not client:
             raise Unsupported("there is no such stream")
         return stream
 
@@ -170,8 +170,8 @@ class FakeStreams:
         self.announce(stream_id, StreamStatus.STREAMING_NOT_CONNECTED)
         del self.streams[stream_id]
 
-    async def forget(self, client_id: str) -> None:
-        self.forgotten.append(client_id)
-        for stream_id in [key for key, stream in self.streams.items() if stream.client.client_id == client_id]:
+    async def forget(self, client: Client) -> None:
+        self.forgotten.append(client.client_id)
+        for stream_id in [key for key, stream in self.streams.items() if stream.client is client]:
             del self.streams[stream_id]
         self.gone.set()

@@ -2,7 +2,7 @@
 
 import asyncio
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -111,12 +111,14 @@ async def application(host: EngineHost) -> AsyncIterator[Application]:
 
 
 @asynccontextmanager
-async def adapter_leg(host: EngineHost, engine: Engine) -> AsyncIterator[MessageStream]:
-    """Attach `engine` to the gateway's `host` as an adapter over memory; yields the adapter's end."""
+async def adapter_leg(host: EngineHost, below: Engine | EngineHost) -> AsyncIterator[MessageStream]:
+    """Attach an engine to the gateway's `host` as an adapter over memory; yields the adapter's end."""
     near, far = memory_pair()
     changed = asyncio.Event()
     stop = host.engine.on_change(changed.set)
-    async with hosted(engine) as adapter_host, asyncio.TaskGroup() as tasks:
+    async with AsyncExitStack() as stack:
+        adapter_host = await stack.enter_async_context(hosted(below)) if isinstance(below, Engine) else below
+        tasks = await stack.enter_async_context(asyncio.TaskGroup())
         serving = tasks.create_task(serve_adapter(host, near))
         served = tasks.create_task(serve_engine(adapter_host, far))
         try:

@@ -11,6 +11,7 @@ from openrois.errors import ComponentFailed
 from openrois.remote.extension import EXTENSION_NOTIFICATIONS, RemoteExtension
 
 OFFER = "signaling.offer"
+CONNECT, SUSPEND = "rois.stream.connect_stream", "rois.stream.suspend_stream"
 
 
 class OtherSide:
@@ -49,9 +50,9 @@ def other() -> OtherSide:
 async def test_a_call_carries_its_client_and_brings_what_is_told_it(other: OtherSide) -> None:
     ann, bob = Heard(), Heard()
     other.tell(OFFER, client_id="ann", peer_id="robot/0")
-    assert await other.extension.call("m", {"x": 1}, ann.client("ann")) == {"return_code": "OK"}
-    await other.extension.call("m", {}, bob.client("bob"))
-    assert other.asked == [("m", {"x": 1, "client_id": "ann"}), ("m", {"client_id": "bob"})]
+    assert await other.extension.call(CONNECT, {"x": 1}, ann.client("ann")) == {"return_code": "OK"}
+    await other.extension.call(CONNECT, {}, bob.client("bob"))
+    assert other.asked == [(CONNECT, {"x": 1, "client_id": "ann"}), (CONNECT, {"client_id": "bob"})]
     for name in EXTENSION_NOTIFICATIONS:
         other.tell(name, client_id="ann", peer_id="robot/1")
     other.tell(OFFER, client_id="nobody", peer_id="robot/1")
@@ -65,12 +66,12 @@ async def test_a_call_carries_its_client_and_brings_what_is_told_it(other: Other
 async def test_an_answer_that_is_no_object(other: OtherSide, answer: Any) -> None:
     other.answer = answer
     with pytest.raises(ComponentFailed):
-        await other.extension.call("m", {}, Heard().client("ann"))
+        await other.extension.call(CONNECT, {}, Heard().client("ann"))
 
 
 async def test_the_other_side_speaks_for_its_own_alone(other: OtherSide, caplog: pytest.LogCaptureFixture) -> None:
     heard = Heard()
-    await other.extension.call("m", {}, heard.client("ann"))
+    await other.extension.call(CONNECT, {}, heard.client("ann"))
     with caplog.at_level(logging.INFO):
         for key in ("component_ref", "stream_id", "peer_id"):
             for value in ("other/1", "", 5, None):
@@ -81,20 +82,54 @@ async def test_the_other_side_speaks_for_its_own_alone(other: OtherSide, caplog:
 
 async def test_a_client_that_is_gone_is_named_once_and_hears_no_more(other: OtherSide) -> None:
     heard = Heard()
-    await other.extension.forget("ann")
+    ann = heard.client("ann")
+    await other.extension.forget(ann)
     assert other.told == []
-    await other.extension.call("m", {}, heard.client("ann"))
-    await other.extension.forget("ann")
-    await other.extension.forget("ann")
+    await other.extension.call(CONNECT, {}, ann)
+    await other.extension.forget(ann)
+    await other.extension.forget(ann)
     other.tell(OFFER, client_id="ann", peer_id="robot/1")
     assert other.told == [("openrois.client_gone", {"client_id": "ann"})]
     assert heard == []
 
 
+async def test_who_comes_back_is_not_mistaken_for_who_was_there_before(other: OtherSide) -> None:
+    """An application whose way to here was cut is here twice, until what it had before is ended."""
+    before, now = Heard(), Heard()
+    former, later = before.client("ann"), now.client("ann")
+    await other.extension.call(CONNECT, {}, former)
+    await other.extension.call(CONNECT, {}, later)
+    ids = [params["client_id"] for _, params in other.asked]
+    assert ids[0] == "ann"
+    assert ids[1] != "ann"
+    await other.extension.call(SUSPEND, {}, former)
+    await other.extension.call(SUSPEND, {}, later)
+    assert [params["client_id"] for _, params in other.asked[2:]] == ids
+    await other.extension.forget(former)
+    assert other.told == [("openrois.client_gone", {"client_id": "ann"})]
+    for client_id in ids:
+        other.tell(OFFER, client_id=client_id, peer_id="robot/1")
+    assert (len(before), len(now)) == (0, 1)
+    await other.extension.forget(later)
+    assert other.told[1:] == [("openrois.client_gone", {"client_id": ids[1]})]
+
+
+async def test_who_never_connected_a_stream_is_not_noted(other: OtherSide) -> None:
+    ann = Heard().client("ann")
+    await other.extension.call(SUSPEND, {}, ann)
+    assert other.asked == [(SUSPEND, {"client_id": "ann"})]
+    await other.extension.forget(ann)
+    assert other.told == []
+    await other.extension.call(CONNECT, {}, Heard().client("ann"))
+    await other.extension.call(SUSPEND, {}, ann)
+    assert other.asked[2][1]["client_id"] != "ann"
+
+
 async def test_when_the_other_side_is_gone_nobody_is_named(other: OtherSide) -> None:
-    await other.extension.call("m", {}, Heard().client("ann"))
+    ann = Heard().client("ann")
+    await other.extension.call(CONNECT, {}, ann)
     other.extension.lost()
-    await other.extension.forget("ann")
+    await other.extension.forget(ann)
     assert other.told == []
 
 
@@ -109,7 +144,7 @@ async def test_when_the_other_side_is_gone_nobody_is_named(other: OtherSide) -> 
     ],
 )
 async def test_a_stream_that_comes_too_late_is_ended(other: OtherSide, result: Any, ended: list[str]) -> None:
-    await other.extension.call("rois.stream.connect_stream", {}, Heard().client("ann"))
+    await other.extension.call(CONNECT, {}, Heard().client("ann"))
     other.too_late(result)
     assert other.posted == [
         ("rois.stream.disconnect_stream", {"stream_id": stream_id, "client_id": "ann"}) for stream_id in ended
