@@ -3,13 +3,14 @@
 from typing import Final
 
 from openrois.schema import VERSION
-from openrois_codegen import json_schema, openrpc, typescript
+from openrois_codegen import csharp, json_schema, openrpc, typescript
 from openrois_codegen.wire import document
 
 __all__ = ["GENERATED", "targets"]
 
 GENERATED: Final = (
     f"openrois/schema/{VERSION}/*",
+    "sdk/csharp/OpenRoIS/Generated/*",
     "web_demo/sdk/rois/generated/*",
 )
 """Where nothing stands but what is generated."""
@@ -22,6 +23,9 @@ def targets() -> dict[str, str]:
     return {
         f"{folder}/rois.schema.json": json_schema.emit(found),
         f"{folder}/openrpc.json": openrpc.emit(found),
+        "sdk/csharp/OpenRoIS/Generated/Types.cs": csharp.types(found),
+        "sdk/csharp/OpenRoIS/Generated/Methods.cs": csharp.methods(found),
+        "sdk/csharp/OpenRoIS/Generated/Components.cs": csharp.components(found),
         "web_demo/sdk/rois/generated/types.ts": typescript.types(found),
         "web_demo/sdk/rois/generated/methods.ts": typescript.methods(found),
         "web_demo/sdk/rois/generated/components.ts": typescript.components(found),

@@ -17,6 +17,7 @@ from openrois.jsonrpc.session import Handler
 from openrois.types.codes import ReturnCode, StreamStatus
 from openrois.types.messages import CommandUnit, Parameter, Result, ReturnResult
 from openrois.types.streams import (
+    EXTENSIONS,
     STREAM_METHODS,
     ConnectStreamParams,
     ConnectStreamResult,
@@ -43,7 +44,7 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
 
     async def hello(_params: HelloParams) -> HelloResult:
         app.extended = True
-        return HelloResult(client_id=app.client_id)
+        return HelloResult(client_id=app.client_id, extensions=EXTENSIONS)
 
     async def connect(params: ConnectStreamParams) -> ConnectStreamResult:
         app.extended = True

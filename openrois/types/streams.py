@@ -50,7 +50,7 @@ class HelloResult(ReturnResult):
     """Result of `openrois.hello`."""
 
     version: str = EXTENSION_VERSION
-    extensions: tuple[str, ...] = Field(default=EXTENSIONS, strict=False)
+    extensions: tuple[str, ...] = Field(default=(), strict=False)
     client_id: str = ""
 
 

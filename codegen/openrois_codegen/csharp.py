@@ -1,0 +1,253 @@
+"""C#: the wire's types with Newtonsoft's attributes, typed method names, and names of the catalog; C# 6 for Unity."""
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from xml.sax.saxutils import escape
+
+from openrois_codegen.ir import (
+    Component,
+    Document,
+    Enumeration,
+    Field,
+    Integer,
+    ListOf,
+    MapOf,
+    Message,
+    Named,
+    Structure,
+    Text,
+    Type,
+    Union,
+)
+from openrois_codegen.names import first_paragraph, pascal, wrapped
+
+__all__ = ["components", "methods", "types"]
+
+
+def types(document: Document) -> str:
+    """Return the file of the wire's types."""
+    interfaces = {
+        member: f"I{union.name}"
+        for union in document.definitions.values()
+        if isinstance(union, Union)
+        for member in union.members
+    }
+    parts = []
+    for found in document.definitions.values():
+        if isinstance(found, Enumeration):
+            parts.append(_enumeration(found))
+        elif isinstance(found, Union):
+            parts += [_interface(found), _converter(document, found)]
+        else:
+            parts.append(_class(document, found, interfaces.get(found.name, "")))
+    parts.append(_unions(document))
+    return _file(
+        "OpenRoIS",
+        "Types of the wire.",
+        parts,
+        "System",
+        "System.Collections.Generic",
+        "System.Runtime.Serialization",
+        "Newtonsoft.Json",
+        "Newtonsoft.Json.Linq",
+    )
+
+
+def methods(document: Document) -> str:
+    """Return the file of methods and notifications."""
+    requests = [
+        _static(method.name, method.doc, f"Method<{method.params}, {method.result}>") for method in document.methods
+    ]
+    told = [_static(found.name, found.doc, f"Notification<{found.params}>") for found in document.notifications]
+    return _file(
+        "OpenRoIS",
+        "Methods and notifications of the wire.",
+        [
+            _block("public static class Methods", "What an application may call.", requests),
+            _block("public static class Notifications", "What an application may be told.", told),
+        ],
+    )
+
+
+def components(document: Document) -> str:
+    """Return the file of the names of the catalog's components and messages."""
+    found = {component.name: component for component in document.components}
+    return _file(
+        "OpenRoIS.Components",
+        "The component types of the catalog, by their names on the wire.",
+        [_component(document, component, found) for component in document.components],
+    )
+
+
+def _file(namespace: str, doc: str, parts: Iterable[str], *usings: str) -> str:
+    head = f"// {doc} Written by `make generate`; edits are lost.\n"
+    used = "".join(f"using {using};\n" for using in usings)
+    body = "\n".join(_indented(part) for part in parts)
+    return f"{head}{used}{chr(10) if used else ''}namespace {namespace}\n{{\n{body}}}\n"
+
+
+def _block(head: str, doc: str, members: Sequence[str], separator: str = "") -> str:
+    body = separator.join(_indented(member) for member in members)
+    return f"{_doc(doc)}{head}\n{{\n{body}}}\n"
+
+
+def _enumeration(found: Enumeration) -> str:
+    members = [f'[EnumMember(Value = "{member}")]\n{_member(member)},\n' for member in found.members]
+    return _block(f"public enum {found.name}", found.doc, members)
+
+
+def _member(name: str) -> str:
+    return pascal(name.lower())
+
+
+def _interface(union: Union) -> str:
+    return f"{_doc(union.doc)}public interface I{union.name}\n{{\n}}\n"
+
+
+def _converter(document: Document, union: Union) -> str:
+    """Return the converter that tells members apart by the field that each alone has; the first needs none."""
+    first, *others = union.members
+    choices = "".join(
+        f'    if (read["{_own_field(document, union, member)}"] != null)\n'
+        f"    {{\n        return read.ToObject<{member}>(serializer);\n    }}\n"
+        for member in others
+    )
+    return _block(
+        f"public sealed class {union.name}Converter : ReadingConverter",
+        f"Reads each {union.name} as the type that it is.",
+        [
+            f"public override bool CanConvert(Type type)\n{{\n    return type == typeof(I{union.name});\n}}\n",
+            "public override object ReadJson(\n"
+            "    JsonReader reader, Type type, object existing, JsonSerializer serializer)\n"
+            f"{{\n    JObject read = JObject.Load(reader);\n{choices}"
+            f"    return read.ToObject<{first}>(serializer);\n}}\n",
+        ],
+        "\n",
+    )
+
+
+def _unions(document: Document) -> str:
+    names = [found.name for found in document.definitions.values() if isinstance(found, Union)]
+    made = ", ".join(f"new {name}Converter()" for name in names)
+    return _block(
+        "internal static class Unions",
+        "The converters of all unions.",
+        [f"internal static readonly JsonConverter[] Converters = {{ {made} }};\n"],
+    )
+
+
+def _own_field(document: Document, union: Union, member: str) -> str:
+    others = {name for other in union.members if other != member for name in _required(document, other)}
+    return next(name for name in _required(document, member) if name not in others)
+
+
+def _required(document: Document, name: str) -> list[str]:
+    structure = document.definitions[name]
+    assert isinstance(structure, Structure)
+    return [field.name for field in structure.fields if field.required]
+
+
+def _class(document: Document, structure: Structure, interface: str) -> str:
+    members = [_property(document, structure, field) for field in structure.fields]
+    implemented = f" : {interface}" if interface else ""
+    return _block(f"public sealed class {structure.name}{implemented}", structure.doc, members, "\n")
+
+
+def _property(document: Document, structure: Structure, field: Field) -> str:
+    name = pascal(field.name)
+    if name == structure.name:
+        name += "Value"  # no member of a C# class is named like the class
+    null = "?" if field.nullable and _is_value(document, field.type) else ""
+    lines = [f"[JsonProperty({_attribute(field)})]"]
+    if field.required and field.nullable:
+        lines.append("[JsonConverter(typeof(TextOrNullConverter))]")
+    lines.append(f"public {_type(document, field.type)}{null} {name} {{ get; set; }}{_initial(document, field)}")
+    return _doc(field.doc) + "\n".join(lines) + "\n"
+
+
+def _attribute(field: Field) -> str:
+    if field.required:
+        return f'"{field.name}", Required = Required.{"AllowNull" if field.nullable else "Always"}'
+    return f'"{field.name}"' + (", NullValueHandling = NullValueHandling.Ignore" if field.nullable else "")
+
+
+def _initial(document: Document, field: Field) -> str:
+    """Return the initializer of what has a default, so that nothing is null that the wire does not allow to be."""
+    if isinstance(field.type, ListOf | MapOf) and not field.nullable:
+        items = field.default if isinstance(field.default, list) else []
+        given = f" {{ {', '.join(_quoted(item) for item in items)} }}" if items else "()"
+        return f" = new {_type(document, field.type)}{given};"
+    if field.required or field.nullable:
+        return ""
+    if isinstance(field.type, Named):
+        return f" = {field.type.name}.{_member(str(field.default))};"
+    return f" = {_quoted(field.default)};"
+
+
+def _quoted(default: object) -> str:
+    return f'"{default}"' if isinstance(default, str) else str(default)
+
+
+def _is_value(document: Document, found: Type) -> bool:
+    if isinstance(found, Named):
+        return isinstance(document.definitions[found.name], Enumeration)
+    return isinstance(found, Integer)
+
+
+def _type(document: Document, found: Type) -> str:
+    if isinstance(found, Text):
+        return "string"
+    if isinstance(found, Integer):
+        return "int" if _fits_int(found.minimum) and _fits_int(found.maximum) else "long"
+    if isinstance(found, ListOf):
+        return f"List<{_type(document, found.item)}>"
+    if isinstance(found, MapOf):
+        return f"Dictionary<string, {_type(document, found.item)}>"
+    if isinstance(found, Named):
+        return ("I" if isinstance(document.definitions[found.name], Union) else "") + found.name
+    raise TypeError(f"{found} stands in the text of a value, never in a message")
+
+
+def _fits_int(limit: int | None) -> bool:
+    return limit is not None and -(2**31) <= limit < 2**31
+
+
+def _static(wire_name: str, doc: str, kind: str) -> str:
+    name = pascal(wire_name.removeprefix("openrois.").removeprefix("rois."))
+    return f'{_doc(doc)}public static readonly {kind} {name} =\n    new {kind}("{wire_name}");\n'
+
+
+def _component(document: Document, component: Component, known: dict[str, Component]) -> str:
+    def all_of(kind: str) -> Iterator[Message]:
+        for included in component.includes:
+            yield from getattr(known[included], kind)
+        yield from getattr(component, kind)
+
+    members = [f'public const string Urn = "{component.urn}";\n']
+    for kind in ("commands", "queries", "events"):
+        constants = [_constant(message.name, message.doc) for message in all_of(kind)]
+        if constants:
+            members.append(_block(f"public static class {pascal(kind)}", "", constants))
+    if component.parameters:
+        fields = document.payloads[component.parameters].fields
+        constants = [_constant(field.name, field.doc) for field in fields]
+        members.append(_block("public static class Parameters", "", constants))
+    return _block(f"public static class {component.name}", component.doc, members, "\n")
+
+
+def _constant(name: str, doc: str) -> str:
+    return f'{_doc(doc)}public const string {pascal(name)} = "{name}";\n'
+
+
+def _doc(text: str) -> str:
+    text = re.sub(r"`([^`]+)`", r"<c>\1</c>", escape(first_paragraph(text)))
+    if not text:
+        return ""
+    if len(text) <= 90:
+        return f"/// <summary>{text}</summary>\n"
+    lines = "".join(f"/// {line}\n" for line in wrapped(text, 100))
+    return f"/// <summary>\n{lines}/// </summary>\n"
+
+
+def _indented(text: str) -> str:
+    return "".join(f"    {line}" if line.strip() else line for line in text.splitlines(keepends=True))

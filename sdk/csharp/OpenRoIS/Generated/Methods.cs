@@ -1,0 +1,115 @@
+// Methods and notifications of the wire. Written by `make generate`; edits are lost.
+namespace OpenRoIS
+{
+    /// <summary>What an application may call.</summary>
+    public static class Methods
+    {
+        /// <summary>Begin a session.</summary>
+        public static readonly Method<NoParams, ReturnResult> SystemConnect =
+            new Method<NoParams, ReturnResult>("rois.system.connect");
+        /// <summary>End it: what it has bound and subscribed is free.</summary>
+        public static readonly Method<NoParams, ReturnResult> SystemDisconnect =
+            new Method<NoParams, ReturnResult>("rois.system.disconnect");
+        /// <summary>Ask which engines and components exist.</summary>
+        public static readonly Method<ConditionParams, ProfileResult> SystemGetProfile =
+            new Method<ConditionParams, ProfileResult>("rois.system.get_profile");
+        /// <summary>Ask more about a fault.</summary>
+        public static readonly Method<ErrorDetailParams, ResultsResult> SystemGetErrorDetail =
+            new Method<ErrorDetailParams, ResultsResult>("rois.system.get_error_detail");
+        /// <summary>Ask for the components that meet a condition.</summary>
+        public static readonly Method<ConditionParams, SearchResult> CommandSearch =
+            new Method<ConditionParams, SearchResult>("rois.command.search");
+        /// <summary>Reserve a component.</summary>
+        public static readonly Method<ComponentParams, ReturnResult> CommandBind =
+            new Method<ComponentParams, ReturnResult>("rois.command.bind");
+        /// <summary>Reserve one that meets a condition.</summary>
+        public static readonly Method<ConditionParams, ReferenceResult> CommandBindAny =
+            new Method<ConditionParams, ReferenceResult>("rois.command.bind_any");
+        /// <summary>Give a component back.</summary>
+        public static readonly Method<ComponentParams, ReturnResult> CommandRelease =
+            new Method<ComponentParams, ReturnResult>("rois.command.release");
+        /// <summary>Ask for its parameters.</summary>
+        public static readonly Method<ComponentParams, ParametersResult> CommandGetParameter =
+            new Method<ComponentParams, ParametersResult>("rois.command.get_parameter");
+        /// <summary>Change its parameters.</summary>
+        public static readonly Method<SetParameterParams, SetParameterResult> CommandSetParameter =
+            new Method<SetParameterParams, SetParameterResult>("rois.command.set_parameter");
+        /// <summary>Start a sequence of commands.</summary>
+        public static readonly Method<ExecuteParams, ReturnResult> CommandExecute =
+            new Method<ExecuteParams, ReturnResult>("rois.command.execute");
+        /// <summary>Ask what a command gave.</summary>
+        public static readonly Method<CommandResultParams, ResultsResult> CommandGetCommandResult =
+            new Method<CommandResultParams, ResultsResult>("rois.command.get_command_result");
+        /// <summary>Ask a component something.</summary>
+        public static readonly Method<QueryParams, ResultsResult> QueryQuery =
+            new Method<QueryParams, ResultsResult>("rois.query.query");
+        /// <summary>Be told of an event.</summary>
+        public static readonly Method<SubscribeParams, SubscribeResult> EventSubscribe =
+            new Method<SubscribeParams, SubscribeResult>("rois.event.subscribe");
+        /// <summary>Be told of it no more.</summary>
+        public static readonly Method<UnsubscribeParams, ReturnResult> EventUnsubscribe =
+            new Method<UnsubscribeParams, ReturnResult>("rois.event.unsubscribe");
+        /// <summary>Ask what an event tells.</summary>
+        public static readonly Method<DetailParams, ResultsResult> EventGetEventDetail =
+            new Method<DetailParams, ResultsResult>("rois.event.get_event_detail");
+        /// <summary>Say and ask which extensions are spoken.</summary>
+        public static readonly Method<HelloParams, HelloResult> Hello =
+            new Method<HelloParams, HelloResult>("openrois.hello");
+        /// <summary>Connect a stream.</summary>
+        public static readonly Method<ConnectStreamParams, ConnectStreamResult> StreamConnectStream =
+            new Method<ConnectStreamParams, ConnectStreamResult>("rois.stream.connect_stream");
+        /// <summary>End a stream.</summary>
+        public static readonly Method<StreamParams, ReturnResult> StreamDisconnectStream =
+            new Method<StreamParams, ReturnResult>("rois.stream.disconnect_stream");
+        /// <summary>Pause a stream.</summary>
+        public static readonly Method<StreamParams, ReturnResult> StreamSuspendStream =
+            new Method<StreamParams, ReturnResult>("rois.stream.suspend_stream");
+        /// <summary>Go on with a stream.</summary>
+        public static readonly Method<StreamParams, ReturnResult> StreamResumeStream =
+            new Method<StreamParams, ReturnResult>("rois.stream.resume_stream");
+        /// <summary>Ask what a stream does.</summary>
+        public static readonly Method<StreamParams, StreamStatusResult> StreamQueryStreamStatus =
+            new Method<StreamParams, StreamStatusResult>("rois.stream.query_stream_status");
+        /// <summary>Answer an engine's offer.</summary>
+        public static readonly Method<Answer, ReturnResult> SignalingAnswer =
+            new Method<Answer, ReturnResult>("signaling.answer");
+        /// <summary>Tell an engine of a candidate.</summary>
+        public static readonly Method<Candidate, ReturnResult> SignalingCandidate =
+            new Method<Candidate, ReturnResult>("signaling.candidate");
+        /// <summary>Ask for a new peer connection.</summary>
+        public static readonly Method<Restart, ReturnResult> SignalingRestart =
+            new Method<Restart, ReturnResult>("signaling.restart");
+        /// <summary>Ask which servers help to connect.</summary>
+        public static readonly Method<NoParams, IceServersResult> SignalingIceServers =
+            new Method<NoParams, IceServersResult>("signaling.ice_servers");
+    }
+
+    /// <summary>What an application may be told.</summary>
+    public static class Notifications
+    {
+        /// <summary>An engine or a component has a fault.</summary>
+        public static readonly Notification<ErrorNotification> SystemNotifyError =
+            new Notification<ErrorNotification>("rois.system.notify_error");
+        /// <summary>The engines or components are others now.</summary>
+        public static readonly Notification<NoParams> SystemProfileChanged =
+            new Notification<NoParams>("rois.system.profile_changed");
+        /// <summary>A command has ended.</summary>
+        public static readonly Notification<Completed> CommandCompleted =
+            new Notification<Completed>("rois.command.completed");
+        /// <summary>An event happened.</summary>
+        public static readonly Notification<EventNotification> EventNotifyEvent =
+            new Notification<EventNotification>("rois.event.notify_event");
+        /// <summary>A stream does something else now.</summary>
+        public static readonly Notification<StreamStatusNotification> StreamNotifyStreamStatus =
+            new Notification<StreamStatusNotification>("rois.stream.notify_stream_status");
+        /// <summary>An engine offers a peer connection.</summary>
+        public static readonly Notification<Offer> SignalingOffer =
+            new Notification<Offer>("signaling.offer");
+        /// <summary>An engine has a candidate.</summary>
+        public static readonly Notification<Candidate> SignalingCandidate =
+            new Notification<Candidate>("signaling.candidate");
+        /// <summary>An engine has ended a peer connection.</summary>
+        public static readonly Notification<Bye> SignalingBye =
+            new Notification<Bye>("signaling.bye");
+    }
+}
