@@ -1,7 +1,8 @@
 """The dialling side of a WebSocket as a message stream, on the `websockets` library."""
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
+from types import MappingProxyType
 from typing import Final
 
 from websockets.asyncio.client import ClientConnection, connect
@@ -13,6 +14,8 @@ __all__ = ["WebSocketStream", "dial"]
 
 MAX_MESSAGE: Final = 4 << 20
 """Bytes of one incoming message; a profile of a whole fleet fits."""
+
+NO_HEADERS: Final[Mapping[str, str]] = MappingProxyType({})
 
 _OPEN_TIMEOUT: Final = 10.0
 _CLOSE_TIMEOUT: Final = 1.0
@@ -59,8 +62,12 @@ def _closed(closed: ConnectionClosed) -> StreamClosed:
 
 
 @asynccontextmanager
-async def dial(url: str) -> AsyncIterator[WebSocketStream]:
+async def dial(url: str, *, headers: Mapping[str, str] = NO_HEADERS) -> AsyncIterator[WebSocketStream]:
     """Open a WebSocket to `url` (`ws://` or `wss://`) for as long as the block runs.
+
+    Args:
+        url: the address.
+        headers: what the opening request carries beside its own.
 
     Raises:
         OSError: nothing listens there, or the network refuses.
@@ -70,6 +77,7 @@ async def dial(url: str) -> AsyncIterator[WebSocketStream]:
     """
     async with connect(
         url,
+        additional_headers=headers,
         compression=None,
         max_size=MAX_MESSAGE,
         open_timeout=_OPEN_TIMEOUT,

@@ -1,0 +1,68 @@
+"""The Python client SDK: what an application needs of RoIS 2.0, asynchronous, typed, and connected again by itself.
+
+```python
+from openrois.client import Client
+from openrois.client.components import Navigation
+
+async with Client("ws://127.0.0.1:8765/") as client:
+    navigation = await client.find(Navigation)
+    async with navigation.bound():
+        await navigation.set(target_positions=["lobby"])
+        await navigation.start()
+```
+"""
+
+from openrois.client.client import Client
+from openrois.client.commands import Command, Execution
+from openrois.client.component import ComponentProxy
+from openrois.client.conditions import where
+from openrois.client.connection import ConnectionState
+from openrois.client.dialling import Dial
+from openrois.client.errors import ConnectionFailed, ConnectionLost
+from openrois.client.feed import Feed
+from openrois.client.notices import (
+    BindingLost,
+    BindingRestored,
+    Connected,
+    Disconnected,
+    Fault,
+    Notice,
+    Notification,
+    ProfileChanged,
+    SubscriptionLost,
+    SubscriptionRestored,
+)
+from openrois.client.reconnect import Reconnect
+from openrois.client.steps import Concurrent, Step, concurrent
+from openrois.client.subscription import Event, Subscription
+from openrois.jsonrpc.session import RpcError
+
+__all__ = [
+    "BindingLost",
+    "BindingRestored",
+    "Client",
+    "Command",
+    "ComponentProxy",
+    "Concurrent",
+    "Connected",
+    "ConnectionFailed",
+    "ConnectionLost",
+    "ConnectionState",
+    "Dial",
+    "Disconnected",
+    "Event",
+    "Execution",
+    "Fault",
+    "Feed",
+    "Notice",
+    "Notification",
+    "ProfileChanged",
+    "Reconnect",
+    "RpcError",
+    "Step",
+    "Subscription",
+    "SubscriptionLost",
+    "SubscriptionRestored",
+    "concurrent",
+    "where",
+]

@@ -1,0 +1,118 @@
+"""What an application has at its gateway: it moves to the next connection with all of it, and hears what is told."""
+
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
+from typing import Any, Final
+from weakref import WeakSet
+
+from openrois.client.asking import ask
+from openrois.client.bindings import Bindings
+from openrois.client.commands import Commands
+from openrois.client.feed import Feed
+from openrois.client.notices import Fault, Notice, Notification, ProfileChanged
+from openrois.client.reconnect import Reconnect
+from openrois.client.restoring import Restorer
+from openrois.client.subscriptions import Asker, Subscriptions
+from openrois.jsonrpc.protocol import METHOD_NOT_FOUND
+from openrois.jsonrpc.session import NotificationHandler, RpcError, RpcSession
+from openrois.types.messages import Completed, ErrorNotification, EventNotification, NoParams, ReturnResult
+from openrois.types.streams import EXTENSION_VERSION, EXTENSIONS, HelloParams, HelloResult
+
+__all__ = ["Application"]
+
+
+class Application:
+    """The tenant of a client's connection.
+
+    Attributes:
+        commands, bindings, subscriptions: what it has at the gateway.
+        extensions: what the gateway speaks beyond RoIS.
+        notices, listeners: who reads notices, and notifications as they come.
+        notifications: takes whatever the gateway tells.
+    """
+
+    def __init__(self, asker: Callable[[], Asker], reconnect: Reconnect, request_timeout: float) -> None:
+        self.commands = Commands()
+        self.bindings = Bindings(self.tell)
+        self.subscriptions = Subscriptions(asker, self.tell)
+        self.extensions: frozenset[str] = frozenset()
+        self.notices: WeakSet[Feed[Any]] = WeakSet()
+        self.listeners: WeakSet[Feed[Any]] = WeakSet()
+        self.notifications: Mapping[str, NotificationHandler] = _EveryName(self._take)
+        self._restorer = Restorer(self.bindings, self.subscriptions, reconnect, request_timeout)
+        self._timeout = request_timeout
+
+    async def move_in(self, session: RpcSession) -> None:
+        """Say who is there, learn what the gateway speaks, and take back what was bound."""
+        await ask(session, "rois.system.connect", NoParams(), ReturnResult, timeout=self._timeout)
+        self.extensions = await self._hello(session)
+        await self.bindings.renew(session, self._timeout)
+
+    async def _hello(self, session: RpcSession) -> frozenset[str]:
+        params = HelloParams(version=EXTENSION_VERSION, extensions=EXTENSIONS)
+        try:
+            answer = await ask(session, "openrois.hello", params, HelloResult, timeout=self._timeout)
+        except RpcError as error:
+            if error.code == METHOD_NOT_FOUND:
+                return frozenset()
+            raise
+        return frozenset(answer.extensions)
+
+    async def stay(self, session: RpcSession) -> None:
+        """Keep bindings and subscriptions as they should be."""
+        await self._restorer.run(session)
+
+    def move_out(self, reason: str) -> None:
+        """Lose what the connection held; no command of it will be told of any more."""
+        self.commands.lost(reason)
+        self.bindings.lost()
+        self.subscriptions.lost()
+
+    def end(self, error: Exception | None) -> None:
+        """Stop every reader: there will be no connection any more."""
+        self.subscriptions.end(error)
+        for feed in (*self.notices, *self.listeners):
+            feed.end(error)
+
+    def tell(self, notice: Notice) -> None:
+        """Give a notice to whoever reads notices."""
+        for feed in tuple(self.notices):
+            feed.offer(notice)
+
+    def _take(self, method: str, params: dict[str, Any]) -> None:
+        for feed in tuple(self.listeners):
+            feed.offer(Notification(method, params))
+        match method:
+            case "rois.command.completed":
+                self.commands.completed(Completed.model_validate(params))
+            case "rois.event.notify_event":
+                self.subscriptions.deliver(EventNotification.model_validate(params))
+            case "rois.system.profile_changed":
+                self._restorer.profile_changed()
+                self.tell(ProfileChanged())
+            case "rois.system.notify_error":
+                fault = ErrorNotification.model_validate(params)
+                self.tell(Fault(fault.error_id, fault.error_type))
+
+
+class _EveryName(Mapping[str, NotificationHandler]):
+    """A table of handlers in which every name stands: notifications of extensions that nobody knows yet, too."""
+
+    _known: Final = (
+        "rois.command.completed",
+        "rois.event.notify_event",
+        "rois.system.profile_changed",
+        "rois.system.notify_error",
+    )
+
+    def __init__(self, take: Callable[[str, dict[str, Any]], None]) -> None:
+        self._take = take
+
+    def __getitem__(self, name: str) -> NotificationHandler:
+        return partial(self._take, name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._known)
+
+    def __len__(self) -> int:
+        return len(self._known)

@@ -1,0 +1,106 @@
+"""One question to a gateway: a result whose code is OK becomes a value, everything else an exception."""
+
+from collections.abc import Callable, Mapping
+from typing import Any, Final, TypeVar
+
+from pydantic import ValidationError
+
+from openrois.client.errors import ConnectionLost
+from openrois.errors import error_for
+from openrois.jsonrpc.protocol import INVALID_REQUEST
+from openrois.jsonrpc.session import RpcError, RpcSession, SessionClosed
+from openrois.types.codes import ReturnCode
+from openrois.types.messages import ReturnResult
+from openrois.types.model import Model
+
+__all__ = ["Outcome", "ask", "read_result"]
+
+Outcome = TypeVar("Outcome", bound=ReturnResult)
+
+_HINTS: Final[Mapping[tuple[str, ReturnCode], str]] = {
+    ("rois.command.bind", ReturnCode.OUT_OF_RESOURCES): "another application has bound it",
+    ("rois.command.bind", ReturnCode.UNSUPPORTED): "there is no such component",
+    ("rois.command.bind_any", ReturnCode.OUT_OF_RESOURCES): "other applications have bound all that meet the condition",
+    ("rois.command.bind_any", ReturnCode.UNSUPPORTED): "no component meets the condition",
+    ("rois.command.execute", ReturnCode.OUT_OF_RESOURCES): "a component that acts has to be bound first",
+    ("rois.command.execute", ReturnCode.UNSUPPORTED): "there is no such component, or it has no such command",
+    ("rois.command.execute", ReturnCode.BAD_PARAMETER): "an argument is unknown, or not of its type",
+    ("rois.command.set_parameter", ReturnCode.OUT_OF_RESOURCES): "a component that acts has to be bound first",
+    ("rois.command.set_parameter", ReturnCode.BAD_PARAMETER): "a parameter is unknown, or not of its type",
+    ("rois.command.search", ReturnCode.BAD_PARAMETER): "the condition cannot be read",
+    ("rois.query.query", ReturnCode.UNSUPPORTED): "no component that meets the condition answers this",
+    ("rois.query.query", ReturnCode.BAD_PARAMETER): "several components answer this, or the condition cannot be read",
+    ("rois.query.query", ReturnCode.ERROR): "the component does not work now",
+    ("rois.event.subscribe", ReturnCode.UNSUPPORTED): "no component that meets the condition has this event",
+    ("rois.event.subscribe", ReturnCode.BAD_PARAMETER): "several components have it, or the condition cannot be read",
+    ("rois.event.subscribe", ReturnCode.ERROR): "the component does not work now",
+    ("rois.event.get_event_detail", ReturnCode.BAD_PARAMETER): "there is no such event, or it was too long ago",
+}
+"""What a code most likely means: the wire carries no more than the code."""
+
+
+async def ask(
+    session: RpcSession,
+    method: str,
+    params: Model,
+    model: type[Outcome],
+    *,
+    timeout: float,
+    accepted: Callable[[Outcome], None] | None = None,
+    too_late: Callable[[Outcome], None] | None = None,
+) -> Outcome:
+    """Ask `method` over a session.
+
+    Args:
+        session: the connection.
+        method: its name.
+        params: its params.
+        model: of its result.
+        timeout: seconds to wait at most.
+        accepted: called with a result that is OK before any later message of the gateway is looked at.
+        too_late: called with a result that is OK and comes after the caller gave up.
+
+    Raises:
+        RoISError: the return code is not OK.
+        RpcError: the gateway does not know the method, or not with these params; or its answer cannot be read.
+        ConnectionLost: the connection ended first.
+        TimeoutError: no answer in time.
+    """
+    outcomes: list[Outcome] = []
+
+    def take(raw: Any) -> None:
+        outcome = read_result(method, model, raw)
+        if accepted is not None:
+            accepted(outcome)
+        outcomes.append(outcome)
+
+    def take_late(raw: Any) -> None:
+        if too_late is not None:
+            too_late(read_result(method, model, raw))
+
+    written = params.model_dump(mode="json", exclude_none=True)
+    try:
+        await session.call(method, written, timeout=timeout, on_result=take, on_late=take_late)
+    except SessionClosed as closed:
+        raise ConnectionLost(f"{method}: the connection ended before the answer came ({closed})") from closed
+    except TimeoutError:
+        raise TimeoutError(f"{method}: no answer within {timeout:g} s") from None
+    return outcomes[0]
+
+
+def read_result(method: str, model: type[Outcome], raw: Any) -> Outcome:
+    """Return the result of `method` as its model.
+
+    Raises:
+        RoISError: the return code is not OK.
+        RpcError: it is no such result.
+    """
+    try:
+        outcome = model.model_validate(raw)
+    except ValidationError as error:
+        raise RpcError(INVALID_REQUEST, f"the answer to {method} cannot be read: {error}") from error
+    code = outcome.return_code
+    if code is not ReturnCode.OK:
+        hint = _HINTS.get((method, code), "")
+        raise error_for(code, f"{method}: {code}{hint and f' ({hint})'}")
+    return outcome

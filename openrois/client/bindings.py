@@ -1,0 +1,98 @@
+"""The components that an application wants to have for itself, over as many connections as it takes."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from openrois.client.asking import ask
+from openrois.client.notices import BindingLost, BindingRestored, Notice
+from openrois.errors import RoISError
+from openrois.jsonrpc.session import RpcError, RpcSession
+from openrois.types.messages import ComponentParams, ReturnResult
+
+__all__ = ["Bindings"]
+
+
+@dataclass
+class _Binding:
+    """One component. `missed` says that the application was told it lost it; `uses` counts the blocks that need it."""
+
+    held: bool = True
+    missed: bool = False
+    uses: int = 0
+
+
+class Bindings:
+    """What is bound, and is to be bound again on the next connection.
+
+    Args:
+        tell: takes what the application should know.
+    """
+
+    def __init__(self, tell: Callable[[Notice], None]) -> None:
+        self._tell = tell
+        self._wanted: dict[str, _Binding] = {}
+
+    @property
+    def incomplete(self) -> bool:
+        """Whether something that is wanted is not held."""
+        return not all(binding.held for binding in self._wanted.values())
+
+    def wants(self, component_ref: str) -> bool:
+        """Tell whether a component is wanted."""
+        return component_ref in self._wanted
+
+    def took(self, component_ref: str) -> None:
+        """Note that a component was bound."""
+        self._wanted.setdefault(component_ref, _Binding()).held = True
+
+    def gave_back(self, component_ref: str) -> None:
+        """Note that a component is not wanted any more."""
+        self._wanted.pop(component_ref, None)
+
+    def use(self, component_ref: str) -> None:
+        """Count one more block that needs the component."""
+        self._wanted[component_ref].uses += 1
+
+    def unuse(self, component_ref: str) -> bool:
+        """Count one block less; tell whether it was the last one and the component is still wanted."""
+        binding = self._wanted.get(component_ref)
+        if binding is None:
+            return False
+        binding.uses -= 1
+        return binding.uses <= 0
+
+    def lost(self) -> None:
+        """Learn that the connection has ended, and with it what was bound."""
+        for binding in self._wanted.values():
+            binding.held = False
+
+    async def renew(self, session: RpcSession, timeout: float) -> None:
+        """Bind everything again; binding what is held already changes nothing.
+
+        Raises:
+            ConnectionLost: the connection ended.
+        """
+        for component_ref, binding in tuple(self._wanted.items()):
+            if self._wanted.get(component_ref) is not binding:
+                continue
+            params = ComponentParams(component_ref=component_ref)
+            try:
+                await ask(session, "rois.command.bind", params, ReturnResult, timeout=timeout)
+            except (RoISError, RpcError, TimeoutError) as error:
+                self._missing(component_ref, binding, error)
+            else:
+                self._restored(session, component_ref, binding)
+
+    def _missing(self, component_ref: str, binding: _Binding, error: Exception) -> None:
+        binding.held = False
+        if not binding.missed:
+            binding.missed = True
+            self._tell(BindingLost(component_ref, error))
+
+    def _restored(self, session: RpcSession, component_ref: str, binding: _Binding) -> None:
+        if self._wanted.get(component_ref) is not binding:
+            # It was given back meanwhile, and the gateway may have heard of that first.
+            session.post("rois.command.release", {"component_ref": component_ref})
+        elif not binding.held:
+            binding.held, binding.missed = True, False
+            self._tell(BindingRestored(component_ref))

@@ -1,0 +1,199 @@
+"""The client: an application's end of a gateway, on which everything else of this package hangs."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager, suppress
+from types import TracebackType
+from typing import Any, Final, Self, TypeVar, overload
+
+from pydantic import ConfigDict
+
+from openrois.catalog.component_type import ComponentType
+from openrois.client.application import Application
+from openrois.client.component import ComponentProxy
+from openrois.client.conditions import where
+from openrois.client.connection import Connection, ConnectionState
+from openrois.client.dialling import Dial, websocket
+from openrois.client.feed import BUFFER, Feed
+from openrois.client.notices import Notice, Notification
+from openrois.client.operations import Operations
+from openrois.client.reconnect import Reconnect
+from openrois.errors import BadParameter, RoISError, Unsupported
+from openrois.types.messages import ReturnResult
+from openrois.types.model import Model
+
+__all__ = ["Client"]
+
+_RECONNECT: Final = Reconnect()
+
+Proxy = TypeVar("Proxy", bound=ComponentProxy)
+Told = TypeVar("Told", bound=Notice)
+
+
+class Client(Operations):
+    """An application at a gateway: `async with Client() as client:`.
+
+    The block begins when the gateway has answered, and fails with `ConnectionFailed` when it does not. From then on a
+    lost connection is made again, with what was bound and subscribed; `notices` tells of it. When the block ends the
+    gateway forgets the application: nothing stays bound, commands that run go on.
+
+    Args:
+        url: the gateway's address.
+        dial: opens connections in place of a WebSocket to `url`.
+        token: a JSON Web Token for the gateway, where it wants one.
+        connect_timeout: seconds that connecting may take.
+        request_timeout: seconds that an answer may take.
+        reconnect: when a lost connection is made again; None for never.
+    """
+
+    def __init__(
+        self,
+        url: str = "ws://127.0.0.1:8765/",
+        *,
+        dial: Dial | None = None,
+        token: str | None = None,
+        connect_timeout: float = 10.0,
+        request_timeout: float = 30.0,
+        reconnect: Reconnect | None = _RECONNECT,
+    ) -> None:
+        self._application = Application(lambda: self._connection, reconnect or _RECONNECT, request_timeout)
+        connection = Connection(
+            dial or websocket(url, token),
+            self._application,
+            connect_timeout=connect_timeout,
+            request_timeout=request_timeout,
+            reconnect=reconnect,
+        )
+        super().__init__(
+            connection, self._application.commands, self._application.bindings, self._application.subscriptions
+        )
+
+    async def __aenter__(self) -> Self:
+        await self._connection.open()
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        await self._connection.close()
+
+    @property
+    def state(self) -> ConnectionState:
+        """What the connection does."""
+        return self._connection.state
+
+    @property
+    def extensions(self) -> frozenset[str]:
+        """What the gateway speaks beyond RoIS; nothing where it does not know `openrois.hello`."""
+        return self._application.extensions
+
+    @overload
+    def notices(self, *, buffer: int = BUFFER) -> Feed[Notice]: ...
+    @overload
+    def notices(self, *kinds: type[Told], buffer: int = BUFFER) -> Feed[Told]: ...
+    def notices(self, *kinds: type[Any], buffer: int = BUFFER) -> Feed[Any]:
+        """Return what the client tells from now on: `async for fault in client.notices(Fault)`.
+
+        Args:
+            kinds: only notices of these types; all unless given.
+            buffer: how many may wait to be read.
+        """
+        wanted = kinds or (Notice,)
+        feed: Feed[Any] = Feed(buffer, lambda notice: isinstance(notice, wanted))
+        self._application.notices.add(feed)
+        return feed
+
+    def notifications(self, *methods: str, buffer: int = BUFFER) -> Feed[Notification]:
+        """Return the gateway's notifications from now on as they come, those of extensions too.
+
+        Args:
+            methods: only these, such as `"signaling.offer"`; all unless given.
+            buffer: how many may wait to be read.
+        """
+        feed: Feed[Notification] = Feed(buffer, lambda told: not methods or told.method in methods)
+        self._application.listeners.add(feed)
+        return feed
+
+    async def call(self, method: str, /, **params: Any) -> dict[str, Any]:
+        """Call any method, such as one of an extension, and return its result.
+
+        Raises:
+            RoISError: its return code is not OK.
+            RpcError: the gateway does not know it, or not with these params.
+            ConnectionLost: there is no connection, or it ended first.
+            TimeoutError: no answer in time.
+        """
+        result = await self._connection.act(method, _Params.model_validate(params), _Result)
+        return result.model_dump(mode="json")
+
+    @overload
+    def component(self, kind: type[Proxy], component_ref: str, /) -> Proxy: ...
+    @overload
+    def component(self, kind: ComponentType, component_ref: str, /) -> ComponentProxy: ...
+    @overload
+    def component(self, component_ref: str, /) -> ComponentProxy: ...
+    def component(self, kind: Any, component_ref: str | None = None, /) -> ComponentProxy:
+        """Return a component by its reference. Nothing is asked: whether it is there shows when it is used.
+
+        Args:
+            kind: a class of `openrois.client.components` or one's own; a `ComponentType`; or left out for a component
+                whose messages are read from its profile.
+            component_ref: its reference.
+        """
+        if component_ref is None:
+            return ComponentProxy(self, kind)
+        if isinstance(kind, ComponentType):
+            return ComponentProxy(self, component_ref, kind)
+        proxy: ComponentProxy = kind(self, component_ref)
+        return proxy
+
+    async def find(self, kind: type[Proxy], condition: str = "") -> Proxy:
+        """Return the one component of a type, or the one of them that meets a condition.
+
+        Raises:
+            Unsupported: there is none.
+            BadParameter: there are several.
+        """
+        found = await self.find_all(kind, condition)
+        if not found:
+            raise Unsupported(f"there is no {kind.__name__}{condition and f' where {condition}'}")
+        if len(found) > 1:
+            refs = ", ".join(proxy.component_ref for proxy in found)
+            raise BadParameter(f"there are {len(found)} components {kind.__name__}, say which: {refs}")
+        return found[0]
+
+    async def find_all(self, kind: type[Proxy], condition: str = "") -> list[Proxy]:
+        """Return the components of a type that meet a condition, in the order of the profile."""
+        if kind.component_type is None:
+            raise TypeError(f"{kind.__name__} has no component_type to look for")
+        of_type = where(component_type=kind.component_type.urn)
+        refs = await self.search(f"{of_type} AND {condition}" if condition else of_type)
+        return [kind(self, component_ref) for component_ref in refs]
+
+    @asynccontextmanager
+    async def bound(self, component_ref: str) -> AsyncIterator[None]:
+        """Reserve a component for as long as the block runs; of blocks inside each other the last one gives it back.
+
+        Raises:
+            OutOfResources: another application has it.
+        """
+        await self.bind(component_ref)
+        self._bindings.use(component_ref)
+        try:
+            yield
+        finally:
+            if self._bindings.unuse(component_ref):
+                # A component that is gone meanwhile need not be given back.
+                with suppress(RoISError, TimeoutError):
+                    await self.release(component_ref)
+
+
+class _Params(Model):
+    """Params of any method."""
+
+    model_config = ConfigDict(extra="allow")
+
+
+class _Result(ReturnResult):
+    """The result of any method."""
+
+    model_config = ConfigDict(extra="allow")

@@ -1,0 +1,202 @@
+"""A component as an application sees it: by the names of its messages, with values of Python's types."""
+
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
+from contextlib import asynccontextmanager
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, overload
+
+from openrois.catalog.component_type import ComponentType
+from openrois.catalog.payload import Payload
+from openrois.client.conditions import where
+from openrois.client.feed import BUFFER
+from openrois.client.steps import Step
+from openrois.client.subscription import Subscription
+from openrois.errors import BadParameter, ComponentFailed, Unsupported
+from openrois.types.messages import Argument, EventNotification, Result
+from openrois.types.profiles import HRIComponentProfile, ParameterProfile
+from openrois.types.values import decode_value, encode_value
+
+if TYPE_CHECKING:
+    from openrois.client.client import Client
+
+__all__ = ["ComponentProxy"]
+
+P = TypeVar("P", bound=Payload)
+Results = tuple[Result, ...]
+
+
+class ComponentProxy:
+    """One component of any type. What it understands is read from its type, or else asked for once.
+
+    Its messages are named: `await lamp.command("switch", times=3)`, `await lamp.query("power")`,
+    `async for data in lamp.event("switched")`. A subclass gives them methods of their own; the basic components have
+    theirs in `openrois.client.components`.
+
+    Attributes:
+        component_type: the type of a subclass's components.
+        client: whose component it is.
+        component_ref: its reference.
+    """
+
+    component_type: ClassVar[ComponentType | None] = None
+
+    def __init__(self, client: "Client", component_ref: str, component_type: ComponentType | None = None) -> None:
+        self.client = client
+        self.component_ref = component_ref
+        kind = component_type or self.component_type
+        self._profile = None if kind is None else kind.profile()
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.component_ref}>"
+
+    async def profile(self) -> HRIComponentProfile:
+        """Return what the component says that it understands.
+
+        Raises:
+            Unsupported: there is no such component.
+        """
+        answer = await self.client.get_profile(where(component_ref=self.component_ref))
+        profile = answer.component_profiles.get(self.component_ref)
+        if profile is None:
+            raise Unsupported(f"there is no component {self.component_ref}")
+        return profile
+
+    async def _shape(self) -> HRIComponentProfile:
+        if self._profile is None:
+            self._profile = await self.profile()
+        return self._profile
+
+    async def bind(self) -> None:
+        """Reserve the component; raises as `Client.bind`."""
+        await self.client.bind(self.component_ref)
+
+    async def release(self) -> None:
+        """Give the component back."""
+        await self.client.release(self.component_ref)
+
+    @asynccontextmanager
+    async def bound(self) -> AsyncIterator[None]:
+        """Reserve the component for as long as the block runs; of blocks inside each other the last one gives it back.
+
+        Raises:
+            OutOfResources: another application has it.
+        """
+        async with self.client.bound(self.component_ref):
+            yield
+
+    @overload
+    def command(self, name: str, /, **arguments: Any) -> Step[dict[str, Any]]: ...
+    @overload
+    def command(self, name: str, results: None, /, **arguments: Any) -> Step[None]: ...
+    @overload
+    def command(self, name: str, results: type[P], /, **arguments: Any) -> Step[P]: ...
+    def command(self, name: str, results: Any = dict, /, **arguments: Any) -> Step[Any]:
+        """Return a command, to be awaited or to be put into a sequence.
+
+        Args:
+            name: the command's type.
+            results: what it gives: a payload, None for nothing; values by name unless given.
+            arguments: by name; None is not sent.
+        """
+
+        async def prepare() -> tuple[Argument, ...]:
+            profile = (await self._shape()).command(name)
+            if profile is None:
+                raise Unsupported(f"{self.component_ref} has no command {name!r}")
+            return self._encode(name, profile.arguments, arguments)
+
+        return Step(self.client, self.component_ref, name, prepare, self._reader(name, results))
+
+    def _reader(self, name: str, results: Any) -> Callable[[str], Awaitable[Any]]:
+        async def read(command_id: str) -> Any:
+            if results is None:
+                return None
+            return self._decode(name, results, await self.client.get_command_result(command_id))
+
+        return read
+
+    def set_parameter(self, **parameters: Any) -> Step[None]:
+        """Return the change of parameters, all at once; None and those not named stay as they are."""
+
+        async def prepare() -> tuple[Argument, ...]:
+            return self._encode("set_parameter", (await self._shape()).parameter_profiles, parameters)
+
+        return Step(self.client, self.component_ref, "set_parameter", prepare, self._reader("set_parameter", None))
+
+    @overload
+    async def get_parameter(self) -> dict[str, Any]: ...
+    @overload
+    async def get_parameter(self, parameters: type[P]) -> P: ...
+    async def get_parameter(self, parameters: Any = dict) -> Any:
+        """Return the parameters that have a value: as a payload, or by name."""
+        return self._decode("get_parameter", parameters, await self.client.get_parameter(self.component_ref))
+
+    @overload
+    async def query(self, name: str, /) -> dict[str, Any]: ...
+    @overload
+    async def query(self, name: str, results: type[P], /) -> P: ...
+    async def query(self, name: str, results: Any = dict, /) -> Any:
+        """Ask the component something; the answer is a payload, or values by name."""
+        answer = await self.client.query(name, where(component_ref=self.component_ref))
+        return self._decode(name, results, answer)
+
+    @overload
+    def event(self, name: str, /, *, buffer: int = BUFFER) -> Subscription[dict[str, Any]]: ...
+    @overload
+    def event(self, name: str, results: type[P], /, *, buffer: int = BUFFER) -> Subscription[P]: ...
+    def event(self, name: str, results: Any = dict, /, *, buffer: int = BUFFER) -> Subscription[Any]:
+        """Return an event's occurrences from now on, each as a payload or as values by name.
+
+        Args:
+            name: the event's type.
+            results: what it tells.
+            buffer: how many may wait to be read; the oldest makes room for the newest.
+        """
+        return self.client.listen(
+            name, where(component_ref=self.component_ref), self._event_reader(name, results), buffer
+        )
+
+    def _event_reader(self, name: str, results: Any) -> Callable[[EventNotification], Awaitable[Any]]:
+        async def read(notification: EventNotification) -> Any:
+            told = notification.results
+            if not told and not (isinstance(results, type) and issubclass(results, Payload) and not results.data()):
+                # That they come with the event is an extension; what they are can always be asked for.
+                told = await self.client.get_event_detail(notification.event_id)
+            return self._decode(name, results, told)
+
+        return read
+
+    def _encode(
+        self, message: str, profiles: tuple[ParameterProfile, ...], values: Mapping[str, Any]
+    ) -> tuple[Argument, ...]:
+        """Write values as the types of their profiles.
+
+        Raises:
+            BadParameter: a name is unknown, or a value does not fit.
+        """
+        codes = {profile.name: profile.data_type_ref.code for profile in profiles}
+        arguments: list[Argument] = []
+        for name, value in values.items():
+            if name not in codes:
+                there = ", ".join(codes) or "none"
+                raise BadParameter(f"{message} of {self.component_ref} takes no {name!r}; there are: {there}")
+            if value is None:
+                continue
+            try:
+                text = encode_value(codes[name], value)
+            except ValueError as error:
+                raise BadParameter(f"{message} of {self.component_ref}: {name}: {error}") from None
+            arguments.append(Argument(name=name, data_type_ref=codes[name], value=text))
+        return tuple(arguments)
+
+    def _decode(self, message: str, results: Any, values: Results) -> Any:
+        """Read values: as a payload, or by name as what they say that they are.
+
+        Raises:
+            ComponentFailed: one does not fit.
+        """
+        try:
+            if results is dict:
+                return {each.name: decode_value(each.data_type_ref, each.value) for each in values}
+            return results.from_results(values)
+        except ValueError as error:
+            raise ComponentFailed(f"{message} of {self.component_ref} gave what does not fit: {error}") from error

@@ -1,0 +1,270 @@
+"""The connection of a client: opened, greeted, watched, and made again when it ends."""
+
+import asyncio
+import logging
+from collections.abc import Callable, Mapping
+from contextlib import AsyncExitStack, suppress
+from enum import Enum
+from typing import Final, Protocol
+
+from openrois.client.asking import Outcome, ask
+from openrois.client.dialling import Dial
+from openrois.client.errors import ConnectionFailed, ConnectionLost
+from openrois.client.notices import Connected, Disconnected, Notice
+from openrois.client.reconnect import Reconnect, asked_to_wait
+from openrois.errors import RoISError
+from openrois.jsonrpc.session import NotificationHandler, RpcError, RpcSession
+from openrois.tasks import TaskScope
+from openrois.transport.stream import StreamClosed
+from openrois.types.messages import NoParams, ReturnResult
+from openrois.types.model import Model
+
+__all__ = ["Connection", "ConnectionState", "Tenant"]
+
+_log = logging.getLogger(__name__)
+
+_FAREWELL: Final = 1.0
+_TOKEN_ENDED: Final = 4401
+
+
+class ConnectionState(Enum):
+    """What a client's connection does."""
+
+    CONNECTING = "connecting"
+    CONNECTED = "connected"
+    WAITING = "waiting"
+    """It ended; the next attempt comes in a while."""
+    CLOSED = "closed"
+    """It is not open yet, or will not be again."""
+
+
+class Tenant(Protocol):
+    """Who lives on a connection and moves to the next when it ends."""
+
+    notifications: Mapping[str, NotificationHandler]
+
+    async def move_in(self, session: RpcSession) -> None:
+        """Greet the gateway; nobody else asks anything before this is over. What it raises ends the attempt."""
+        ...
+
+    async def stay(self, session: RpcSession) -> None:
+        """Do what there is to do for as long as the connection lasts; cancelled when it ends."""
+        ...
+
+    def move_out(self, reason: str) -> None:
+        """Learn that the connection has ended."""
+        ...
+
+    def tell(self, notice: Notice) -> None:
+        """Take a notice."""
+        ...
+
+    def end(self, error: Exception | None) -> None:
+        """Learn that there will be no connection any more: it was closed, or `error` says why."""
+        ...
+
+
+class Connection:
+    """A connection that its tenant need not care about.
+
+    Args:
+        dial: opens it.
+        tenant: lives on it.
+        connect_timeout: seconds that opening and greeting may take together.
+        request_timeout: seconds that an answer may take.
+        reconnect: when it is made again; None for never.
+    """
+
+    def __init__(
+        self, dial: Dial, tenant: Tenant, *, connect_timeout: float, request_timeout: float, reconnect: Reconnect | None
+    ) -> None:
+        self.state = ConnectionState.CLOSED
+        self.request_timeout = request_timeout
+        self._dial = dial
+        self._tenant = tenant
+        self._connect_timeout = connect_timeout
+        self._reconnect = reconnect
+        self._session: RpcSession | None = None
+        self._changed = asyncio.Event()
+        self._over: str | None = None
+        self._supervising: asyncio.Task[None] | None = None
+
+    async def open(self) -> None:
+        """Connect, and stay connected until `close`.
+
+        Raises:
+            ConnectionFailed: there is no gateway, or it does not let this application in.
+        """
+        opened: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self._supervising = asyncio.ensure_future(self._supervise(opened))
+        try:
+            await opened
+        except BaseException:
+            await self.close()
+            raise
+
+    async def close(self) -> None:
+        """Take leave of the gateway, for at most a second, and end the connection. Idempotent."""
+        session, self._over = self._session, self._over or "the client is closed"
+        if session is not None:
+            with suppress(Exception):
+                await ask(session, "rois.system.disconnect", NoParams(), ReturnResult, timeout=_FAREWELL)
+            await session.close(1000, "client closed")
+        if self._supervising is not None:
+            self._supervising.cancel()
+            await asyncio.wait({self._supervising})
+
+    async def ask(
+        self,
+        method: str,
+        params: Model,
+        model: type[Outcome],
+        accepted: Callable[[Outcome], None] | None = None,
+        too_late: Callable[[Outcome], None] | None = None,
+    ) -> Outcome:
+        """Ask what may be asked twice: without a connection it waits for one, and asks again where one ended.
+
+        Raises:
+            RoISError, RpcError: as `openrois.client.asking.ask`.
+            ConnectionLost: there will be no connection any more.
+            TimeoutError: no answer in time; waiting for the connection counts.
+        """
+        clock = asyncio.get_running_loop().time
+        deadline = clock() + self.request_timeout
+        while True:
+            session = await self._connected(method, deadline - clock())
+            try:
+                left = max(deadline - clock(), 0)
+                return await ask(session, method, params, model, timeout=left, accepted=accepted, too_late=too_late)
+            except ConnectionLost:
+                self._forget(session)
+            except TimeoutError:
+                raise self._too_long(method) from None
+
+    async def act(
+        self,
+        method: str,
+        params: Model,
+        model: type[Outcome],
+        accepted: Callable[[Outcome], None] | None = None,
+        too_late: Callable[[Outcome], None] | None = None,
+    ) -> Outcome:
+        """Ask what must not be done late or twice: without a connection it fails at once.
+
+        Raises:
+            RoISError, RpcError, ConnectionLost, TimeoutError: as `openrois.client.asking.ask`.
+        """
+        session = self._session
+        if session is None:
+            reason = self._over or "there is no connection now, and what acts is not kept for later"
+            raise ConnectionLost(f"{method}: {reason}")
+        timeout = self.request_timeout
+        return await ask(session, method, params, model, timeout=timeout, accepted=accepted, too_late=too_late)
+
+    def post(self, method: str, params: Model) -> None:
+        """Ask and let the answer be dropped; nothing happens without a connection."""
+        if self._session is not None:
+            self._session.post(method, params.model_dump(mode="json", exclude_none=True))
+
+    async def _connected(self, method: str, patience: float) -> RpcSession:
+        try:
+            async with asyncio.timeout(patience):
+                while self._session is None:
+                    if self._over is not None:
+                        raise ConnectionLost(f"{method}: {self._over}")
+                    self._changed.clear()
+                    await self._changed.wait()
+        except TimeoutError:
+            raise self._too_long(method) from None
+        return self._session
+
+    def _too_long(self, method: str) -> TimeoutError:
+        return TimeoutError(f"{method}: no answer within {self.request_timeout:g} s")
+
+    def _forget(self, session: RpcSession) -> None:
+        """Take a session that has ended out of use, before the supervisor comes round to it."""
+        if self._session is session:
+            self._session = None
+
+    async def _supervise(self, opened: asyncio.Future[None]) -> None:
+        failure: Exception | None = None
+        try:
+            await self._keep_connected(opened)
+        except ConnectionFailed as error:
+            failure = error
+        except Exception as error:
+            _log.exception("the connection could not be kept")
+            failure = error
+        finally:
+            closed, self._over = self._over, self._over or str(failure)
+            self._session, self.state = None, ConnectionState.CLOSED
+            if failure is not None and not opened.done():
+                opened.set_exception(failure)
+            self._tenant.move_out(self._over)
+            self._tenant.tell(Disconnected(self._over, None))
+            self._tenant.end(None if closed else ConnectionLost(self._over))
+            self._changed.set()
+
+    async def _keep_connected(self, opened: asyncio.Future[None]) -> None:
+        """Connect again and again; raises `ConnectionFailed` when that is over."""
+        again = self._reconnect
+        backoff = again.backoff() if again is not None else None
+        while True:
+            began = again.clock() if again is not None else 0.0
+            closed = await self._live_once(opened)
+            if self._over is not None:
+                raise ConnectionFailed(self._over)
+            if again is None or backoff is None:
+                raise ConnectionFailed(f"the connection ended: {closed}")
+            if closed.code == _TOKEN_ENDED:
+                raise ConnectionFailed(f"the gateway does not let this application in any more: {closed.reason}")
+            delay = again.spread(backoff.after(again.clock() - began)) + asked_to_wait(closed)
+            self.state = ConnectionState.WAITING
+            self._tenant.tell(Disconnected(str(closed), delay))
+            _log.info("%s; trying again in %.1f s", closed, delay)
+            await again.sleep(delay)
+
+    async def _live_once(self, opened: asyncio.Future[None]) -> StreamClosed:
+        """Make one attempt and return how it ended; the first one of all raises `ConnectionFailed` instead."""
+        self.state = ConnectionState.CONNECTING
+        try:
+            async with AsyncExitStack() as stack:
+                session, running = await self._begin(stack)
+                self._session, self.state = session, ConnectionState.CONNECTED
+                self._changed.set()
+                if opened.done():
+                    self._tenant.tell(Connected())
+                else:
+                    opened.set_result(None)
+                async with TaskScope() as tasks:
+                    tasks.start(self._tenant.stay(session))
+                    closed = await asyncio.shield(running)
+                    self._forget(session)
+                    self._tenant.move_out(f"the connection ended: {closed}")
+                    return closed
+        except ConnectionFailed as error:
+            if error.final or not opened.done():
+                raise
+            return StreamClosed(1006, str(error))
+
+    async def _begin(self, stack: AsyncExitStack) -> tuple[RpcSession, "asyncio.Task[StreamClosed]"]:
+        try:
+            async with asyncio.timeout(self._connect_timeout):
+                stream = await stack.enter_async_context(self._dial())
+                session = RpcSession(stream, notifications=self._tenant.notifications)
+                session.call_timeout = self.request_timeout
+                running = asyncio.ensure_future(session.run())
+                stack.push_async_callback(_ended, running)
+                await self._tenant.move_in(session)
+        except ConnectionFailed:
+            raise
+        except TimeoutError:
+            raise ConnectionFailed(f"the gateway did not answer within {self._connect_timeout:g} s") from None
+        except (OSError, StreamClosed, RoISError, RpcError) as error:
+            raise ConnectionFailed(f"no connection to the gateway: {error}") from error
+        return session, running
+
+
+async def _ended(task: "asyncio.Task[StreamClosed]") -> None:
+    task.cancel()
+    await asyncio.wait({task})

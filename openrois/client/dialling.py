@@ -1,0 +1,76 @@
+"""How a client reaches its gateway: a WebSocket by address, or whatever else a `Dial` opens."""
+
+from collections.abc import AsyncIterator, Callable
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from urllib.parse import urlsplit
+
+from websockets.exceptions import InvalidHandshake, InvalidStatus
+
+from openrois.client.errors import ConnectionFailed
+from openrois.transport.stream import MessageStream
+from openrois.transport.websocket import dial
+
+__all__ = ["Dial", "gateway_url", "websocket"]
+
+Dial = Callable[[], AbstractAsyncContextManager[MessageStream]]
+"""Opens a connection for as long as the block runs; raises `OSError` or `TimeoutError` where there is none."""
+
+_SCHEMES = {"http": "ws", "https": "wss", "ws": "ws", "wss": "wss"}
+
+
+def gateway_url(url: str) -> str:
+    """Return the WebSocket address of a gateway; what the gateway prints, `http://...`, is one too.
+
+    Raises:
+        ValueError: it is no address, or carries a password.
+    """
+    parts = urlsplit(url)
+    if parts.scheme not in _SCHEMES or not parts.hostname:
+        raise ValueError(f"{url!r} is no address of a gateway, such as ws://127.0.0.1:8765/")
+    if parts.username is not None:
+        raise ValueError("credentials do not belong in an address, where logs would keep them: give a token")
+    return parts._replace(scheme=_SCHEMES[parts.scheme], path=parts.path or "/", fragment="").geturl()
+
+
+def websocket(url: str, token: str | None = None) -> Dial:
+    """Return how to reach the gateway at `url`.
+
+    Args:
+        url: as `gateway_url` takes it.
+        token: a JSON Web Token; it travels in the `Authorization` header.
+
+    Raises:
+        ValueError: `url` is no address of a gateway.
+    """
+    address = gateway_url(url)
+    headers = {} if token is None else {"Authorization": f"Bearer {token}"}
+
+    @asynccontextmanager
+    async def connect() -> AsyncIterator[MessageStream]:
+        opening = dial(address, headers=headers)
+        try:
+            stream = await opening.__aenter__()
+        except InvalidStatus as refusal:
+            raise _refused(address, refusal) from refusal
+        except InvalidHandshake as error:
+            raise ConnectionFailed(f"what answers at {address} is no gateway: {error}") from error
+        except TimeoutError:
+            raise
+        except OSError as error:
+            raise ConnectionFailed(
+                f"no gateway answers at {address}; `openrois gateway` starts one here ({error})"
+            ) from error
+        try:
+            yield stream
+        finally:
+            await opening.__aexit__(None, None, None)
+
+    return connect
+
+
+def _refused(address: str, refusal: InvalidStatus) -> ConnectionFailed:
+    response = refusal.response
+    said = response.body[:200].decode(errors="replace").strip() if response.body else response.reason_phrase
+    return ConnectionFailed(
+        f"{address} answered {response.status_code}: {said}", final=response.status_code in (401, 403)
+    )

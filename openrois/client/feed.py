@@ -1,0 +1,69 @@
+"""Bounded queues that a reader iterates over; what it is too slow for is dropped, oldest first, and counted."""
+
+import asyncio
+from collections import deque
+from collections.abc import Callable
+from typing import Any, Final, Generic, TypeVar
+
+__all__ = ["BUFFER", "Feed"]
+
+BUFFER: Final = 256
+"""What may wait in a feed for its reader."""
+
+T = TypeVar("T")
+
+
+def _everything(_item: Any) -> bool:
+    return True
+
+
+class Feed(Generic[T]):
+    """What is told from now on, as an asynchronous iterator: `async for item in feed`.
+
+    It ends with the client. Nobody has to close it: one that nobody reads any more is forgotten.
+    """
+
+    def __init__(self, buffer: int = BUFFER, wants: Callable[[Any], bool] = _everything) -> None:
+        if buffer < 1:
+            raise ValueError("a buffer holds at least one item")
+        self._items: deque[T] = deque()
+        self._buffer = buffer
+        self._wants = wants
+        self._news = asyncio.Event()
+        self._ended = False
+        self._error: BaseException | None = None
+        self._dropped = 0
+
+    @property
+    def dropped(self) -> int:
+        """How many items the reader was too slow for."""
+        return self._dropped
+
+    def offer(self, item: Any) -> None:
+        """Take an item if it is wanted; the oldest that waits makes room for it."""
+        if self._ended or not self._wants(item):
+            return
+        if len(self._items) >= self._buffer:
+            self._items.popleft()
+            self._dropped += 1
+        self._items.append(item)
+        self._news.set()
+
+    def end(self, error: BaseException | None = None) -> None:
+        """Let the reader have what waits, and then stop it, with `error` if there is one."""
+        if not self._ended:
+            self._ended, self._error = True, error
+        self._news.set()
+
+    def __aiter__(self) -> "Feed[T]":
+        return self
+
+    async def __anext__(self) -> T:
+        while not self._items:
+            if self._error is not None:
+                raise self._error
+            if self._ended:
+                raise StopAsyncIteration
+            self._news.clear()
+            await self._news.wait()
+        return self._items.popleft()

@@ -1,0 +1,229 @@
+"""The operations of RoIS as typed methods: values come back, failures are raised."""
+
+import secrets
+from collections.abc import Awaitable, Callable, Iterable
+from contextlib import suppress
+from typing import Any, TypeVar
+
+from openrois.client.bindings import Bindings
+from openrois.client.commands import Command, Commands, Execution
+from openrois.client.connection import Connection
+from openrois.client.errors import ConnectionLost
+from openrois.client.feed import BUFFER
+from openrois.client.steps import Concurrent, Step
+from openrois.client.subscription import Subscription
+from openrois.client.subscriptions import Subscriptions
+from openrois.types.messages import (
+    CommandResultParams,
+    CommandUnit,
+    ComponentParams,
+    ConcurrentCommands,
+    ConditionParams,
+    DetailParams,
+    ErrorDetailParams,
+    EventNotification,
+    ExecuteParams,
+    Parameter,
+    ParametersResult,
+    ProfileResult,
+    QueryParams,
+    ReferenceResult,
+    Result,
+    ResultsResult,
+    ReturnResult,
+    SearchResult,
+    SequenceItem,
+    SetParameterParams,
+    SetParameterResult,
+)
+
+__all__ = ["Operations"]
+
+T = TypeVar("T")
+Results = tuple[Result, ...]
+
+
+class Operations:
+    """System, Command, Query and Event interface of one gateway.
+
+    Every method raises a `RoISError` for a return code other than OK, `RpcError` where the gateway does not know the
+    method or its params, `ConnectionLost` and `TimeoutError`. Without a connection they wait for one, up to the request
+    timeout; `set_parameter` and `execute` do not, they raise `ConnectionLost` at once: what moves a robot is not kept
+    for later.
+    """
+
+    def __init__(
+        self, connection: Connection, commands: Commands, bindings: Bindings, subscriptions: Subscriptions
+    ) -> None:
+        self._connection = connection
+        self._commands = commands
+        self._bindings = bindings
+        self._subscriptions = subscriptions
+
+    async def get_profile(self, condition: str = "") -> ProfileResult:
+        """Return the tree of engines and the profile of each component that meets a condition."""
+        return await self._connection.ask(
+            "rois.system.get_profile", ConditionParams(condition=condition), ProfileResult
+        )
+
+    async def get_error_detail(self, error_id: str, condition: str = "") -> Results:
+        """Return what is known of a `Fault`."""
+        params = ErrorDetailParams(error_id=error_id, condition=condition)
+        return (await self._connection.ask("rois.system.get_error_detail", params, ResultsResult)).results
+
+    async def search(self, condition: str = "") -> tuple[str, ...]:
+        """Return the references of the components that meet a condition; of all without one. See `where`."""
+        params = ConditionParams(condition=condition)
+        return (await self._connection.ask("rois.command.search", params, SearchResult)).component_ref_list
+
+    async def bind(self, component_ref: str) -> None:
+        """Reserve a component. It is bound again after a reconnect, until it is released.
+
+        Raises:
+            OutOfResources: another application has it.
+            Unsupported: there is no such component.
+        """
+        await self._connection.ask(
+            "rois.command.bind",
+            ComponentParams(component_ref=component_ref),
+            ReturnResult,
+            accepted=lambda _result: self._bindings.took(component_ref),
+            too_late=lambda _result: self._release_late(component_ref),
+        )
+
+    async def bind_any(self, condition: str = "") -> str:
+        """Reserve one of the components that meet a condition and return its reference; raises as `bind`."""
+        result = await self._connection.ask(
+            "rois.command.bind_any",
+            ConditionParams(condition=condition),
+            ReferenceResult,
+            accepted=lambda result: self._bindings.took(result.component_ref),
+            too_late=lambda result: self._release_late(result.component_ref),
+        )
+        return result.component_ref
+
+    def _release_late(self, component_ref: str) -> None:
+        """Give back what was bound when its caller had given up, unless another caller has bound it as well."""
+        if not self._bindings.wants(component_ref):
+            self._connection.post("rois.command.release", ComponentParams(component_ref=component_ref))
+
+    async def release(self, component_ref: str) -> None:
+        """Give a component back; one that is not bound stays so. Without a connection it is given back already."""
+        self._bindings.gave_back(component_ref)
+        with suppress(ConnectionLost):
+            params = ComponentParams(component_ref=component_ref)
+            await self._connection.act("rois.command.release", params, ReturnResult)
+
+    async def get_parameter(self, component_ref: str) -> tuple[Parameter, ...]:
+        """Return the parameters of a component that have a value."""
+        params = ComponentParams(component_ref=component_ref)
+        return (await self._connection.ask("rois.command.get_parameter", params, ParametersResult)).parameters
+
+    async def set_parameter(self, component_ref: str, parameters: Iterable[Parameter]) -> Command[None]:
+        """Change parameters of a component, all at once; the command that comes back ends when that is done."""
+        commands: list[Command[None]] = []
+
+        def accepted(result: SetParameterResult) -> None:
+            # `completed` may be the very next message.
+            commands.append(Command(component_ref, "set_parameter", result.command_id, _nothing))
+            self._commands.expect(commands)
+
+        params = SetParameterParams(component_ref=component_ref, parameters=tuple(parameters))
+        await self._connection.act("rois.command.set_parameter", params, SetParameterResult, accepted)
+        return commands[0]
+
+    async def execute(self, *items: Step[Any] | Concurrent | CommandUnit | ConcurrentCommands) -> Execution:
+        """Send a sequence of commands; returns once the gateway has accepted all of them.
+
+        Args:
+            items: steps and `concurrent` steps; or units of the wire, whose `command_id`s are the caller's.
+
+        Returns:
+            The handles of the commands, in order; awaiting it waits for all.
+        """
+        sequence: list[SequenceItem] = []
+        commands: list[Command[Any]] = []
+        for item in items:
+            match item:
+                case CommandUnit():
+                    sequence.append(item)
+                    commands.append(self._handle(item))
+                case ConcurrentCommands():
+                    sequence.append(item)
+                    commands.extend(self._handle(unit) for unit in item.command_list)
+                case Concurrent():
+                    prepared = [await step.prepare(_new_id()) for step in item]
+                    sequence.append(
+                        ConcurrentCommands(command_list=tuple(u for u, _ in prepared), delay_time=item.delay_time)
+                    )
+                    commands.extend(command for _, command in prepared)
+                case Step():
+                    unit, command = await item.prepare(_new_id())
+                    sequence.append(unit)
+                    commands.append(command)
+        params = ExecuteParams(command_unit_list=tuple(sequence))
+        self._commands.expect(commands)
+        try:
+            await self._connection.act("rois.command.execute", params, ReturnResult)
+        except BaseException:
+            self._commands.forget(commands)
+            raise
+        return Execution(tuple(commands))
+
+    def _handle(self, unit: CommandUnit) -> Command[Results]:
+        return Command(unit.component_ref, unit.command_type, unit.command_id, self.get_command_result)
+
+    async def run(self, *items: Step[Any] | Concurrent | CommandUnit | ConcurrentCommands) -> None:
+        """Run a sequence of commands to its end: one after another, the steps of `concurrent` at the same time.
+
+        Raises:
+            RoISError: one was refused, and nothing ran; or one failed, and those after it did not run.
+        """
+        await (await self.execute(*items))
+
+    async def get_command_result(self, command_id: str, condition: str = "") -> Results:
+        """Return what a command of this application gave."""
+        params = CommandResultParams(command_id=command_id, condition=condition)
+        return (await self._connection.ask("rois.command.get_command_result", params, ResultsResult)).results
+
+    async def query(self, query_type: str, condition: str = "") -> Results:
+        """Ask the one component that answers a query and meets a condition."""
+        params = QueryParams(query_type=query_type, condition=condition)
+        return (await self._connection.ask("rois.query.query", params, ResultsResult)).results
+
+    def subscribe(
+        self, event_type: str, condition: str = "", *, buffer: int = BUFFER
+    ) -> Subscription[EventNotification]:
+        """Return the events of the one component that has this event and meets a condition.
+
+        Args:
+            event_type: which event.
+            condition: whose; see `where`.
+            buffer: how many events may wait to be read.
+        """
+        return self.listen(event_type, condition, _as_it_is, buffer)
+
+    def listen(
+        self, event_type: str, condition: str, read: Callable[[EventNotification], Awaitable[T]], buffer: int = BUFFER
+    ) -> Subscription[T]:
+        """Return what `read` makes of the events, as `subscribe`; those that it raises `ValueError` of are left out."""
+        return Subscription(self._subscriptions, event_type, condition, read, buffer)
+
+    async def get_event_detail(self, event_id: str, condition: str = "") -> Results:
+        """Return what an event tells, for as long as the gateway remembers it."""
+        params = DetailParams(event_id=event_id, condition=condition)
+        return (await self._connection.ask("rois.event.get_event_detail", params, ResultsResult)).results
+
+
+def _new_id() -> str:
+    """Return a command_id that nobody else chooses; without a slash it is no engine's."""
+    return secrets.token_hex(12)
+
+
+async def _nothing(_command_id: str) -> None:
+    """Read the results of a command that has none."""
+
+
+async def _as_it_is(notification: EventNotification) -> EventNotification:
+    """Read an event whose type is not known."""
+    return notification

@@ -1,0 +1,66 @@
+"""Making bindings and subscriptions again, for as long as something is missing."""
+
+import asyncio
+from contextlib import suppress
+from typing import Literal
+
+from openrois.client.bindings import Bindings
+from openrois.client.errors import ConnectionLost
+from openrois.client.reconnect import Reconnect
+from openrois.client.subscriptions import Subscriptions
+from openrois.jsonrpc.session import RpcSession
+
+__all__ = ["Restorer"]
+
+
+class Restorer:
+    """Keeps what an application has at a gateway as the application wants it.
+
+    Everything is renewed when the profile has changed: an engine that left and came back has forgotten it. What is
+    missing is tried again after a while: of a component that another application gives back, or that works again,
+    nobody tells.
+    """
+
+    def __init__(
+        self, bindings: Bindings, subscriptions: Subscriptions, reconnect: Reconnect, request_timeout: float
+    ) -> None:
+        self._bindings = bindings
+        self._subscriptions = subscriptions
+        self._reconnect = reconnect
+        self._timeout = request_timeout
+        self._changed = asyncio.Event()
+
+    def profile_changed(self) -> None:
+        """Learn that components came or went."""
+        self._changed.set()
+
+    async def run(self, session: RpcSession) -> None:
+        """Work on a new connection until it ends; what was bound is bound again already, see `Bindings.renew`."""
+        backoff = self._reconnect.backoff()
+        with suppress(ConnectionLost):
+            await self._subscriptions.renew(session, self._timeout, everything=False)
+            while True:
+                incomplete = self._bindings.incomplete or self._subscriptions.incomplete
+                changed = await self._changed_within(backoff.after(0) if incomplete else None)
+                if changed:
+                    backoff = self._reconnect.backoff()
+                await self._bindings.renew(session, self._timeout)
+                await self._subscriptions.renew(session, self._timeout, everything=changed)
+
+    async def _changed_within(self, delay: float | None) -> bool:
+        """Wait until the profile has changed, or for a delay if there is one; tell which it was."""
+        waiting = {asyncio.ensure_future(self._changed.wait())}
+        if delay is not None:
+            waiting.add(asyncio.ensure_future(self._pause(delay)))
+        try:
+            await asyncio.wait(waiting, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            for task in waiting:
+                task.cancel()
+        changed = self._changed.is_set()
+        self._changed.clear()
+        return changed
+
+    async def _pause(self, delay: float) -> Literal[True]:
+        await self._reconnect.sleep(self._reconnect.spread(delay))
+        return True
