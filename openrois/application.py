@@ -12,7 +12,7 @@ from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from openrois.command_log import CommandLog
+from openrois.command_log import CommandBudget, CommandLog
 from openrois.contract import Client, Fault
 from openrois.engine import Engine
 from openrois.error_log import ErrorLog
@@ -41,6 +41,7 @@ class EngineHost:
         engine: the engine that is spoken to.
         tasks: owns the commands; they go on when the application that started them is gone.
         reservations: who holds which component.
+        commands: how many commands are accepted and not finished.
         sleep: waits for some seconds, between the commands of a sequence.
         wall_clock: epoch seconds.
         ice_servers: what both ends of every stream may use, as the W3C's RTCIceServer objects.
@@ -49,6 +50,7 @@ class EngineHost:
     engine: Engine
     tasks: TaskScope
     reservations: Reservations = field(default_factory=Reservations)
+    commands: CommandBudget = field(default_factory=CommandBudget)
     sleep: Callable[[float], Awaitable[None]] = asyncio.sleep
     wall_clock: Callable[[], float] = time.time
     ice_servers: tuple[Mapping[str, Any], ...] = ()
@@ -77,7 +79,7 @@ class ApplicationSession:
         self.host = host
         self.engine = host.engine
         self.trusted = trusted
-        self.commands = CommandLog(time.monotonic)
+        self.commands = CommandLog(time.monotonic, host.commands)
         self.events = EventLog(self.engine, notify, wall_clock=host.wall_clock)
         self.errors = ErrorLog()
         self.bound: set[str] = set()

@@ -1,17 +1,19 @@
 """The commands of one application: which ids are taken, and what finished commands gave."""
 
-from collections import OrderedDict
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
 from openrois.errors import BadParameter, OutOfResources
+from openrois.remembered import Remembered
 from openrois.types.messages import Result
 
-__all__ = ["CommandLog"]
+__all__ = ["CommandBudget", "CommandLog"]
 
 MAX_FINISHED: Final = 4096
 MAX_RUNNING: Final = 1024
+MAX_UNFINISHED: Final = 16_384
+"""Commands of all applications, those that are gone included: what they started goes on, however long that takes."""
 RECENT: Final = 10.0
 """Seconds for which a command counts as being on its component after its end: news of what went wrong takes time."""
 
@@ -23,17 +25,40 @@ class _Finished:
     results: tuple[Result, ...]
 
 
-class CommandLog:
-    """Command ids belong to the application that chose them: two applications may use the same one."""
+class CommandBudget:
+    """How many commands of an engine are accepted and not finished yet, whoever started them."""
 
-    def __init__(
-        self, clock: Callable[[], float], max_finished: int = MAX_FINISHED, max_running: int = MAX_RUNNING
-    ) -> None:
+    def __init__(self, most: int = MAX_UNFINISHED) -> None:
+        self._left = most
+
+    def take(self, count: int) -> None:
+        """Count commands that are accepted.
+
+        Raises:
+            OutOfResources: they are too many.
+        """
+        if count > self._left:
+            raise OutOfResources("the engine has as many unfinished commands as it takes")
+        self._left -= count
+
+    def give_back(self) -> None:
+        """Count one that is finished."""
+        self._left += 1
+
+
+class CommandLog:
+    """Command ids belong to the application that chose them: two applications may use the same one.
+
+    Args:
+        clock: monotonic seconds.
+        budget: shared by all applications of the engine.
+    """
+
+    def __init__(self, clock: Callable[[], float], budget: CommandBudget) -> None:
         self._clock = clock
+        self._budget = budget
         self._running: dict[str, str] = {}
-        self._finished: OrderedDict[str, _Finished] = OrderedDict()
-        self._max_finished = max_finished
-        self._max_running = max_running
+        self._finished: Remembered[_Finished] = Remembered(MAX_FINISHED)
 
     def __contains__(self, command_id: str) -> bool:
         return command_id in self._running or command_id in self._finished
@@ -47,16 +72,16 @@ class CommandLog:
         Raises:
             OutOfResources: more commands would run than are allowed.
         """
-        if len(self._running) + len(commands) > self._max_running:
-            raise OutOfResources(f"at most {self._max_running} commands of one application run at a time")
+        if len(self._running) + len(commands) > MAX_RUNNING:
+            raise OutOfResources(f"at most {MAX_RUNNING} commands of one application run at a time")
+        self._budget.take(len(commands))
         self._running.update(commands)
 
     def finish(self, command_id: str, results: tuple[Result, ...]) -> None:
-        """Note a command as finished; the oldest of too many finished ones is forgotten."""
-        component_ref = self._running.pop(command_id, "")
-        self._finished[command_id] = _Finished(component_ref, self._clock(), results)
-        while len(self._finished) > self._max_finished:
-            self._finished.popitem(last=False)
+        """Note a running command as finished; the oldest of too many finished ones is forgotten."""
+        component_ref = self._running.pop(command_id)
+        self._budget.give_back()
+        self._finished.put(command_id, _Finished(component_ref, self._clock(), results), results)
 
     def results(self, command_id: str) -> tuple[Result, ...]:
         """Return what a command gave: empty while it runs and when it failed.
@@ -64,17 +89,19 @@ class CommandLog:
         Raises:
             BadParameter: no command with this id is remembered.
         """
-        if command_id not in self:
-            raise BadParameter(f"there is no command {command_id[:200]!r}")
         finished = self._finished.get(command_id)
-        return () if finished is None else finished.results
+        if finished is not None:
+            return finished.results
+        if command_id not in self._running:
+            raise BadParameter(f"there is no command {command_id[:200]!r}")
+        return ()
 
     def has_one_on(self, component_ref: str) -> bool:
         """Tell whether a command runs on the component, or did so until a moment ago."""
         if component_ref in self._running.values():
             return True
         oldest = self._clock() - RECENT
-        for finished in reversed(self._finished.values()):
+        for finished in self._finished.newest_first():
             if finished.at < oldest:
                 return False
             if finished.component_ref == component_ref:

@@ -1,10 +1,10 @@
 """The faults that one application was told, and what it may ask about them."""
 
-from collections import OrderedDict
 from typing import Final
 
 from openrois.contract import Fault
 from openrois.errors import BadParameter
+from openrois.remembered import Remembered
 from openrois.types.messages import Result
 
 __all__ = ["ErrorLog", "error_results"]
@@ -16,13 +16,12 @@ class ErrorLog:
     """Error ids that this application was told: those of others look like ones that do not exist."""
 
     def __init__(self) -> None:
-        self._told: OrderedDict[str, tuple[Result, ...]] = OrderedDict()
+        self._told: Remembered[tuple[Result, ...]] = Remembered(MAX_ERRORS)
 
     def note(self, fault: Fault) -> None:
         """Remember a fault; the oldest of too many is forgotten."""
-        self._told[fault.error_id] = error_results(fault)
-        while len(self._told) > MAX_ERRORS:
-            self._told.popitem(last=False)
+        results = error_results(fault)
+        self._told.put(fault.error_id, results, results)
 
     def details(self, error_id: str) -> tuple[Result, ...]:
         """Return what is known of a fault.
@@ -30,9 +29,10 @@ class ErrorLog:
         Raises:
             BadParameter: this application was never told of it, or it is forgotten.
         """
-        if error_id not in self._told:
+        results = self._told.get(error_id)
+        if results is None:
             raise BadParameter(f"there is no error {error_id[:200]!r}")
-        return self._told[error_id]
+        return results
 
 
 def error_results(fault: Fault) -> tuple[Result, ...]:

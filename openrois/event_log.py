@@ -3,7 +3,7 @@
 import asyncio
 import logging
 import time
-from collections import OrderedDict, deque
+from collections import deque
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from typing import Final
@@ -12,6 +12,7 @@ from openrois.contract import Event, SubscriptionLost
 from openrois.engine import Engine
 from openrois.errors import BadParameter, EngineUnreachable, OutOfResources
 from openrois.jsonrpc.session import Reply
+from openrois.remembered import Remembered
 from openrois.types.messages import EventNotification, Result, SubscribeResult
 from openrois.types.references import new_id
 from openrois.types.streams import StreamStatusNotification
@@ -56,7 +57,7 @@ class EventLog:
         self._clock = clock
         self._wall_clock = wall_clock
         self._subscriptions: dict[str, _Subscription] = {}
-        self._details: OrderedDict[str, tuple[float, tuple[Result, ...]]] = OrderedDict()
+        self._details: Remembered[tuple[float, tuple[Result, ...]]] = Remembered(MAX_DETAILS)
 
     async def subscribe(self, component_ref: str, event_type: str, *, of_streams: bool) -> Reply:
         """Subscribe and return the reply, after which events flow.
@@ -121,7 +122,7 @@ class EventLog:
         Raises:
             BadParameter: it was never told, or too long ago.
         """
-        expires, results = self._details.get(event_id, (0.0, ()))
+        expires, results = self._details.get(event_id) or (0.0, ())
         if self._clock() >= expires:
             raise BadParameter(f"there are no details of an event {event_id[:200]!r}")
         return results
@@ -154,9 +155,7 @@ class EventLog:
             subscription.held.append(item)
 
     def _tell(self, subscription: _Subscription, event: Event) -> None:
-        self._details[event.event_id] = (self._clock() + DETAIL_LIFETIME, event.results)
-        while len(self._details) > MAX_DETAILS:
-            self._details.popitem(last=False)
+        self._details.put(event.event_id, (self._clock() + DETAIL_LIFETIME, event.results), event.results)
         notification = EventNotification(
             event_id=event.event_id,
             event_type=event.event_type,

@@ -1,8 +1,8 @@
-"""Command ids of one application."""
+"""Command ids of one application, and the commands of all."""
 
 import pytest
 
-from openrois.command_log import RECENT, CommandLog
+from openrois.command_log import MAX_FINISHED, MAX_RUNNING, RECENT, CommandBudget, CommandLog
 from openrois.errors import BadParameter, OutOfResources
 from openrois.types.messages import Result
 from tests.support.clock import Clock
@@ -14,8 +14,17 @@ def on(component_ref: str, *command_ids: str) -> dict[str, str]:
     return dict.fromkeys(command_ids, component_ref)
 
 
-def test_a_command_runs_then_has_results() -> None:
-    log = CommandLog(Clock())
+@pytest.fixture
+def clock() -> Clock:
+    return Clock()
+
+
+@pytest.fixture
+def log(clock: Clock) -> CommandLog:
+    return CommandLog(clock, CommandBudget())
+
+
+def test_a_command_runs_then_has_results(log: CommandLog) -> None:
     log.accept(on("lamp", "a", "b"))
     assert "a" in log
     assert log.results("a") == ()
@@ -25,34 +34,44 @@ def test_a_command_runs_then_has_results() -> None:
     assert log.results("b") == ()
 
 
-def test_an_unknown_command_has_none() -> None:
-    log = CommandLog(Clock())
+def test_an_unknown_command_has_none(log: CommandLog) -> None:
     assert "x" not in log
     with pytest.raises(BadParameter):
         log.results("x")
 
 
-def test_finished_commands_are_forgotten_oldest_first_and_running_ones_never() -> None:
-    log = CommandLog(Clock(), max_finished=2)
-    log.accept(on("lamp", "a", "b", "c", "running"))
-    for command_id in "abc":
-        log.finish(command_id, TOTAL)
-    assert ["a" in log, "b" in log, "c" in log, "running" in log] == [False, True, True, True]
+def test_finished_commands_are_forgotten_oldest_first_and_running_ones_never(log: CommandLog) -> None:
+    log.accept(on("lamp", "running"))
+    for number in range(MAX_FINISHED + 1):
+        log.accept(on("lamp", str(number)))
+        log.finish(str(number), TOTAL)
+    assert ["0" in log, "1" in log, "running" in log] == [False, True, True]
 
 
-def test_commands_that_run_are_bounded_all_or_none() -> None:
-    log = CommandLog(Clock(), max_running=2)
-    log.accept(on("lamp", "a"))
+def test_commands_that_run_are_bounded_all_or_none(log: CommandLog) -> None:
+    log.accept(on("lamp", *(str(number) for number in range(MAX_RUNNING - 1))))
     with pytest.raises(OutOfResources):
         log.accept(on("lamp", "b", "c"))
     assert "b" not in log
-    log.finish("a", ())
+    log.finish("0", ())
     log.accept(on("lamp", "b", "c"))
 
 
-def test_a_command_is_on_its_component_until_a_moment_after_its_end() -> None:
-    clock = Clock()
-    log = CommandLog(clock)
+def test_the_commands_of_all_applications_are_bounded_all_or_none(clock: Clock) -> None:
+    budget = CommandBudget(most=3)
+    one, other = CommandLog(clock, budget), CommandLog(clock, budget)
+    one.accept(on("lamp", "a", "b"))
+    with pytest.raises(OutOfResources):
+        other.accept(on("lamp", "a", "b"))
+    assert "a" not in other
+    other.accept(on("lamp", "a"))
+    with pytest.raises(OutOfResources):
+        one.accept(on("lamp", "c"))
+    one.finish("a", ())
+    one.accept(on("lamp", "c"))
+
+
+def test_a_command_is_on_its_component_until_a_moment_after_its_end(log: CommandLog, clock: Clock) -> None:
     log.accept(on("lamp", "a") | on("bell", "b"))
     log.finish("a", ())
     clock.now += RECENT

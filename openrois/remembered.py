@@ -1,0 +1,52 @@
+"""What is kept for an application that may ask for it later: so many entries, and so much text."""
+
+from collections import OrderedDict
+from collections.abc import Iterator
+from typing import Final, Generic, TypeVar
+
+from openrois.types.messages import Result
+
+__all__ = ["MAX_TEXT", "Remembered"]
+
+MAX_TEXT: Final = 16 * 1024 * 1024
+"""Characters of all results together; messages are long enough to fill a memory with few entries."""
+
+Entry = TypeVar("Entry")
+
+
+class Remembered(Generic[Entry]):
+    """Entries by id; of too many, or of too much text, the oldest are forgotten.
+
+    Args:
+        most: entries.
+        most_text: characters in their results.
+    """
+
+    def __init__(self, most: int, most_text: int = MAX_TEXT) -> None:
+        self._most = most
+        self._most_text = most_text
+        self._entries: OrderedDict[str, tuple[Entry, int]] = OrderedDict()
+        self._text = 0
+
+    def __contains__(self, key: str) -> bool:
+        return key in self._entries
+
+    def get(self, key: str) -> Entry | None:
+        """Return an entry, or None where it is unknown or forgotten."""
+        found = self._entries.get(key)
+        return None if found is None else found[0]
+
+    def put(self, key: str, entry: Entry, results: tuple[Result, ...]) -> None:
+        """Remember an entry, which weighs as much as the text of `results`; one that is known is replaced."""
+        text = sum(len(result.value) for result in results)
+        former = self._entries.get(key)
+        self._text += text if former is None else text - former[1]
+        self._entries[key] = entry, text
+        while len(self._entries) > self._most or self._text > self._most_text:
+            _, (_, forgotten) = self._entries.popitem(last=False)
+            self._text -= forgotten
+
+    def newest_first(self) -> Iterator[Entry]:
+        """Yield the entries, the newest first."""
+        for entry, _ in reversed(self._entries.values()):
+            yield entry
