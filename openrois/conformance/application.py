@@ -1,0 +1,214 @@
+"""An application that is nothing but a WebSocket: it speaks raw JSON and judges whatever it hears."""
+
+import asyncio
+import json
+from typing import Any, Final
+
+from websockets.asyncio.client import ClientConnection
+from websockets.exceptions import ConnectionClosed
+
+from openrois.conformance.deviation import Deviation, expect, shown
+from openrois.conformance.strictness import check_envelope, is_extension, read_notification, read_result
+from openrois.conformance.transcript import Transcript
+
+__all__ = ["Application"]
+
+COMPLETED: Final = "rois.command.completed"
+EVENT: Final = "rois.event.notify_event"
+
+
+class Application:
+    """One connection of an application.
+
+    Args:
+        socket: the open connection.
+        name: what it is called in the transcript.
+        transcript: keeps what is said.
+        patience: seconds to wait for anything.
+
+    Attributes:
+        told: the notifications that nobody asked for yet: method and params, in order.
+    """
+
+    def __init__(self, socket: ClientConnection, name: str, transcript: Transcript, patience: float) -> None:
+        self.socket = socket
+        self.name = name
+        self.told: list[tuple[str, dict[str, Any]]] = []
+        self.extended = False
+        self._transcript = transcript
+        self.patience = patience
+        self._asked: set[str] = set()
+        self._answers: dict[str, dict[str, Any]] = {}
+        self._ended: set[str] = set()
+        self._last_id = 0
+
+    async def send(self, message: Any) -> None:
+        """Send a frame: text as it is, bytes as a binary frame, anything else as JSON."""
+        frame = message if isinstance(message, str | bytes) else json.dumps(message)
+        self._transcript.note(self.name, frame if isinstance(frame, str) else repr(frame), outgoing=True)
+        try:
+            await self.socket.send(frame)
+        except ConnectionClosed as closed:
+            raise self._broken(closed) from None
+
+    async def hear(self) -> dict[str, Any]:
+        """Return the next frame, checked: a response as it came, a notification kept in `told` as well."""
+        message: dict[str, Any] = await self._receive()
+        check_envelope(message)
+        if "method" in message:
+            params = read_notification(message["method"], message.get("params", {}), extended=self.extended)
+            self._count(message["method"], params)
+            self.told.append((message["method"], params))
+        return message
+
+    async def _receive(self) -> Any:
+        try:
+            async with asyncio.timeout(self.patience):
+                frame = await self.socket.recv()
+        except TimeoutError:
+            raise Deviation(f"a frame within {self.patience:g} s", "nothing") from None
+        except ConnectionClosed as closed:
+            raise self._broken(closed) from None
+        text = frame if isinstance(frame, str) else repr(frame)
+        self._transcript.note(self.name, text, outgoing=False)
+        if not isinstance(frame, str):
+            raise Deviation("text frames", "a binary frame")
+        try:
+            return json.loads(frame)
+        except ValueError:
+            raise Deviation("JSON", shown(frame)) from None
+
+    def _broken(self, closed: ConnectionClosed) -> Deviation:
+        frame = closed.rcvd
+        how = "broken off" if frame is None else f"closed with {frame.code} {frame.reason}".rstrip()
+        return Deviation("an open connection", how)
+
+    def _count(self, method: str, params: dict[str, Any]) -> None:
+        if method == COMPLETED:
+            if params["command_id"] in self._ended:
+                raise Deviation(f"one `completed` for the command {params['command_id']}", "a second one")
+            self._ended.add(params["command_id"])
+
+    async def begin(self, method: str, **params: Any) -> str:
+        """Send a request and return its id."""
+        self._last_id += 1
+        request_id = f"req-{self._last_id}"
+        self.expect_answer_to(request_id)
+        self.extended = self.extended or is_extension(method)
+        await self.send({"jsonrpc": "2.0", "id": request_id, "method": method, "params": params})
+        return request_id
+
+    def expect_answer_to(self, request_id: Any) -> None:
+        """Say that a request with this id was or will be sent."""
+        self._asked.add(json.dumps(request_id))
+
+    async def response(self, request_id: Any) -> dict[str, Any]:
+        """Return the response to a request, whatever comes before it."""
+        wanted = json.dumps(request_id)
+        while wanted not in self._answers:
+            message = await self.hear()
+            if "method" not in message:
+                self._file(message)
+        return self._answers.pop(wanted)
+
+    def _file(self, message: dict[str, Any]) -> None:
+        key = json.dumps(message["id"])
+        if key not in self._asked:
+            raise Deviation("one answer to each request, with its id unchanged", shown(message))
+        self._asked.discard(key)
+        self._answers[key] = message
+
+    async def answer_to(self, raw: Any) -> dict[str, Any]:
+        """Send one frame and return the response that comes next, whatever its id."""
+        await self.send(raw)
+        while "method" in (message := await self.hear()):
+            pass
+        return message
+
+    async def result(self, method: str, request_id: str) -> dict[str, Any]:
+        """Return the result of a request of `method`, checked."""
+        response = await self.response(request_id)
+        if "result" not in response:
+            raise Deviation(f"a result of {method}", shown(response))
+        return read_result(method, response["result"])
+
+    async def ask(self, method: str, **params: Any) -> dict[str, Any]:
+        """Ask and return the result, checked and with every field."""
+        return await self.result(method, await self.begin(method, **params))
+
+    async def code(self, method: str, **params: Any) -> str:
+        """Ask and return the return code."""
+        return str((await self.ask(method, **params))["return_code"])
+
+    async def granted(self, method: str, **params: Any) -> dict[str, Any]:
+        """Ask what has to be answered OK and return the result."""
+        result = await self.ask(method, **params)
+        expect(f"the return_code of {method}", result["return_code"], "OK")
+        return result
+
+    async def refused(self, method: str, *codes: str, **params: Any) -> dict[str, Any]:
+        """Ask what has to be answered with one of `codes`, and with nothing in the other fields; return the result."""
+        result = await self.ask(method, **params)
+        expect(f"the return_code of {method}", result["return_code"], *codes)
+        left = {name: value for name, value in result.items() if name != "return_code" and value}
+        if left and set(left) != {"status"}:
+            raise Deviation(f"the out parameters of a refused {method} to be empty", shown(left))
+        return result
+
+    async def error(self, method: str, *codes: int, **params: Any) -> dict[str, Any]:
+        """Ask what has to be answered with a JSON-RPC error of one of `codes` and return the error."""
+        response = await self.response(await self.begin(method, **params))
+        if "error" not in response:
+            raise Deviation(f"the error {' or '.join(map(str, codes))}", shown(response))
+        error: dict[str, Any] = response["error"]
+        expect("the error's code", error["code"], *codes)
+        return error
+
+    async def next(self, method: str) -> dict[str, Any]:
+        """Return the params of the next notification of `method`; those of other methods stay in `told`."""
+        while True:
+            for index, (name, params) in enumerate(self.told):
+                if name == method:
+                    del self.told[index]
+                    return params
+            message = await self.hear()
+            if "method" not in message:
+                self._file(message)
+
+    async def completed(self, *command_ids: str) -> dict[str, str]:
+        """Wait until commands have completed and return how; no other may complete meanwhile."""
+        ended: dict[str, str] = {}
+        while set(ended) != set(command_ids):
+            notice = await self.next(COMPLETED)
+            if notice["command_id"] not in command_ids:
+                raise Deviation(f"`completed` of {', '.join(command_ids)} only", shown(notice))
+            ended[notice["command_id"]] = notice["status"]
+        return ended
+
+    def left(self) -> list[str]:
+        """Return what the notifications are called that nobody asked for; changes of the tree are nobody's."""
+        return [method for method, _ in self.told if method != "rois.system.profile_changed"]
+
+    def forget(self, method: str) -> None:
+        """Drop the notifications of `method` that nobody asked for."""
+        self.told = [(name, params) for name, params in self.told if name != method]
+
+    async def settled(self) -> list[str]:
+        """Ask something harmless and return what came up to its answer and nobody asked for."""
+        await self.ask("rois.command.search", condition="component_ref = ''")
+        return self.left()
+
+    async def silent(self, why: str) -> None:
+        """Refuse any notification, up to now, that nobody asked for."""
+        if await self.settled():
+            raise Deviation(f"no notification: {why}", shown(self.told))
+
+    async def closed(self) -> tuple[int, str]:
+        """Wait until the gateway closes the connection and return its code and reason."""
+        try:
+            async with asyncio.timeout(self.patience):
+                await self.socket.wait_closed()
+        except TimeoutError:
+            raise Deviation(f"the connection to be closed within {self.patience:g} s", "it is open") from None
+        self._transcript.note(self.name, f"closed {self.socket.close_code} {self.socket.close_reason}", outgoing=False)
+        return self.socket.close_code or 1006, self.socket.close_reason or ""

@@ -1,0 +1,32 @@
+"""What is tried from outside, by area."""
+
+from typing import Final
+
+from openrois.conformance.checks import (
+    adapters,
+    command,
+    components,
+    envelope,
+    event,
+    execute,
+    query,
+    streams,
+    system,
+    transport,
+)
+from openrois.conformance.stage import Check
+
+__all__ = ["ALL_CHECKS"]
+
+ALL_CHECKS: Final[tuple[Check, ...]] = (
+    *transport.CHECKS,
+    *envelope.CHECKS,
+    *system.CHECKS,
+    *command.CHECKS,
+    *execute.CHECKS,
+    *query.CHECKS,
+    *event.CHECKS,
+    *components.CHECKS,
+    *adapters.CHECKS,
+    *streams.CHECKS,
+)

@@ -1,0 +1,40 @@
+"""What is said of a gateway that does something else than it shall."""
+
+import json
+from typing import Any, Final
+
+__all__ = ["Deviation", "expect", "shown"]
+
+_LONGEST: Final = 240
+
+
+class Deviation(Exception):
+    """The gateway did something else than it shall.
+
+    Attributes:
+        expected: what it should have done.
+        came: what it did.
+    """
+
+    def __init__(self, expected: str, came: str) -> None:
+        super().__init__(f"expected {expected}; came {came}")
+        self.expected = expected
+        self.came = came
+
+
+def shown(value: Any) -> str:
+    """Return a JSON value as short text."""
+    text = value if isinstance(value, str) else json.dumps(value, ensure_ascii=False, default=str)
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}... ({len(text)} characters)"
+
+
+def expect(what: str, came: Any, *wanted: Any) -> None:
+    """Raise `Deviation` unless what came is one of the things that are wanted, type and all.
+
+    Args:
+        what: what is looked at, such as `the return_code of bind`.
+        came: what it is.
+        wanted: what it may be.
+    """
+    if not any(came == value and type(came) is type(value) for value in wanted):
+        raise Deviation(f"{what} to be {' or '.join(shown(value) for value in wanted)}", shown(came))

@@ -1,0 +1,198 @@
+"""The suite's own adapter: it dials the gateway, answers what it is asked, and does what a check tells it to."""
+
+import asyncio
+import json
+import secrets
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager, suppress
+from typing import Any
+
+from websockets.asyncio.client import ClientConnection, connect
+from websockets.exceptions import ConnectionClosed
+
+from openrois.conformance.deviation import Deviation, shown
+from openrois.conformance.probe_engine import Answer, ProbeEngine
+from openrois.conformance.transcript import Transcript
+
+__all__ = ["Probe", "dialled", "new_engine_id"]
+
+
+def new_engine_id() -> str:
+    """Return an engine id that no tree has yet."""
+    return f"conformance-{secrets.token_hex(4)}"
+
+
+class Probe:
+    """An adapter of the suite, connected.
+
+    Args:
+        socket: the open connection.
+        engine: answers what the gateway asks.
+        transcript: keeps what is said.
+        patience: seconds to wait for anything.
+
+    Attributes:
+        asked: what the gateway asked: method and params, in order.
+        refusals: the codes of the errors that the gateway sent.
+    """
+
+    def __init__(self, socket: ClientConnection, engine: ProbeEngine, transcript: Transcript, patience: float) -> None:
+        self.socket = socket
+        self.engine = engine
+        self.asked: list[tuple[str, dict[str, Any]]] = []
+        self.refusals: list[int] = []
+        self._held: list[Any] = []
+        self._transcript = transcript
+        self._patience = patience
+        self._change = asyncio.Event()
+
+    def reset(self) -> None:
+        """Forget what earlier checks did."""
+        self.asked.clear()
+        self.refusals.clear()
+        self.engine.reset()
+
+    def ref(self, name: str) -> str:
+        """Return the component_ref of a component by its name."""
+        return next(ref for ref in self.engine.profiles if ref.rpartition("/")[2] == name)
+
+    async def run(self) -> None:
+        """Answer until the connection ends."""
+        with suppress(ConnectionClosed):
+            while True:
+                text = str(await self.socket.recv())
+                self._transcript.note("adapter", text, outgoing=False)
+                await self._take(json.loads(text))
+                self._change.set()
+
+    async def _take(self, message: dict[str, Any]) -> None:
+        if "error" in message:
+            self.refusals.append(message["error"]["code"])
+        if "method" not in message:
+            return
+        method, params = message["method"], message.get("params") or {}
+        self.asked.append((method, params))
+        if "id" not in message:
+            return
+        answer = self.engine.answer(method, params)
+        if answer.result is None and answer.error is None:
+            self._held.append(message["id"])
+        else:
+            await self._answer(message["id"], answer)
+
+    async def _answer(self, request_id: Any, answer: Answer) -> None:
+        envelope = {"jsonrpc": "2.0", "id": request_id}
+        if answer.error is not None:
+            envelope["error"] = {"code": answer.error, "message": "the suite's adapter refuses"}
+        else:
+            envelope["result"] = answer.result
+        await self.say(json.dumps(envelope, ensure_ascii=False))
+        for method, params in answer.then:
+            await self.tell(method, **params)
+
+    async def say(self, text: str) -> None:
+        """Send a frame as it is."""
+        self._transcript.note("adapter", text, outgoing=True)
+        await self.socket.send(text)
+
+    async def tell(self, method: str, **params: Any) -> None:
+        """Send a notification."""
+        await self.say(json.dumps({"jsonrpc": "2.0", "method": method, "params": params}, ensure_ascii=False))
+
+    async def until(self, condition: Callable[[], bool], what: str) -> None:
+        """Wait until a condition on what the gateway asked holds."""
+        try:
+            async with asyncio.timeout(self._patience):
+                while not condition():
+                    self._change.clear()
+                    await self._change.wait()
+        except TimeoutError:
+            raise Deviation(f"the gateway, within {self._patience:g} s, to {what}", "it does not") from None
+
+    def params_of(self, method: str) -> list[dict[str, Any]]:
+        """Return the params of every request of `method`, in order."""
+        return [params for name, params in self.asked if name == method]
+
+    def last(self, method: str) -> dict[str, Any]:
+        """Return the params of the latest request of `method`."""
+        found = self.params_of(method)
+        if not found:
+            raise Deviation(f"the gateway to ask its adapter {method}", shown([name for name, _ in self.asked]))
+        return found[-1]
+
+    async def happen(self, component_ref: str, event_type: str = "happened") -> str:
+        """Announce an event to every subscription to it and return its id."""
+        event_id, notices = self.engine.event(component_ref, event_type)
+        for method, params in notices:
+            await self.tell(method, **params)
+        return event_id
+
+    def subscription(self, component_ref: str) -> str:
+        """Return the id of the gateway's latest subscription to a component."""
+        for subscribe_id, (ref, _) in reversed(self.engine.subscriptions.items()):
+            if ref == component_ref:
+                return subscribe_id
+        raise Deviation(f"the gateway to subscribe at its adapter to events of {component_ref}", "nothing")
+
+    async def hangs(self, component_ref: str) -> None:
+        """Wait until a command of a component hangs."""
+        await self.until(lambda: component_ref in self.engine.hanging(), f"start a command of {component_ref}")
+
+    async def finish(self, component_ref: str, status: str = "OK") -> None:
+        """End the commands of a component that hang."""
+        for method, params in self.engine.finish(component_ref, status):
+            await self.tell(method, **params)
+
+    async def answer_held(self, result: dict[str, Any] | None = None) -> None:
+        """Answer the requests that were not answered, all with one result."""
+        held, self._held = self._held, []
+        for request_id in held:
+            await self._answer(request_id, Answer(result or {"return_code": "OK", "results": []}))
+
+    async def let_go(self) -> None:
+        """End whatever hangs, so that nothing of a check outlives it."""
+        with suppress(ConnectionClosed):
+            for component_ref in self.engine.hanging():
+                await self.finish(component_ref, "ABORT")
+            await self.answer_held({"return_code": "ERROR"})
+
+    async def closed(self) -> tuple[int, str]:
+        """Wait until the gateway closes the connection and return its code and reason."""
+        try:
+            async with asyncio.timeout(self._patience):
+                await self.socket.wait_closed()
+        except TimeoutError:
+            raise Deviation(
+                f"the adapter's connection to be closed within {self._patience:g} s", "it is open"
+            ) from None
+        return self.socket.close_code or 1006, self.socket.close_reason or ""
+
+
+@asynccontextmanager
+async def dialled(
+    url: str, transcript: Transcript, patience: float, engine: ProbeEngine, **options: Any
+) -> AsyncIterator[Probe]:
+    """Connect an adapter of the suite for as long as the block runs.
+
+    Args:
+        url: the gateway's address for adapters.
+        transcript: keeps what is said.
+        patience: seconds to wait for anything.
+        engine: answers what the gateway asks.
+        options: of the WebSocket.
+
+    Raises:
+        OSError: nothing listens there.
+        websockets.exceptions.InvalidHandshake: adapters are not let in.
+    """
+    opened = connect(url, compression=None, max_size=None, max_queue=None, open_timeout=patience, proxy=None, **options)
+    async with opened as socket:
+        probe = Probe(socket, engine, transcript, patience)
+        serving = asyncio.ensure_future(probe.run())
+        try:
+            yield probe
+        finally:
+            await probe.let_go()
+            await socket.close()
+            serving.cancel()
+            await asyncio.wait({serving})

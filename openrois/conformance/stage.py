@@ -1,0 +1,198 @@
+"""Where a check plays: the gateway's address, the suite's adapter, and connections that end with the check."""
+
+from collections.abc import Awaitable, Callable
+from contextlib import AsyncExitStack, suppress
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Any, Final, TypeVar
+from urllib.parse import urlsplit
+
+from websockets.asyncio.client import connect
+from websockets.exceptions import InvalidHandshake
+
+from openrois.conformance.application import Application
+from openrois.conformance.deviation import Deviation
+from openrois.conformance.probe import Probe, dialled, new_engine_id
+from openrois.conformance.probe_engine import ProbeEngine
+from openrois.conformance.probe_profiles import component_profiles
+from openrois.conformance.transcript import Transcript
+
+__all__ = ["Check", "Checks", "Needs", "Setting", "Stage", "adapter_url"]
+
+_CLOSE_TIMEOUT: Final = 1.0
+
+
+class Needs(Enum):
+    """What a check cannot do without. The value says why it was not run."""
+
+    APPLICATION = "nothing"
+    ADAPTER = "the suite's own adapter was not allowed (--no-adapter)"
+    EXTENSIONS = "the gateway does not answer openrois.hello"
+    COMPONENT = "no component was given (--component)"
+
+
+def adapter_url(url: str) -> str:
+    """Return where adapters dial, given where applications do."""
+    parts = urlsplit(url)
+    return f"{parts.scheme}://{parts.netloc}/adapter"
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """What all checks of a run share.
+
+    Attributes:
+        url: where applications connect.
+        patience: seconds to wait for anything.
+        transcript: keeps what is said during a check.
+        probe: the suite's adapter, where there is one.
+        extensions: those that the gateway speaks.
+        component: a component of somebody else that may be tried.
+    """
+
+    url: str
+    patience: float
+    transcript: Transcript
+    probe: Probe | None = None
+    extensions: tuple[str, ...] = ()
+    component: str | None = None
+
+
+@dataclass
+class Stage:
+    """What one check has. Whatever is opened here is closed when the check ends.
+
+    Attributes:
+        remarks: what a user should know although the check passed.
+    """
+
+    setting: Setting
+    stack: AsyncExitStack
+    remarks: list[str] = field(default_factory=list)
+    _applications: list[Application] = field(default_factory=list)
+
+    @property
+    def probe(self) -> Probe:
+        """The suite's adapter."""
+        if self.setting.probe is None:
+            raise RuntimeError("a check that uses the adapter has to say that it needs it")
+        return self.setting.probe
+
+    @property
+    def patience(self) -> float:
+        """Seconds to wait for anything."""
+        return self.setting.patience
+
+    @property
+    def component(self) -> str:
+        """The component of somebody else that may be tried."""
+        return self.setting.component or ""
+
+    def ref(self, name: str) -> str:
+        """Return the component_ref of a component of the suite's adapter."""
+        return self.probe.ref(name)
+
+    def remark(self, text: str) -> None:
+        """Say something although the check passes."""
+        self.remarks.append(text)
+
+    async def application(self, **options: Any) -> Application:
+        """Connect an application."""
+        opened = connect(
+            self.setting.url,
+            compression=None,
+            max_size=None,
+            max_queue=None,
+            open_timeout=self.patience,
+            close_timeout=_CLOSE_TIMEOUT,
+            proxy=None,
+            **options,
+        )
+        try:
+            socket = await self.stack.enter_async_context(opened)
+        except (OSError, InvalidHandshake, TimeoutError) as error:
+            raise Deviation("an application to be let in", str(error)) from None
+        name = f"application {len(self._applications) + 1}"
+        app = Application(socket, name, self.setting.transcript, self.patience)
+        self._applications.append(app)
+        return app
+
+    async def adapter(self, engine: ProbeEngine | None = None) -> Probe:
+        """Connect an adapter of the check's own; it may not be attached yet."""
+        if engine is None:
+            engine_id = new_engine_id()
+            engine = ProbeEngine(engine_id, component_profiles(engine_id))
+        opened = dialled(adapter_url(self.setting.url), self.setting.transcript, self.patience, engine)
+        return await self.stack.enter_async_context(opened)
+
+    async def attached(self, engine: ProbeEngine | None = None) -> Probe:
+        """Connect an adapter of the check's own and wait until it is part of the tree."""
+        probe = await self.adapter(engine)
+        await self.until_there(next(iter(probe.engine.profiles)))
+        return probe
+
+    async def until_there(self, component_ref: str, *, there: bool = True) -> None:
+        """Wait until a component can be found, or can no longer be found."""
+        app = await self.application()
+        wanted = [component_ref] if there else []
+        condition = f"component_ref = '{component_ref}'"
+        while (await app.ask("rois.command.search", condition=condition))["component_ref_list"] != wanted:
+            await app.next("rois.system.profile_changed")
+
+    async def settle(self, app: Application, *allowed: str) -> None:
+        """Refuse any notification to `app` that the adapter caused up to now, except those that are allowed."""
+        condition = f"component_ref = '{self.ref('eye')}'"
+        await app.granted("rois.query.query", query_type="component_status", condition=condition)
+        for method in allowed:
+            app.forget(method)
+        await app.silent("nothing that was done causes one")
+
+    async def strike(self) -> None:
+        """End the check: what it left running is ended, and nobody may have heard what they should not."""
+        if self.setting.probe is not None:
+            await self.setting.probe.let_go()
+        for app in self._applications:
+            if app.socket.close_code is None:
+                await app.settled()
+
+    async def clear(self) -> None:
+        """Give everything back, whatever state it is in."""
+        for app in self._applications:
+            with suppress(Deviation):
+                if app.socket.close_code is None:
+                    await app.code("rois.system.disconnect")
+
+
+Play = Callable[[Stage], Awaitable[None]]
+_Play = TypeVar("_Play", bound=Play)
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """One thing that is tried from outside.
+
+    Attributes:
+        id: what requirements call it.
+        title: one sentence: what the gateway shall do.
+        play: does it; raises `Deviation` where the gateway does something else.
+        needs: what it cannot do without.
+    """
+
+    id: str
+    title: str
+    play: Play
+    needs: frozenset[Needs]
+
+
+class Checks(list[Check]):
+    """The checks of one module, in the order they stand there."""
+
+    def __call__(self, check_id: str, *needs: Needs) -> Callable[[_Play], _Play]:
+        """Mark a function as a check; the first line of its docstring is the title."""
+
+        def mark(play: _Play) -> _Play:
+            title = (play.__doc__ or "").partition("\n")[0]
+            self.append(Check(check_id, title, play, frozenset(needs)))
+            return play
+
+        return mark

@@ -1,0 +1,166 @@
+"""Running the checks against a gateway, one after another, each with connections of its own."""
+
+import asyncio
+from collections.abc import AsyncIterator, Callable, Sequence
+from contextlib import AsyncExitStack, asynccontextmanager
+from dataclasses import dataclass, replace
+from enum import Enum
+from typing import Final
+
+from websockets.exceptions import WebSocketException
+
+from openrois.conformance.deviation import Deviation
+from openrois.conformance.probe import Probe, dialled, new_engine_id
+from openrois.conformance.probe_engine import ProbeEngine
+from openrois.conformance.probe_profiles import component_profiles
+from openrois.conformance.stage import Check, Needs, Setting, Stage, adapter_url
+from openrois.conformance.transcript import Frame, Transcript
+from openrois.types.profiles import HRIEngineProfile
+
+__all__ = ["Outcome", "Verdict", "Visit", "run_checks", "visit"]
+
+_CHECK_TIMEOUT: Final = 60.0
+"""Seconds after which a check is given up: every wait in it is shorter."""
+
+
+class Outcome(Enum):
+    """How a check went."""
+
+    PASSED = "pass"
+    FAILED = "FAIL"
+    NOT_RUN = "not run"
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """What came of one check.
+
+    Attributes:
+        check: which.
+        outcome: how it went.
+        expected: what should have come, where it failed.
+        came: what came, where it failed; why it was not run, where it was not.
+        remarks: what a user should know although it passed.
+        frames: what was said.
+    """
+
+    check: Check
+    outcome: Outcome
+    expected: str = ""
+    came: str = ""
+    remarks: tuple[str, ...] = ()
+    frames: tuple[Frame, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Visit:
+    """A gateway that is being tried.
+
+    Attributes:
+        setting: what all checks share.
+        engines: the ids of the gateway's engines, its own first, as they were before the suite came.
+        missing: why checks with a need are not run.
+    """
+
+    setting: Setting
+    engines: tuple[str, ...]
+    missing: dict[Needs, str]
+
+
+@asynccontextmanager
+async def visit(url: str, patience: float, *, adapter: bool, component: str | None = None) -> AsyncIterator[Visit]:
+    """Look at a gateway, and put the suite's adapter behind it for as long as the block runs.
+
+    Args:
+        url: where applications connect.
+        patience: seconds to wait for anything.
+        adapter: whether the suite may dial in as an adapter.
+        component: a component of somebody else that may be tried.
+
+    Raises:
+        Deviation: the gateway does not even answer connect and get_profile.
+    """
+    transcript = Transcript()
+    setting = Setting(url, patience, transcript, component=component)
+    missing = {} if component else {Needs.COMPONENT: Needs.COMPONENT.value}
+    async with AsyncExitStack() as stack:
+        engines, extensions = await _look(setting)
+        setting = replace(setting, extensions=extensions)
+        if not extensions:
+            missing[Needs.EXTENSIONS] = Needs.EXTENSIONS.value
+        if not adapter:
+            missing[Needs.ADAPTER] = Needs.ADAPTER.value
+        else:
+            try:
+                setting = replace(setting, probe=await _attach(setting, stack))
+            except (Deviation, OSError, WebSocketException, TimeoutError) as error:
+                missing[Needs.ADAPTER] = f"the suite's adapter was not taken: {error}"
+        yield Visit(setting, engines, missing)
+
+
+async def _look(setting: Setting) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the gateway's engines and its extensions."""
+    async with AsyncExitStack() as stack:
+        app = await Stage(setting, stack).application()
+        await app.granted("rois.system.connect")
+        profile = (await app.granted("rois.system.get_profile"))["profile"]
+        if profile is None:
+            raise Deviation("a profile", "null")
+        answer = await app.response(await app.begin("openrois.hello", version="1", extensions=[]))
+        extensions = answer["result"].get("extensions", ()) if "result" in answer else ()
+        return HRIEngineProfile.model_validate(profile).engine_ids(), tuple(extensions)
+
+
+async def _attach(setting: Setting, stack: AsyncExitStack) -> Probe:
+    engine_id = new_engine_id()
+    engine = ProbeEngine(engine_id, component_profiles(engine_id))
+    opened = dialled(adapter_url(setting.url), setting.transcript, setting.patience, engine)
+    probe = await stack.enter_async_context(opened)
+    async with AsyncExitStack() as watching:
+        await Stage(setting, watching).until_there(next(iter(engine.profiles)))
+    return probe
+
+
+async def run_checks(
+    place: Visit, checks: Sequence[Check], report: Callable[[Verdict], None] = lambda _verdict: None
+) -> list[Verdict]:
+    """Run checks and return their verdicts.
+
+    Args:
+        place: the gateway.
+        checks: which, in this order.
+        report: called with each verdict as it comes.
+    """
+    verdicts: list[Verdict] = []
+    for check in checks:
+        verdict = await _run(place, check)
+        report(verdict)
+        verdicts.append(verdict)
+    return verdicts
+
+
+async def _run(place: Visit, check: Check) -> Verdict:
+    reasons = [place.missing[need] for need in Needs if need in check.needs and need in place.missing]
+    if reasons:
+        return Verdict(check, Outcome.NOT_RUN, came=reasons[0])
+    setting = place.setting
+    setting.transcript.begin()
+    if setting.probe is not None:
+        setting.probe.reset()
+    async with AsyncExitStack() as stack:
+        stage = Stage(setting, stack)
+        try:
+            async with asyncio.timeout(_CHECK_TIMEOUT):
+                await check.play(stage)
+                await stage.strike()
+        except Deviation as deviation:
+            verdict = Verdict(check, Outcome.FAILED, deviation.expected, deviation.came)
+        except TimeoutError:
+            verdict = Verdict(check, Outcome.FAILED, f"an end within {_CHECK_TIMEOUT:g} s", "none")
+        except WebSocketException as error:
+            verdict = Verdict(check, Outcome.FAILED, "a connection that lasts", str(error))
+        else:
+            verdict = Verdict(check, Outcome.PASSED, remarks=tuple(dict.fromkeys(stage.remarks)))
+        frames = tuple(setting.transcript.frames)
+        await stage.clear()
+    return replace(verdict, frames=frames)
