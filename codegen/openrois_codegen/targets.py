@@ -2,14 +2,17 @@
 
 from typing import Final
 
+from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.schema import VERSION
-from openrois_codegen import csharp, json_schema, openrpc, typescript
+from openrois_codegen import corpus, csharp, json_schema, openrpc, python_proxies, typescript
+from openrois_codegen.by_hand import by_hand
 from openrois_codegen.wire import document
 
 __all__ = ["GENERATED", "targets"]
 
 GENERATED: Final = (
     f"openrois/schema/{VERSION}/*",
+    f"tests/corpus/{VERSION}/*",
     "sdk/csharp/OpenRoIS/Generated/*",
     "web_demo/sdk/rois/generated/*",
 )
@@ -20,9 +23,12 @@ def targets() -> dict[str, str]:
     """Return the text of every generated file by its path in the repository."""
     found = document()
     folder = f"openrois/schema/{found.version}"
+    messages = corpus.emit(found, by_hand())
     return {
+        **{f"tests/corpus/{found.version}/{name}": text for name, text in messages.items()},
         f"{folder}/rois.schema.json": json_schema.emit(found),
         f"{folder}/openrpc.json": openrpc.emit(found),
+        "openrois/client/components.py": python_proxies.emit(BASIC_COMPONENTS),
         "sdk/csharp/OpenRoIS/Generated/Types.cs": csharp.types(found),
         "sdk/csharp/OpenRoIS/Generated/Methods.cs": csharp.methods(found),
         "sdk/csharp/OpenRoIS/Generated/Components.cs": csharp.components(found),

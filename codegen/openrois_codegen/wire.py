@@ -1,6 +1,6 @@
 """Gathers what is generated from: the tables of methods, the signaling messages, and the catalog."""
 
-from typing import Final
+from typing import Any, Final
 
 from openrois_signaling.messages import (
     Answer,
@@ -22,10 +22,10 @@ from openrois.schema import VERSION
 from openrois.types.messages import CommandUnit, ConcurrentCommands, NoParams, ReturnResult
 from openrois.types.methods import METHODS, NOTIFICATIONS, MethodType, NotificationType
 from openrois.types.streams import EXTENSION_VERSION
-from openrois_codegen.ir import Component, Document, Enumeration, Message, Method, Notification, Structure
+from openrois_codegen.ir import Component, Document, Message, Method, Notification, Structure
 from openrois_codegen.reader import Reader
 
-__all__ = ["document"]
+__all__ = ["document", "sources"]
 
 _ROIS_VERSION: Final = "2.0"
 
@@ -56,22 +56,36 @@ _SIGNALS: Final = (
 )
 
 
+def sources() -> dict[str, Any]:
+    """Return what each type of the wire is in Python, by its name in the document."""
+    of_wire, of_values = _read_wire()[0], _read_catalog()[0]
+    return {**of_wire.sources, **{name: of_values.sources[name] for name in of_values.enumerations()}}
+
+
 def document() -> Document:
     """Return everything that is generated from."""
-    reader = Reader(_NAMES)
-    methods = tuple(_method(reader, found) for found in (*METHODS, *_SIGNALING))
-    notifications = tuple(_notification(reader, found) for found in (*NOTIFICATIONS, *_SIGNALS))
-    of_values = Reader({})
-    components = tuple(_component(of_values, found) for found in (ROIS_COMMON, *BASIC_COMPONENTS))
-    enumerations = {n: found for n, found in of_values.definitions.items() if isinstance(found, Enumeration)}
+    of_wire, methods, notifications = _read_wire()
+    of_values, components = _read_catalog()
     return Document(
         VERSION,
-        dict(sorted({**reader.definitions, **enumerations}.items())),
+        dict(sorted({**of_wire.definitions, **of_values.enumerations()}.items())),
         methods,
         notifications,
         components,
         {name: found for name, found in of_values.definitions.items() if isinstance(found, Structure)},
     )
+
+
+def _read_wire() -> tuple[Reader, tuple[Method, ...], tuple[Notification, ...]]:
+    reader = Reader(_NAMES)
+    methods = tuple(_method(reader, found) for found in (*METHODS, *_SIGNALING))
+    notifications = tuple(_notification(reader, found) for found in (*NOTIFICATIONS, *_SIGNALS))
+    return reader, methods, notifications
+
+
+def _read_catalog() -> tuple[Reader, tuple[Component, ...]]:
+    reader = Reader({})
+    return reader, tuple(_component(reader, found) for found in (ROIS_COMMON, *BASIC_COMPONENTS))
 
 
 def _method(reader: Reader, found: MethodType) -> Method:

@@ -1,0 +1,74 @@
+"""The corpus: what is valid by construction is, and what is not is refused, by the models and by their schema."""
+
+import json
+from typing import Any
+
+import jsonschema
+import pytest
+from openrois_codegen.json_schema import emit
+from openrois_codegen.wire import document, sources
+from pydantic import TypeAdapter, ValidationError
+
+from openrois.schema import VERSION
+from openrois.types.messages import ReturnResult
+from tests.support.corpus import FOLDER, Case, corpus
+
+TYPES = sorted(corpus())
+SCHEMA: dict[str, Any] = json.loads(emit(document()))
+
+
+def accepts(source: Any, message: Any) -> bool:
+    """Tell whether the model reads a message as it comes off the wire."""
+    try:
+        if isinstance(source, type) and issubclass(source, ReturnResult):
+            source.read(message)
+        else:
+            TypeAdapter(source).validate_python(message)
+    except ValidationError:
+        return False
+    return True
+
+
+def misjudged(name: str, judged: list[tuple[Case, bool]]) -> list[str]:
+    return [f"{name}: {case.name}" for case, verdict in judged if verdict is not case.is_valid]
+
+
+def test_every_type_has_cases() -> None:
+    assert set(corpus()) == set(document().definitions) == set(sources())
+    assert sum(len(cases) for cases in corpus().values()) > 3000
+    assert {case.kind for cases in corpus().values() for case in cases} == {
+        "", "missing", "unknown", "null", "type", "name", "range", "rule",
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("name", TYPES)
+def test_every_case_has_a_name_of_its_own(name: str) -> None:
+    names = [(case.name, case.is_valid) for case in corpus()[name]]
+    assert len(names) == len(set(names))
+
+
+@pytest.mark.parametrize("name", TYPES)
+def test_the_models_judge_as_the_corpus_does(name: str) -> None:
+    source = sources()[name]
+    assert misjudged(name, [(case, accepts(source, case.message)) for case in corpus()[name]]) == []
+
+
+@pytest.mark.parametrize("name", TYPES)
+def test_the_schema_judges_as_the_corpus_does(name: str) -> None:
+    validator = jsonschema.Draft202012Validator({"$ref": f"#/$defs/{name}", "$defs": SCHEMA["$defs"]})
+    cases = [case for case in corpus()[name] if case.kind != "rule"]
+    assert misjudged(name, [(case, validator.is_valid(case.message)) for case in cases]) == []
+
+
+@pytest.mark.parametrize("name", TYPES)
+def test_what_is_valid_is_written_as_it_was_meant(name: str) -> None:
+    adapter = TypeAdapter(sources()[name])
+    for case in corpus()[name]:
+        if case.is_valid:
+            read = adapter.validate_python(case.message)
+            assert adapter.validate_json(adapter.dump_json(read)) == read, case.name
+
+
+def test_its_folder_is_named_after_the_schema() -> None:
+    assert FOLDER.name == VERSION
+    assert {path.suffix for path in FOLDER.iterdir()} == {".json"}
