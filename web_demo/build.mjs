@@ -14,8 +14,16 @@ const PREVIEW_PORT = 8766;
 const sharedSdk = {
   name: "shared-sdk",
   setup({ onResolve }) {
-    onResolve({ filter: /\/sdk\/index\.ts$/ }, ({ kind }) =>
-      kind === "entry-point" ? undefined : { path: "./openrois.js", external: true },
+    onResolve({ filter: /\/sdk\/(media\/)?index\.ts$/ }, () => ({ path: "./openrois.js", external: true }));
+  },
+};
+
+/** The inspector is a file of its own, which the page loads when somebody looks at it. */
+const loadedLater = {
+  name: "loaded-later",
+  setup({ onResolve }) {
+    onResolve({ filter: /\/inspector\.ts$/ }, ({ kind }) =>
+      kind === "dynamic-import" ? { path: "./inspector.js", external: true } : undefined,
     );
   },
 };
@@ -26,10 +34,12 @@ const options = (main) => ({
   entryPoints: [
     { in: main, out: "app" },
     { in: "app/styles/app.css", out: "app" },
+    { in: "app/inspector/inspector.ts", out: "inspector" },
+    { in: "app/styles/inspector.css", out: "inspector" },
     { in: "app/theme.ts", out: "theme" },
-    { in: "sdk/index.ts", out: "openrois" },
+    { in: "sdk/browser.ts", out: "openrois" },
   ],
-  plugins: [sharedSdk],
+  plugins: [sharedSdk, loadedLater],
   bundle: true,
   format: "esm",
   target: ["chrome123", "firefox132", "safari17.5"],

@@ -1,7 +1,7 @@
 /** Which avatars there are, and which one the page shows. */
 
 import { componentsByEngine } from "../sdk/index.ts";
-import type { Profile, RoISClient } from "../sdk/index.ts";
+import type { Profile, Client } from "../sdk/index.ts";
 
 /** An engine that can be seen. References stay valid while it is away: they do not change when it returns. */
 export interface Avatar {
@@ -35,14 +35,14 @@ export function findAvatars(profile: Profile): Avatar[] {
 
 /** Reads the profile whenever it may have changed. */
 export class AvatarDirectory {
-  readonly #client: RoISClient;
+  readonly #client: Client;
   readonly #onChange: () => void;
   #avatars: Avatar[] | null = null;
   #chosen: Avatar | null = null;
   #reading = false;
   #again = false;
 
-  constructor(client: RoISClient, onChange: () => void) {
+  constructor(client: Client, onChange: () => void) {
     this.#client = client;
     this.#onChange = onChange;
     client.on("profile_changed", () => void this.#read());

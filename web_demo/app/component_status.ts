@@ -1,7 +1,7 @@
 /** Whether a component can be used, asked again until it can. */
 
 import { onlyComponent, resultValue } from "../sdk/index.ts";
-import type { ComponentStatus, RoISClient } from "../sdk/index.ts";
+import type { Client, ComponentStatus } from "../sdk/index.ts";
 
 /** Milliseconds between two questions while the component cannot be used. */
 const ASK_AGAIN = 5000;
@@ -10,13 +10,13 @@ const ASK_AGAIN = 5000;
 export type Availability = ComponentStatus | null;
 
 export class ComponentWatch {
-  readonly #client: RoISClient;
+  readonly #client: Client;
   readonly #onChange: (status: Availability) => void;
   #componentRef: string | null = null;
   #timer: ReturnType<typeof setTimeout> | undefined;
   #round = 0;
 
-  constructor(client: RoISClient, onChange: (status: Availability) => void) {
+  constructor(client: Client, onChange: (status: Availability) => void) {
     this.#client = client;
     this.#onChange = onChange;
   }

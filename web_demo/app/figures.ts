@@ -1,7 +1,7 @@
 /** The live figures beside the picture. */
 
-import { RecentMedian } from "../sdk/index.ts";
-import type { ClockOffset, Figures, RemoteStream, StampReading } from "../sdk/index.ts";
+import { RecentMedian } from "../sdk/media/index.ts";
+import type { ClockOffset, Figures, RemoteStream, StampReading } from "../sdk/media/index.ts";
 import { byRole, icon, make, setText } from "./dom.ts";
 import { formatBitrate, formatLatency, formatNumber } from "./format.ts";
 import { History } from "./sparkline.ts";

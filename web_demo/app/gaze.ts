@@ -1,6 +1,6 @@
 /** A click on the picture makes the avatar look there; so do the arrow keys while the picture has the focus. */
 
-import type { RoISClient } from "../sdk/index.ts";
+import type { Client } from "../sdk/index.ts";
 
 /** The least milliseconds between two glances: eyes take their time, and the log should stay readable. */
 const PAUSE = 300;
@@ -14,14 +14,14 @@ const STEPS: Readonly<Record<string, readonly [number, number]>> = {
 };
 
 export class Gaze {
-  readonly #client: RoISClient;
+  readonly #client: Client;
   readonly #stage: HTMLElement;
   #componentRef: string | null = null;
   #lookedAt = 0;
   #x = 0;
   #y = 0;
 
-  constructor(client: RoISClient, stage: HTMLElement) {
+  constructor(client: Client, stage: HTMLElement) {
     this.#client = client;
     this.#stage = stage;
     stage.addEventListener("click", (event) => {

@@ -1,6 +1,6 @@
 /** The list of every RoIS message that was sent or received. */
 
-import type { RoISClient, Traffic } from "../sdk/index.ts";
+import type { Client, Traffic } from "../sdk/index.ts";
 import { byRole, byTestId, make, setText } from "./dom.ts";
 import { formatTime } from "./format.ts";
 import { LogModel, MAX_ENTRIES, matches, pretty } from "./log_model.ts";
@@ -20,7 +20,7 @@ export class MessageLog {
   #waiting: LogEntry[] = [];
   #frame = 0;
 
-  constructor(client: RoISClient) {
+  constructor(client: Client) {
     client.on("traffic", (traffic) => this.#add(traffic));
     this.#filter.addEventListener("input", () => this.#rebuild());
     this.#pause.addEventListener("click", () => this.#setPaused(!this.#paused));

@@ -1,15 +1,15 @@
 /** The page: wires the SDK to what a person sees. */
 
+import { Client } from "../sdk/index.ts";
 import {
   MediaReceiver,
-  RoISClient,
   SAME_CLOCK,
   StampReader,
   decodableCodecs,
   isLoopback,
   measureOffset,
-} from "../sdk/index.ts";
-import type { RemoteStream } from "../sdk/index.ts";
+} from "../sdk/media/index.ts";
+import type { RemoteStream } from "../sdk/media/index.ts";
 import { AvatarDirectory } from "./avatars.ts";
 import type { Avatar } from "./avatars.ts";
 import { Banner } from "./banner.ts";
@@ -28,14 +28,14 @@ import { findTrouble } from "./trouble.ts";
 declare global {
   interface Window {
     /** For the browser's console and for tests: the client and the two streams of the page. */
-    openrois: { client: RoISClient; video: RemoteStream | null; audio: RemoteStream | null };
+    openrois: { client: Client; video: RemoteStream | null; audio: RemoteStream | null };
   }
 }
 
 const canStream = "RTCPeerConnection" in globalThis;
 const codecs = canStream ? decodableCodecs("video") : [];
 
-const client = new RoISClient();
+const client = new Client();
 const receiver = new MediaReceiver(client);
 const directory = new AvatarDirectory(client, avatarChanged);
 const header = new Header(directory);

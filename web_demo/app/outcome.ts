@@ -1,6 +1,6 @@
 /** What became of a command, in words. Pure. */
 
-import { ConnectionLost, RoISError } from "../sdk/index.ts";
+import { CommandFailed, ConnectionLost, RoISError } from "../sdk/index.ts";
 import type { CompletedStatus } from "../sdk/index.ts";
 
 export interface Outcome {
@@ -17,6 +17,22 @@ export function describeCompleted(status: CompletedStatus, elapsed: number): Out
       return { state: "stopped", text: `stopped after ${(elapsed / 1000).toFixed(1)} s (completed ABORT)` };
     default:
       return { state: "failed", text: `the avatar could not finish it (completed ${status})` };
+  }
+}
+
+/**
+ * Waits for the end of a command and describes it.
+ *
+ * @param busy the sentence for a component that another session holds
+ */
+export async function describeEnd(command: Promise<void>, busy: string): Promise<Outcome> {
+  const startedAt = Date.now();
+  try {
+    await command;
+    return describeCompleted("OK", Date.now() - startedAt);
+  } catch (error) {
+    if (error instanceof CommandFailed) return describeCompleted(error.status, Date.now() - startedAt);
+    return describeFailure(error, busy);
   }
 }
 

@@ -1,25 +1,25 @@
 /** The buttons for the avatar's reactions. */
 
-import { Actuator, listValue, onlyComponent, resultValue } from "../sdk/index.ts";
-import type { RoISClient } from "../sdk/index.ts";
+import { Reaction } from "../sdk/index.ts";
+import type { Client } from "../sdk/index.ts";
 import { ComponentWatch, isUsable } from "./component_status.ts";
 import { byRole, byTestId, icon, make, setText } from "./dom.ts";
-import { describeCompleted, describeFailure } from "./outcome.ts";
+import { describeEnd } from "./outcome.ts";
 import { bestColumns, reactionLook } from "./reaction_names.ts";
 
 const BUSY = "somebody else is moving this avatar; try again in a moment";
 
 export class Reactions {
-  readonly #client: RoISClient;
+  readonly #client: Client;
   readonly #section = byRole("reactions-section", HTMLElement);
   readonly #grid = byRole("reactions", HTMLElement);
   readonly #state = byTestId("reaction-state", HTMLElement);
   readonly #watch: ComponentWatch;
-  #actuator: Actuator | null = null;
+  #reaction: Reaction | null = null;
   #shown = "";
   #performance = 0;
 
-  constructor(client: RoISClient) {
+  constructor(client: Client) {
     this.#client = client;
     this.#watch = new ComponentWatch(client, (status) => {
       const usable = isUsable(status);
@@ -35,8 +35,8 @@ export class Reactions {
 
   /** @param componentRef the Reaction component; null when the avatar has none or is away */
   setComponent(componentRef: string | null): void {
-    if (componentRef !== null && this.#actuator?.componentRef !== componentRef) {
-      this.#actuator = new Actuator(this.#client, componentRef);
+    if (componentRef !== null && this.#reaction?.componentRef !== componentRef) {
+      this.#reaction = new Reaction(this.#client, componentRef);
     }
     this.#watch.watch(componentRef);
   }
@@ -51,11 +51,10 @@ export class Reactions {
   }
 
   async #fill(): Promise<void> {
-    const { componentRef } = this.#actuator ?? {};
-    if (componentRef === undefined) return;
+    const reaction = this.#reaction;
+    if (!reaction) return;
     try {
-      const results = await this.#client.query("available_reactions", onlyComponent(componentRef));
-      const refs = listValue(resultValue(results, "available_reactions") ?? results[0]?.value);
+      const { available_reactions: refs } = await reaction.availableReactions();
       // Buttons that are the same stay, and with them the keyboard's focus.
       if (refs.join() === this.#shown && this.#buttons.length > 0) return;
       this.#shown = refs.join();
@@ -84,21 +83,15 @@ export class Reactions {
   }
 
   async #perform(button: HTMLButtonElement, reactionRef: string, name: string): Promise<void> {
-    if (!this.#actuator || button.disabled) return;
+    const reaction = this.#reaction;
+    if (!reaction || button.disabled) return;
     const performance = ++this.#performance;
-    const startedAt = Date.now();
     button.setAttribute("aria-busy", "true");
     setText(this.#state, `${name} …`);
-    let words: string;
-    try {
-      const status = await this.#actuator.perform({ reaction_ref: reactionRef });
-      words = describeCompleted(status, Date.now() - startedAt).text;
-    } catch (error) {
-      words = describeFailure(error, BUSY).text;
-    }
+    const { text: words } = await describeEnd(reaction.perform({ reaction_ref: reactionRef }), BUSY);
     if (performance === this.#performance) setText(this.#state, `${name}: ${words}`);
     // Pressed twice, a reaction runs until the second has ended.
-    if (performance === this.#performance || !this.#actuator.active) this.#idle();
+    if (performance === this.#performance || !reaction.inUse) this.#idle();
     else button.removeAttribute("aria-busy");
   }
 

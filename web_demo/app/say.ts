@@ -1,19 +1,19 @@
 /** The line in which a person types what the avatar shall say. */
 
-import { Actuator, listValue, onlyComponent, resultValue } from "../sdk/index.ts";
-import type { RoISClient } from "../sdk/index.ts";
+import { SpeechSynthesis } from "../sdk/index.ts";
+import type { Client } from "../sdk/index.ts";
 import { ComponentWatch, isUsable } from "./component_status.ts";
 import type { Availability } from "./component_status.ts";
 import { byRole, byTestId, make, setText } from "./dom.ts";
 import { languageChoice } from "./languages.ts";
-import { describeCompleted, describeFailure } from "./outcome.ts";
+import { describeEnd } from "./outcome.ts";
 
 type State = "idle" | "speaking" | "done" | "stopped" | "failed" | "refused" | "unavailable";
 
 const BUSY = "somebody else is speaking through this avatar; try again in a moment";
 
 export class SayLine {
-  readonly #client: RoISClient;
+  readonly #client: Client;
   readonly #form = byRole("say", HTMLFormElement);
   readonly #input = byTestId("say-text", HTMLInputElement);
   readonly #language = byTestId("say-language", HTMLSelectElement);
@@ -21,12 +21,12 @@ export class SayLine {
   readonly #stop = byTestId("say-stop", HTMLButtonElement);
   readonly #state = byTestId("say-state", HTMLElement);
   readonly #watch: ComponentWatch;
-  #actuator: Actuator | null = null;
+  #speech: SpeechSynthesis | null = null;
   #usable = false;
   #performance = 0;
   #last = "";
 
-  constructor(client: RoISClient) {
+  constructor(client: Client) {
     this.#client = client;
     this.#watch = new ComponentWatch(client, (status) => this.#available(status));
     this.#form.addEventListener("submit", (event) => {
@@ -49,8 +49,8 @@ export class SayLine {
 
   /** @param componentRef the SpeechSynthesis component; null when the avatar has none or is away */
   setComponent(componentRef: string | null): void {
-    if (componentRef !== null && this.#actuator?.componentRef !== componentRef) {
-      this.#actuator = new Actuator(this.#client, componentRef);
+    if (componentRef !== null && this.#speech?.componentRef !== componentRef) {
+      this.#speech = new SpeechSynthesis(this.#client, componentRef);
     }
     this.#watch.watch(componentRef);
   }
@@ -60,32 +60,25 @@ export class SayLine {
   }
 
   stop(): void {
-    if (this.#actuator?.active) void this.#actuator.stop().catch(() => undefined);
+    if (this.#speech?.inUse) void this.#speech.stop().catch(() => undefined);
   }
 
   async #speak(): Promise<void> {
     const text = this.#input.value.trim();
-    const actuator = this.#actuator;
-    if (!actuator || !this.#usable) return;
+    const speech = this.#speech;
+    if (!speech || !this.#usable) return;
     if (text === "") return this.focus();
     const performance = ++this.#performance;
-    const startedAt = Date.now();
     const language = this.#language.value;
     const parameters = { speech_text: text, ...(language !== "" && { language }) };
     this.#show("speaking", "speaking");
-    try {
-      const status = await actuator.perform(parameters, () => {
-        this.#last = text;
-        if (this.#input.value.trim() === text) this.#input.value = "";
-      });
-      // A sentence that the next one has cut short is nobody's concern any more.
-      if (performance !== this.#performance) return;
-      const { state, text: words } = describeCompleted(status, Date.now() - startedAt);
-      this.#show(state, words);
-    } catch (error) {
-      const { state, text: words } = describeFailure(error, BUSY);
-      if (performance === this.#performance) this.#show(state, words);
-    }
+    const spoken = speech.perform(parameters, () => {
+      this.#last = text;
+      if (this.#input.value.trim() === text) this.#input.value = "";
+    });
+    const { state, text: words } = await describeEnd(spoken, BUSY);
+    // A sentence that the next one has cut short is nobody's concern any more.
+    if (performance === this.#performance) this.#show(state, words);
   }
 
   #available(status: Availability): void {
@@ -103,11 +96,10 @@ export class SayLine {
   }
 
   async #fillLanguages(): Promise<void> {
-    const { componentRef } = this.#actuator ?? {};
-    if (componentRef === undefined) return;
+    const speech = this.#speech;
+    if (!speech) return;
     try {
-      const results = await this.#client.query("synthesizable_languages", onlyComponent(componentRef));
-      const tags = listValue(resultValue(results, "languages") ?? results[0]?.value);
+      const { languages: tags } = await speech.synthesizableLanguages();
       const { options, selected } = languageChoice(tags, this.#language.value, navigator.languages);
       this.#language.replaceChildren(...options.map(({ tag, name }) => make("option", { value: tag }, name)));
       this.#language.value = selected;

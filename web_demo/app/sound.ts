@@ -1,6 +1,6 @@
 /** The avatar's voice. Browsers let a page sound only after its user has done something in it. */
 
-import type { RemoteStream } from "../sdk/index.ts";
+import type { RemoteStream } from "../sdk/media/index.ts";
 import { byTestId } from "./dom.ts";
 
 export class Sound {

@@ -1,7 +1,7 @@
 /** The picture: live, frozen or awaited; and what is said upon it. */
 
-import { FrameWatch, LastingPicture } from "../sdk/index.ts";
-import type { RemoteStream } from "../sdk/index.ts";
+import { FrameWatch, LastingPicture } from "../sdk/media/index.ts";
+import type { RemoteStream } from "../sdk/media/index.ts";
 import { byRole, byTestId, setText } from "./dom.ts";
 
 export type Look = "waiting" | "connecting" | "live" | "suspended" | "off" | "still" | "stalled";

@@ -1,6 +1,7 @@
 /** One stream: what RoIS says of it, and the four verbs. */
 
-import type { MediaKind, RemoteStream } from "../sdk/index.ts";
+import type { MediaKind } from "../sdk/index.ts";
+import type { RemoteStream } from "../sdk/media/index.ts";
 import { byRole, icon, make, setText } from "./dom.ts";
 
 const ICONS: Readonly<Record<MediaKind, string>> = {

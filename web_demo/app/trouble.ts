@@ -1,6 +1,7 @@
 /** What is wrong, in words for the person in front of the page, and what to do about it. Pure. */
 
-import type { ConnectionState, Problem, StreamStatus } from "../sdk/index.ts";
+import type { ConnectionState, StreamStatus } from "../sdk/index.ts";
+import type { Problem } from "../sdk/media/index.ts";
 
 export interface Situation {
   /** The browser has WebRTC. */

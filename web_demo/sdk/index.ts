@@ -1,27 +1,27 @@
-/** The OpenRoIS SDK for the browser: RoIS over JSON-RPC, and the streams that RoIS controls over WebRTC. */
+/**
+ * The OpenRoIS SDK: RoIS 2.0 over JSON-RPC, in a browser and in Node. The streams that RoIS controls are received with
+ * `openrois/media`, in a browser.
+ */
 
-export { Actuator } from "./rois/actuator.ts";
-export { RoISClient } from "./rois/client.ts";
-export type { ClientEvents, ClientOptions } from "./rois/client.ts";
-export { gatewayUrl } from "./rois/connection.ts";
+export type { BackoffOptions } from "./rois/backoff.ts";
+export type { BindingClaim, Claim, LostClaim, SubscriptionClaim } from "./rois/claims.ts";
+export { Client } from "./rois/client.ts";
+export type { Command, Concurrent, Profile, Step } from "./rois/client.ts";
+export { ComponentEvent, ComponentProxy } from "./rois/component.ts";
+export type { ComponentClass } from "./rois/component.ts";
+export { and, escapeLike, like, onlyComponent, quote, where } from "./rois/conditions.ts";
 export type { ConnectionOptions, ConnectionState } from "./rois/connection.ts";
-export { componentType, componentsByEngine, engineOf, onlyComponent } from "./rois/discovery.ts";
+export { componentType, componentsByEngine, engineOf } from "./rois/discovery.ts";
+export { CommandFailed, InvalidMessage, RoISError, ValueError } from "./rois/errors.ts";
+export type { Call, ClientEvents, ClientOptions, Params, ResultOf, RoISEvent } from "./rois/link.ts";
+export { decode, encode, resultValue } from "./rois/payload.ts";
+export type { Types } from "./rois/payload.ts";
 export type { Subscription } from "./rois/subscriptions.ts";
-export { RoISError, listValue, resultValue } from "./rois/types.ts";
-export type * from "./rois/types.ts";
+export { decodeValue, encodeValue } from "./rois/values.ts";
+export type { Value, Writable } from "./rois/values.ts";
+export * from "./rois/generated/components.ts";
+export type * from "./rois/generated/methods.ts";
+export * from "./rois/generated/types.ts";
 export { ConnectionLost, RequestTimeout, RpcError } from "./jsonrpc/session.ts";
 export type { SocketLike, Traffic } from "./jsonrpc/session.ts";
-export type { Json, JsonObject } from "./jsonrpc/peer.ts";
-export { SAME_CLOCK, isLoopback, measureOffset } from "./media/clock_offset.ts";
-export type { ClockOffset } from "./media/clock_offset.ts";
-export { decodableCodecs } from "./media/codecs.ts";
-export type { MediaKind } from "./media/codecs.ts";
-export { FrameWatch, LastingPicture, StampReader } from "./media/frames.ts";
-export type { PresentedFrame, StampReading } from "./media/frames.ts";
-export { MediaReceiver } from "./media/receiver.ts";
-export type { MediaLink, ReceiverOptions } from "./media/receiver.ts";
-export type { Desire, Problem } from "./media/reconciler.ts";
-export { RecentMedian } from "./media/statistics.ts";
-export type { Figures } from "./media/statistics.ts";
-export type { Stamp } from "./media/stamp.ts";
-export type { RemoteStream, StreamEvents } from "./media/stream.ts";
+export type { Json, JsonObject, Notification } from "./jsonrpc/peer.ts";

@@ -1,13 +1,13 @@
 /** The profile as a tree of engines and components, and the rows of it that are shown. Pure. */
 
 import { componentType, engineOf } from "../../sdk/index.ts";
-import type { ComponentProfile, EngineProfile, Profile } from "../../sdk/index.ts";
+import type { HRIComponentProfile, HRIEngineProfile, Profile } from "../../sdk/index.ts";
 
 export interface ComponentNode {
   readonly ref: string;
   /** The ref without its engine. */
   readonly name: string;
-  readonly profile: ComponentProfile;
+  readonly profile: HRIComponentProfile;
   /** What a search looks at: the refs and names that the profile holds, the most telling first. */
   readonly terms: readonly string[];
 }
@@ -15,7 +15,7 @@ export interface ComponentNode {
 export interface EngineNode {
   readonly id: string;
   /** Null for an engine that is known by its components alone. */
-  readonly profile: EngineProfile | null;
+  readonly profile: HRIEngineProfile | null;
   readonly components: readonly ComponentNode[];
   readonly engines: readonly EngineNode[];
 }
@@ -42,7 +42,7 @@ export function engineTree({ profile, component_profiles }: Profile): EngineNode
     listed.add(ref);
     return componentNode(ref, component_profiles[ref] ?? { identifier: { code: "" }, name: "" });
   };
-  const engine = (each: EngineProfile): EngineNode => ({
+  const engine = (each: HRIEngineProfile): EngineNode => ({
     id: each.identifier.code,
     profile: each,
     components: (each.component_ids ?? []).map(component),
@@ -59,7 +59,7 @@ export function engineTree({ profile, component_profiles }: Profile): EngineNode
   return [...top, ...engines];
 }
 
-function componentNode(ref: string, profile: ComponentProfile): ComponentNode {
+function componentNode(ref: string, profile: HRIComponentProfile): ComponentNode {
   const { command_profiles = [], query_profiles = [], event_profiles = [] } = profile;
   const messages = [...command_profiles, ...query_profiles, ...event_profiles];
   const inside = [
@@ -124,7 +124,7 @@ function componentRow(component: ComponentNode, level: number, words: readonly s
 }
 
 /** Returns the query that tells how a component is: the one with the fewest results of which one is a status. */
-export function statusQuery({ query_profiles = [] }: ComponentProfile): string | null {
+export function statusQuery({ query_profiles = [] }: HRIComponentProfile): string | null {
   const telling = query_profiles.filter(({ results = [] }) =>
     results.some(({ data_type_ref: { code } }) => code.toLowerCase() === STATUS_TYPE),
   );

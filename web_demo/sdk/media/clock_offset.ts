@@ -1,8 +1,8 @@
 /** How far the clock of the machine with the robot is ahead of this one, as NTP finds it out. */
 
-import { onlyComponent } from "../rois/discovery.ts";
-import { resultValue } from "../rois/types.ts";
-import type { NamedValue } from "../rois/types.ts";
+import { onlyComponent } from "../rois/conditions.ts";
+import type { Result } from "../rois/generated/types.ts";
+import { resultValue } from "../rois/payload.ts";
 
 /** One question and its answer. All times are milliseconds since the epoch. */
 export interface ClockProbe {
@@ -53,7 +53,7 @@ export function wallNow(): number {
 }
 
 interface QueryOperations {
-  query(queryType: string, condition: string): Promise<NamedValue[]>;
+  query(queryType: string, condition: string): Promise<readonly Result[]>;
 }
 
 /** Asks a SystemInformation component for its time, five times. Null when it does not tell. */

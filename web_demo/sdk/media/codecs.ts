@@ -1,6 +1,6 @@
 /** Which codecs this browser can decode, in the order in which they are asked for. */
 
-export type MediaKind = "video" | "audio";
+import type { MediaKind } from "../rois/generated/types.ts";
 
 /** Cheapest to encode live and cheapest to decode first. */
 const PREFERRED = ["video/h264", "video/vp8", "audio/opus"];

@@ -1,15 +1,15 @@
 /** The STUN and TURN servers of the gateway; their credentials are short-lived. */
 
 import { METHOD_NOT_FOUND } from "../jsonrpc/peer.ts";
-import type { JsonObject } from "../jsonrpc/peer.ts";
 import { RpcError } from "../jsonrpc/session.ts";
-import { listField } from "../rois/types.ts";
+import type { IceServer } from "../rois/generated/types.ts";
+import type { Call } from "../rois/link.ts";
 
 /** Credentials are fetched anew this long before they end, in seconds. */
 const MARGIN = 30;
 
 interface Caller {
-  call(method: string, params?: JsonObject): Promise<JsonObject>;
+  readonly call: Call;
 }
 
 export class IceServers {
@@ -42,13 +42,21 @@ export class IceServers {
 
   async #ask(): Promise<void> {
     try {
-      const result = await this.#caller.call("signaling.ice_servers");
-      const ttl = typeof result["ttl"] === "number" ? result["ttl"] : 0;
-      this.#servers = listField<RTCIceServer & JsonObject>(result, "ice_servers");
+      const { ice_servers: servers = [], ttl = 0 } = await this.#caller.call("signaling.ice_servers");
+      this.#servers = servers.map(browserForm);
       this.#staleAt = performance.now() + 1000 * Math.max(0, ttl - MARGIN);
     } catch (error) {
       if (!(error instanceof RpcError && error.code === METHOD_NOT_FOUND)) throw error;
       this.#servers = [];
     }
   }
+}
+
+/** A browser wants a credential that is absent to be absent, not null. */
+function browserForm({ urls, username, credential }: IceServer): RTCIceServer {
+  return {
+    urls: [...urls],
+    ...(username != null && { username }),
+    ...(credential != null && { credential }),
+  };
 }

@@ -6,26 +6,7 @@
  * candidates wait until there is a description to which they belong.
  */
 
-import type { MediaKind } from "./codecs.ts";
-
-/** Which m-section of an offer carries which stream. `direction` is seen from the application. */
-export interface StreamSection {
-  readonly mid: string;
-  readonly stream_id: string;
-  readonly component_ref: string;
-  readonly kind: MediaKind;
-  readonly direction: "recvonly" | "sendonly" | "sendrecv";
-}
-
-export interface Offer {
-  readonly peer_id: string;
-  readonly generation: number;
-  readonly sdp: string;
-  /** The sections that carry a stream now; one that is not listed is idle. */
-  readonly streams: readonly StreamSection[];
-  /** The peer that this one takes over from: a new path for the same streams. */
-  readonly replaces?: string;
-}
+import type { Offer } from "../rois/generated/types.ts";
 
 /** `candidate` is null or empty when there are no more. */
 export interface Candidate {

@@ -1,6 +1,7 @@
 /** One RTCPeerConnection of the answering side. */
 
-import type { Candidate, Offer } from "./negotiation.ts";
+import type { Offer } from "../rois/generated/types.ts";
+import type { Candidate } from "./negotiation.ts";
 
 /** Makes a peer connection; replaced in tests. */
 export type CreatePeerConnection = (configuration: RTCConfiguration) => RTCPeerConnection;

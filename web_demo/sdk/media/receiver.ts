@@ -1,15 +1,16 @@
 /** Receives the streams of one application: streaming verbs, signaling, peer connections, and getting well again. */
 
-import type { JsonObject, Notification } from "../jsonrpc/peer.ts";
+import type { Notification } from "../jsonrpc/peer.ts";
 import type { BackoffOptions } from "../rois/backoff.ts";
 import type { ConnectionState } from "../rois/connection.ts";
-import { RoISError, textField } from "../rois/types.ts";
-import type { StreamStatus } from "../rois/types.ts";
+import { RoISError } from "../rois/errors.ts";
+import type { Bye, Offer, StreamStatusNotification } from "../rois/generated/types.ts";
+import type { Call } from "../rois/link.ts";
 import { decodableCodecs } from "./codecs.ts";
-import type { MediaKind } from "./codecs.ts";
+import type { MediaKind } from "../rois/generated/types.ts";
 import { IceServers } from "./ice_servers.ts";
 import { Negotiation } from "./negotiation.ts";
-import type { CandidateMessage, Effect, Offer } from "./negotiation.ts";
+import type { CandidateMessage, Effect } from "./negotiation.ts";
 import { FIRST_FRAME_WITHIN, PathWatch } from "./path_watch.ts";
 import { MediaPeer } from "./peer.ts";
 import type { CreatePeerConnection } from "./peer.ts";
@@ -19,10 +20,10 @@ import type { Sample } from "./statistics.ts";
 import { RemoteStream } from "./stream.ts";
 import type { Attachment } from "./stream.ts";
 
-/** What a `RoISClient` offers to the receiver. */
+/** What a `Client` offers to the receiver. */
 export interface MediaLink {
   readonly state: ConnectionState;
-  call(method: string, params?: JsonObject): Promise<JsonObject>;
+  readonly call: Call;
   on(name: "state", listener: (state: ConnectionState) => void): () => void;
   on(name: "notification", listener: (notification: Notification) => void): () => void;
 }
@@ -105,7 +106,7 @@ export class MediaReceiver {
   async #connect(componentRef: string, kind: MediaKind): Promise<string> {
     const codecs = (this.#options.codecs ?? decodableCodecs)(kind);
     await this.#iceServers.refresh();
-    const result = await this.#link.call("rois.stream.connect_stream", {
+    const { stream_id: streamId = "" } = await this.#link.call("rois.stream.connect_stream", {
       component_ref: componentRef,
       parameters: [
         { name: "encoding_parameters", data_type_ref: "string", value: JSON.stringify({ codecs }) },
@@ -116,7 +117,7 @@ export class MediaReceiver {
         },
       ],
     });
-    return textField(result, "stream_id");
+    return streamId;
   }
 
   async #perform(verb: Exclude<Verb, "connect">, streamId: string): Promise<void> {
@@ -160,12 +161,13 @@ export class MediaReceiver {
           this.#negotiation.candidate({ ...missing, ...params } as unknown as CandidateMessage),
         );
       }
-      case "signaling.bye":
-        return this.#follow(this.#negotiation.end(textField(params, "peer_id"), textField(params, "reason")));
+      case "signaling.bye": {
+        const { peer_id: peerId, reason } = params as unknown as Bye;
+        return this.#follow(this.#negotiation.end(peerId, reason));
+      }
       case "rois.stream.notify_stream_status": {
-        const streamId = textField(params, "stream_id");
-        const stream = [...this.#streams.values()].find((each) => each.streamId === streamId);
-        stream?.reported(textField(params, "status") as StreamStatus);
+        const { stream_id: streamId, status } = params as unknown as StreamStatusNotification;
+        [...this.#streams.values()].find((each) => each.streamId === streamId)?.reported(status);
         return this.#closeEmptyPeers();
       }
       case "rois.system.profile_changed":
@@ -184,14 +186,16 @@ export class MediaReceiver {
           void this.#apply(effect.offer);
           break;
         case "send_answer":
-          this.#send("signaling.answer", {
-            peer_id: effect.peerId,
-            generation: effect.generation,
-            sdp: effect.sdp,
-          });
+          mayFail(
+            this.#link.call("signaling.answer", {
+              peer_id: effect.peerId,
+              generation: effect.generation,
+              sdp: effect.sdp,
+            }),
+          );
           break;
         case "send_candidate":
-          this.#send("signaling.candidate", { ...effect.message });
+          mayFail(this.#link.call("signaling.candidate", effect.message));
           break;
         case "add_candidate":
           void this.#peers.get(effect.peerId)?.peer.addCandidate(effect.candidate);
@@ -228,11 +232,6 @@ export class MediaReceiver {
       return this.#follow(this.#negotiation.end(offer.peer_id, "the browser refused the offer"));
     }
     for (const stream of this.#streams.values()) this.#relocate(stream);
-  }
-
-  /** For what may fail: an answer or a candidate that is lost leads to a peer that does not connect. */
-  #send(method: string, params: JsonObject): void {
-    void this.#link.call(method, params).catch(() => undefined);
   }
 
   /** A peer has ended for good: what arrived by it alone is lost. */
@@ -309,7 +308,7 @@ export class MediaReceiver {
       stream.fail({ kind: "no-media", detail: "the engine made no offer" });
     }
     if (waited < OFFER_WITHIN) return;
-    this.#send("rois.stream.disconnect_stream", { stream_id: streamId });
+    mayFail(this.#link.call("rois.stream.disconnect_stream", { stream_id: streamId }));
     stream.lost("STREAMING_NOT_CONNECTED");
   }
 
@@ -344,6 +343,11 @@ export class MediaReceiver {
       }
     }
   }
+}
+
+/** An answer or a candidate that is lost leads to a peer that does not connect, and that is noticed. */
+function mayFail(asked: Promise<unknown>): void {
+  void asked.catch(() => undefined);
 }
 
 /** A hidden page may stop decoding, but the packets still come in. */

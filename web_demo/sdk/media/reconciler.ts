@@ -4,7 +4,7 @@ import { METHOD_NOT_FOUND } from "../jsonrpc/peer.ts";
 import { ConnectionLost, RpcError } from "../jsonrpc/session.ts";
 import { Backoff } from "../rois/backoff.ts";
 import type { BackoffOptions } from "../rois/backoff.ts";
-import { RoISError } from "../rois/types.ts";
+import { RoISError } from "../rois/errors.ts";
 
 export type Desire = "running" | "suspended" | "disconnected";
 export type Verb = "connect" | "suspend" | "resume" | "disconnect";

@@ -2,8 +2,7 @@
 
 import { Emitter } from "../events.ts";
 import type { BackoffOptions } from "../rois/backoff.ts";
-import type { StreamStatus } from "../rois/types.ts";
-import type { MediaKind } from "./codecs.ts";
+import type { MediaKind, StreamStatus } from "../rois/generated/types.ts";
 import type { MediaPeer } from "./peer.ts";
 import { Reconciler } from "./reconciler.ts";
 import type { Desire, Problem, Verb } from "./reconciler.ts";

@@ -1,168 +1,158 @@
 /** The RoIS 2.0 client: the operations of the System, Command, Query and Event interfaces over one gateway. */
 
-import { INVALID_REQUEST, METHOD_NOT_FOUND, isObject } from "../jsonrpc/peer.ts";
-import type { Json, JsonObject, Notification } from "../jsonrpc/peer.ts";
-import { RpcError } from "../jsonrpc/session.ts";
-import type { JsonRpcSession, Traffic } from "../jsonrpc/session.ts";
-import { Emitter } from "../events.ts";
+import { Bindings } from "./bindings.ts";
+import type { Renewal } from "./claims.ts";
 import { Completions } from "./completions.ts";
-import { Connection } from "./connection.ts";
-import type { ConnectionOptions, ConnectionState } from "./connection.ts";
-import { Subscriptions } from "./subscriptions.ts";
-import type { Subscription } from "./subscriptions.ts";
-import { RoISError, listField, textField } from "./types.ts";
+import type { ComponentClass } from "./component.ts";
+import { and, where } from "./conditions.ts";
+import { RoISError } from "./errors.ts";
+import { iterate } from "./event_feed.ts";
 import type {
   CommandUnit,
   Completed,
-  ComponentProfile,
-  EngineProfile,
-  NamedValue,
-  Profile,
-  ReturnCode,
-  RoISEvent,
-  RoISFault,
-  SequenceItem,
-} from "./types.ts";
+  ConcurrentCommands,
+  HRIComponentProfile,
+  HRIEngineProfile,
+  Parameter,
+  Result,
+} from "./generated/types.ts";
+import { Link } from "./link.ts";
+import type { Call, ClientOptions, RoISEvent } from "./link.ts";
+import { Subscriptions } from "./subscriptions.ts";
+import type { Subscription } from "./subscriptions.ts";
 
-/** The version of the extensions this client speaks, as `openrois.hello` carries it. */
-export const EXTENSION_VERSION = "1";
-export const EXTENSIONS: readonly string[] = ["rois.stream", "signaling"];
-
-export interface ClientOptions extends ConnectionOptions {
-  /** Milliseconds of silence after which the gateway is asked for a sign of life. */
-  readonly idleProbe?: number;
+/** The tree of engines, and the profile of each component by its reference. */
+export interface Profile {
+  readonly profile: HRIEngineProfile | null;
+  readonly component_profiles: { readonly [componentRef: string]: HRIComponentProfile };
 }
 
-export interface ClientEvents {
-  state: ConnectionState;
-  completed: Completed;
-  event: RoISEvent;
-  fault: RoISFault;
-  /** The engines or components behind the gateway are others now. */
-  profile_changed: undefined;
-  /** Every notification, also those of extensions. */
-  notification: Notification;
-  /** Every message that was sent or received. */
-  traffic: Traffic;
-}
+/** One command to be sent; a missing `command_id` is minted. `delay_time` is in milliseconds. */
+export type Command = Omit<CommandUnit, "command_id"> & { readonly command_id?: string };
 
-const COMPLETED_WITHIN = 300_000;
+/** Commands that run at the same time; the next item of the sequence waits for all of them. */
+export type Concurrent = Omit<ConcurrentCommands, "command_list"> & {
+  readonly command_list: readonly Command[];
+};
+
+/** One item of a command sequence; items run one after another. */
+export type Step = Command | Concurrent;
 
 /**
- * A RoIS application's end of one gateway. It connects again by itself, and its subscriptions come back with it;
- * reservations (bind) do not, they belong to the session that ended.
+ * A RoIS application's end of one gateway. It connects again by itself, and what it has bound and subscribed comes
+ * back with it; what does not is told (`on("lost")`).
  *
  * Every operation throws `RoISError` when its return code is not OK, `RpcError` when the gateway does not know it or
- * its params, and `ConnectionLost` or `RequestTimeout` when there is no answer.
+ * its params, `InvalidMessage` when the answer is none, and `ConnectionLost` or `RequestTimeout` when there is none.
  */
-export class RoISClient {
-  readonly #events = new Emitter<ClientEvents>();
-  readonly #connection: Connection;
+export class Client extends Link {
   readonly #completions = new Completions();
-  readonly #subscriptions: Subscriptions;
-  readonly #idleProbe: number;
-  #probe: ReturnType<typeof setInterval> | undefined;
-  #extensions: readonly string[] | null = null;
+  readonly #subscriptions = new Subscriptions();
+  readonly #bindings = new Bindings();
+  readonly #renewal: Renewal = {
+    lost: (claim) => this.emitter.emit("lost", claim),
+    restored: (claim) => this.emitter.emit("restored", claim),
+  };
 
-  constructor(options: ClientOptions = {}) {
-    this.#idleProbe = options.idleProbe ?? 20_000;
-    this.#subscriptions = new Subscriptions({
-      subscribe: async (eventType, condition) =>
-        textField(
-          await this.call("rois.event.subscribe", { event_type: eventType, condition }),
-          "subscribe_id",
-        ),
-      unsubscribe: async (subscribeId) => {
-        await this.call("rois.event.unsubscribe", { subscribe_id: subscribeId });
-      },
-    });
-    this.#connection = new Connection(options, (session) => this.#handshake(session));
-    this.#connection.events.on("state", (state) => this.#stateChanged(state));
-    this.#connection.events.on("notification", (notification) => this.#notified(notification));
-    this.#connection.events.on("traffic", (traffic) => this.#events.emit("traffic", traffic));
+  /**
+   * @param url the gateway, `ws://`, `wss://` or what it prints, `http://`; read relative to the page, which is what
+   *   it is without it
+   * @throws TypeError when `url` is no address, or there is no WebSocket here and no `webSocket` is given
+   */
+  constructor(url?: string | URL, options?: ClientOptions) {
+    super(url, options);
+    this.on("completed", (completed) => this.#completions.completed(completed));
+    this.on("event", (event) => this.#subscriptions.deliver(event));
   }
 
-  get state(): ConnectionState {
-    return this.#connection.state;
-  }
-
-  /** The gateway's extensions beyond RoIS; null where it has none (it does not know `openrois.hello`). */
-  get extensions(): readonly string[] | null {
-    return this.#extensions;
-  }
-
-  /** Listens to one kind of event; the function that comes back ends it. */
-  on<Name extends keyof ClientEvents>(name: Name, listener: (value: ClientEvents[Name]) => void): () => void {
-    return this.#events.on(name, listener);
-  }
-
-  /** Connects and stays connected until `close`; resolves at the first connection. */
-  connect(): Promise<void> {
-    this.#connection.open();
-    if (this.state.name === "connected") return Promise.resolve();
-    return new Promise((resolve) => {
-      const stop = this.on("state", (state) => {
-        if (state.name !== "connected") return;
-        stop();
-        resolve();
-      });
-    });
-  }
-
-  /** Does not wait for the next attempt: there is reason to believe that it succeeds. */
-  retryNow(): void {
-    this.#connection.retryNow();
-  }
-
-  async close(): Promise<void> {
-    if (this.state.name === "connected") await this.call("rois.system.disconnect").catch(() => undefined);
-    this.#connection.close();
-  }
-
-  /** Calls any method and returns its result once `return_code` is OK. */
-  async call(method: string, params: JsonObject = {}): Promise<JsonObject> {
-    return checked(method, await this.#connection.request(method, params));
-  }
-
+  /** Returns which engines there are, and what the components that match understand. */
   async getProfile(condition = ""): Promise<Profile> {
-    const result = await this.call("rois.system.get_profile", { condition });
-    return {
-      profile: (result["profile"] ?? null) as EngineProfile | null,
-      component_profiles: (result["component_profiles"] ?? {}) as Record<string, ComponentProfile>,
-    };
+    const { profile = null, component_profiles = {} } = await this.call("rois.system.get_profile", {
+      condition,
+    });
+    return { profile, component_profiles };
+  }
+
+  /** Returns what is known of a fault; its id came with `on("fault")`. */
+  async getErrorDetail(errorId: string): Promise<readonly Result[]> {
+    return (await this.call("rois.system.get_error_detail", { error_id: errorId })).results ?? [];
   }
 
   /** Returns the references of the components that match. */
-  async search(condition = ""): Promise<string[]> {
-    return listField(await this.call("rois.command.search", { condition }), "component_ref_list");
+  async search(condition = ""): Promise<readonly string[]> {
+    return (await this.call("rois.command.search", { condition })).component_ref_list ?? [];
   }
 
-  /** Reserves a component for this session. Idempotent; OUT_OF_RESOURCES while another session holds it. */
+  /**
+   * Finds a component of a type: `await client.find(Navigation)`.
+   *
+   * @param condition what else must hold, such as `like("component_ref", "robot/%")`
+   * @throws RoISError (UNSUPPORTED: there is none)
+   */
+  async find<Component>(type: ComponentClass<Component>, condition = ""): Promise<Component> {
+    const [component] = await this.findAll(type, condition);
+    if (component === undefined) throw new RoISError("UNSUPPORTED", `find ${type.componentType}`);
+    return component;
+  }
+
+  /** Finds all components of a type. */
+  async findAll<Component>(type: ComponentClass<Component>, condition = ""): Promise<Component[]> {
+    const refs = await this.search(and(where({ component_type: type.componentType }), condition));
+    return refs.map((componentRef) => new type(this, componentRef));
+  }
+
+  /**
+   * Reserves a component for this application until it is released, also over a lost connection. Idempotent.
+   *
+   * @throws RoISError (OUT_OF_RESOURCES: another application has it)
+   */
   async bind(componentRef: string): Promise<void> {
     await this.call("rois.command.bind", { component_ref: componentRef });
+    this.#bindings.add(componentRef);
   }
 
+  /** Reserves one component that matches and is free, and returns its reference. */
+  async bindAny(condition = ""): Promise<string> {
+    const { component_ref: componentRef = "" } = await this.call("rois.command.bind_any", { condition });
+    this.#bindings.add(componentRef);
+    return componentRef;
+  }
+
+  /** Gives a component back. Idempotent. */
   async release(componentRef: string): Promise<void> {
+    this.#bindings.delete(componentRef);
     await this.call("rois.command.release", { component_ref: componentRef });
+  }
+
+  /** Returns the parameters that have a value. */
+  async getParameter(componentRef: string): Promise<readonly Parameter[]> {
+    return (await this.call("rois.command.get_parameter", { component_ref: componentRef })).parameters ?? [];
+  }
+
+  /** Changes parameters, all in one; returns the id of the command, which ends in `completed`. */
+  async setParameter(componentRef: string, parameters: readonly Parameter[]): Promise<string> {
+    const params = { component_ref: componentRef, parameters };
+    const { command_id = "" } = await this.call("rois.command.set_parameter", params);
+    this.#completions.expect(command_id);
+    return command_id;
   }
 
   /**
    * Starts a sequence of commands and returns their ids, in order, once the engine has accepted all of them. Each
    * ends later in `completed`; a refusal starts nothing.
    */
-  async execute(sequence: readonly SequenceItem[]): Promise<string[]> {
-    const commands: CommandUnit[] = [];
-    const identified = (unit: CommandUnit): CommandUnit => {
-      const command = { ...unit, command_id: unit.command_id ?? newCommandId() };
-      commands.push(command);
-      return command;
+  async execute(sequence: readonly Step[]): Promise<string[]> {
+    const ids: string[] = [];
+    const identified = (command: Command): CommandUnit => {
+      const unit = { ...command, command_id: command.command_id ?? newCommandId() };
+      ids.push(unit.command_id);
+      return unit;
     };
-    const list = sequence.map((item) =>
-      "command_list" in item
-        ? { ...item, command_list: item.command_list.map(identified) }
-        : identified(item),
+    const list = sequence.map((step) =>
+      "command_list" in step
+        ? { ...step, command_list: step.command_list.map(identified) }
+        : identified(step),
     );
-    const ids = commands.map((command) => command.command_id ?? "");
     for (const id of ids) this.#completions.expect(id);
     try {
       await this.call("rois.command.execute", { command_unit_list: list });
@@ -176,95 +166,65 @@ export class RoISClient {
   /**
    * Waits until a command has ended, also if it ended before.
    *
-   * @param within milliseconds to wait at most
-   * @throws ConnectionLost when the session ended first | RequestTimeout
+   * @param within milliseconds to wait at most; without it, as long as the connection lasts
+   * @throws ConnectionLost when the connection ended first: how the command ends is not known | RequestTimeout
    */
-  completed(commandId: string, within = COMPLETED_WITHIN): Promise<Completed> {
+  completed(commandId: string, within?: number): Promise<Completed> {
     return this.#completions.wait(commandId, within);
   }
 
-  async getCommandResult(commandId: string): Promise<NamedValue[]> {
-    const params = { command_id: commandId, condition: "" };
-    return listField(await this.call("rois.command.get_command_result", params), "results");
+  /** Returns what a command that ended OK has given. */
+  async getCommandResult(commandId: string): Promise<readonly Result[]> {
+    return (await this.call("rois.command.get_command_result", { command_id: commandId })).results ?? [];
   }
 
   /** Asks the one component that answers `queryType` and meets the condition. */
-  async query(queryType: string, condition = ""): Promise<NamedValue[]> {
-    return listField(await this.call("rois.query.query", { query_type: queryType, condition }), "results");
+  async query(queryType: string, condition = ""): Promise<readonly Result[]> {
+    return (await this.call("rois.query.query", { query_type: queryType, condition })).results ?? [];
   }
 
-  /** Hears an event from now on, also after a reconnect. */
+  /** Hears an event of the one component that meets the condition from now on, also after a reconnect. */
   subscribe(
     eventType: string,
     condition: string,
     listener: (event: RoISEvent) => void,
+    onEnd?: () => void,
   ): Promise<Subscription> {
-    return this.#subscriptions.add(eventType, condition, listener);
+    return this.#subscriptions.add(this.call, eventType, condition, listener, onEnd);
   }
 
-  async #handshake(session: JsonRpcSession): Promise<void> {
-    checked("rois.system.connect", await session.request("rois.system.connect"));
-    const hello = { version: EXTENSION_VERSION, extensions: [...EXTENSIONS] };
-    try {
-      const answer = checked("openrois.hello", await session.request("openrois.hello", hello));
-      this.#extensions = listField<string>(answer, "extensions");
-    } catch (error) {
-      if (!(error instanceof RpcError && error.code === METHOD_NOT_FOUND)) throw error;
-      this.#extensions = null;
-    }
+  /**
+   * The same to be iterated over: `for await (const event of client.events("person_detected", condition))`. It ends
+   * with the loop, or with the client. A reader that is too slow misses the oldest of more than 256 events.
+   */
+  events(eventType: string, condition: string): AsyncIterable<RoISEvent> {
+    return iterate((listener, onEnd) => this.subscribe(eventType, condition, listener, onEnd));
   }
 
-  #stateChanged(state: ConnectionState): void {
-    clearInterval(this.#probe);
-    if (state.name === "connected") {
-      this.#probe = setInterval(() => this.#probeIdle(), this.#idleProbe / 4);
-      void this.#subscriptions.renew();
-    } else {
-      this.#completions.lost();
-      this.#subscriptions.lost();
-    }
-    this.#events.emit("state", state);
+  /** Returns what an event told, while the gateway remembers it (`expire`). */
+  async getEventDetail(eventId: string): Promise<readonly Result[]> {
+    return (await this.call("rois.event.get_event_detail", { event_id: eventId })).results ?? [];
   }
 
-  /** A browser cannot ping: only an unanswered request shows that a silent connection is dead. */
-  #probeIdle(): void {
-    if (this.#connection.silence >= this.#idleProbe) void this.search().catch(() => undefined);
+  /** Bindings are the gateway's own and quick, so that they are waited for; an engine that hangs holds up nobody. */
+  protected override async began(call: Call): Promise<void> {
+    void this.#subscriptions.renew(call, this.#renewal);
+    await this.#bindings.renew(call, this.#renewal);
   }
 
-  #notified(notification: Notification): void {
-    const { method, params } = notification;
-    switch (method) {
-      case "rois.command.completed": {
-        const completed = params as unknown as Completed;
-        this.#completions.completed(completed);
-        this.#events.emit("completed", completed);
-        break;
-      }
-      case "rois.event.notify_event": {
-        const event = { expire: "", results: [], ...params } as unknown as RoISEvent;
-        this.#subscriptions.deliver(event);
-        this.#events.emit("event", event);
-        break;
-      }
-      case "rois.system.notify_error":
-        this.#events.emit("fault", params as unknown as RoISFault);
-        break;
-      case "rois.system.profile_changed":
-        void this.#subscriptions.renew();
-        this.#events.emit("profile_changed", undefined);
-        break;
-    }
-    this.#events.emit("notification", notification);
+  protected override ended(closed: boolean): void {
+    this.#completions.lost();
+    this.#subscriptions.lost();
+    this.#bindings.lost();
+    if (!closed) return;
+    this.#subscriptions.end();
+    this.#bindings.clear();
   }
-}
 
-/** @throws RoISError when the return code is not OK | RpcError when there is none */
-function checked(method: string, result: Json): JsonObject {
-  if (!isObject(result) || typeof result["return_code"] !== "string") {
-    throw new RpcError({ code: INVALID_REQUEST, message: "the result has no return_code" }, method);
+  protected override changed(): void {
+    void this.#bindings.renew(this.call, this.#renewal);
+    void this.#subscriptions.renew(this.call, this.#renewal);
   }
-  if (result["return_code"] !== "OK") throw new RoISError(result["return_code"] as ReturnCode, method);
-  return result;
 }
 
 /** `crypto.randomUUID` exists on secure origins only; a page over plain HTTP on a LAN is none. */

@@ -1,34 +1,29 @@
 /** Who waits for which command to end. */
 
 import { ConnectionLost, RequestTimeout } from "../jsonrpc/session.ts";
-import type { Completed } from "./types.ts";
+import type { Completed } from "./generated/types.ts";
 
-/** How many commands are remembered; the oldest is forgotten first. */
-const REMEMBERED = 256;
+/** How many ended commands are remembered; the oldest is forgotten first. */
+const REMEMBERED = 1024;
 
-interface Entry {
-  outcome: Completed | Error | null;
-  readonly waiting: Set<(outcome: Completed | Error) => void>;
-}
+type Outcome = Completed | Error;
 
-/** Remembers commands from before they are sent, so that no `completed` can be missed. */
+/**
+ * Remembers how commands ended, also those for which nobody waits yet: the news may come in the same breath as the
+ * answer that carries the command's id.
+ */
 export class Completions {
-  readonly #entries = new Map<string, Entry>();
+  readonly #waiting = new Map<string, Set<(outcome: Outcome) => void>>();
+  readonly #ended = new Map<string, Outcome>();
 
-  /** Call it before the command is sent. */
+  /** The id is used from now on. Call it before the command is sent. */
   expect(commandId: string): void {
-    if (this.#entries.has(commandId)) return;
-    this.#entries.set(commandId, { outcome: null, waiting: new Set() });
-    for (const [oldest] of this.#entries) {
-      if (this.#entries.size <= REMEMBERED) break;
-      this.#settle(oldest, new RequestTimeout(`${oldest}: forgotten, too many commands are unfinished`));
-      this.#entries.delete(oldest);
-    }
+    if (!this.#ended.has(commandId) && !this.#waiting.has(commandId)) this.#waiting.set(commandId, new Set());
   }
 
   /** The command was refused: nobody need wait for it. */
   forget(commandId: string): void {
-    this.#entries.delete(commandId);
+    this.#waiting.delete(commandId);
   }
 
   completed(completed: Completed): void {
@@ -37,7 +32,7 @@ export class Completions {
 
   /** The session is gone; what it would have reported is lost. */
   lost(): void {
-    for (const commandId of this.#entries.keys()) {
+    for (const commandId of [...this.#waiting.keys()]) {
       this.#settle(
         commandId,
         new ConnectionLost(`${commandId}: the connection ended before the command did`),
@@ -45,30 +40,37 @@ export class Completions {
     }
   }
 
-  /** @throws ConnectionLost | RequestTimeout */
-  wait(commandId: string, timeout: number): Promise<Completed> {
-    this.expect(commandId);
-    const entry = this.#entries.get(commandId);
+  /**
+   * @param within milliseconds to wait at most; without it as long as the session lives
+   * @throws ConnectionLost | RequestTimeout
+   */
+  wait(commandId: string, within?: number): Promise<Completed> {
     return new Promise((resolve, reject) => {
-      const settle = (outcome: Completed | Error): void => {
+      let timer: ReturnType<typeof setTimeout> | undefined;
+      const settle = (outcome: Outcome): void => {
         clearTimeout(timer);
-        entry?.waiting.delete(settle);
         if (outcome instanceof Error) reject(outcome);
         else resolve(outcome);
       };
-      const timer = setTimeout(
-        () => settle(new RequestTimeout(`${commandId}: not completed within ${timeout} ms`)),
-        timeout,
-      );
-      if (entry?.outcome) settle(entry.outcome);
-      else entry?.waiting.add(settle);
+      const ended = this.#ended.get(commandId);
+      if (ended) return settle(ended);
+      this.expect(commandId);
+      const waiting = this.#waiting.get(commandId);
+      waiting?.add(settle);
+      if (within === undefined) return;
+      timer = setTimeout(() => {
+        waiting?.delete(settle);
+        reject(new RequestTimeout(`${commandId}: not completed within ${within} ms`));
+      }, within);
     });
   }
 
-  #settle(commandId: string, outcome: Completed | Error): void {
-    const entry = this.#entries.get(commandId);
-    if (!entry || entry.outcome) return;
-    entry.outcome = outcome;
-    for (const settle of [...entry.waiting]) settle(outcome);
+  #settle(commandId: string, outcome: Outcome): void {
+    const waiting = this.#waiting.get(commandId);
+    this.#waiting.delete(commandId);
+    this.#ended.set(commandId, outcome);
+    const oldest = this.#ended.keys().next();
+    if (this.#ended.size > REMEMBERED && !oldest.done) this.#ended.delete(oldest.value);
+    for (const settle of waiting ?? []) settle(outcome);
   }
 }

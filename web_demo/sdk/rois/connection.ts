@@ -7,6 +7,7 @@ import type { Json, JsonObject, Notification } from "../jsonrpc/peer.ts";
 import { Backoff } from "./backoff.ts";
 import type { BackoffOptions } from "./backoff.ts";
 
+/** Whether there is a connection, and if there is none, what is done about it. */
 export type ConnectionState =
   /** `attempt` counts the failures since the connection was last good; 0 at the first try. */
   | { readonly name: "connecting"; readonly attempt: number }
@@ -22,15 +23,19 @@ export interface ConnectionEvents {
 }
 
 export interface ConnectionOptions {
-  /** The gateway; default: where the page came from. */
-  readonly url?: string | URL;
   /** A JSON Web Token. It travels as a subprotocol, never in the URL, where logs would keep it. */
   readonly token?: string;
+  /** How long to wait between attempts. */
   readonly backoff?: BackoffOptions;
   /** Milliseconds a socket may take to open. */
   readonly connectTimeout?: number;
+  /** Milliseconds after which an unanswered request fails. */
   readonly requestTimeout?: number;
-  readonly createSocket?: (url: string, protocols: string[]) => SocketLike;
+  /**
+   * Opens a WebSocket; by default the one of the platform. Node has one from 22 on; for Node 20, with `ws`:
+   * `(url, protocols) => new WebSocket(url, protocols)`.
+   */
+  readonly webSocket?: (url: string, protocols: string[]) => SocketLike;
 }
 
 /** A connection that lived this long (ms) was a good one: the next failure is counted as the first. */
@@ -43,6 +48,7 @@ const GOOD_AFTER = 10_000;
  */
 export class Connection {
   readonly events = new Emitter<ConnectionEvents>();
+  readonly #url: string;
   readonly #options: ConnectionOptions;
   readonly #handshake: (session: JsonRpcSession) => Promise<void>;
   readonly #backoff: Backoff;
@@ -51,7 +57,16 @@ export class Connection {
   #timer: ReturnType<typeof setTimeout> | undefined;
   #attempt = 0;
 
-  constructor(options: ConnectionOptions, handshake: (session: JsonRpcSession) => Promise<void>) {
+  /** @throws TypeError when `url` is no address, or nothing here can open a WebSocket */
+  constructor(
+    url: string | URL,
+    options: ConnectionOptions,
+    handshake: (session: JsonRpcSession) => Promise<void>,
+  ) {
+    if (!options.webSocket && !("WebSocket" in globalThis)) {
+      throw new TypeError("there is no WebSocket here: give the option webSocket, or use Node 22 or later");
+    }
+    this.#url = gatewayUrl(url);
     this.#options = options;
     this.#handshake = handshake;
     this.#backoff = new Backoff(options.backoff);
@@ -155,17 +170,14 @@ export class Connection {
   }
 
   #createSocket(): SocketLike {
-    const { url, token, createSocket } = this.#options;
+    const { token, webSocket = openWebSocket } = this.#options;
     const protocols = token === undefined ? [] : ["openrois.v1", `openrois.bearer.${token}`];
-    return (createSocket ?? openWebSocket)(gatewayUrl(url), protocols);
+    return webSocket(this.#url, protocols);
   }
 }
 
 /** Returns the WebSocket address that belongs to `url`, which is read relative to the page. */
-export function gatewayUrl(
-  url: string | URL = "./",
-  base: string | undefined = globalThis.location?.href,
-): string {
+export function gatewayUrl(url: string | URL, base: string | undefined = globalThis.location?.href): string {
   const address = new URL(url, base);
   address.protocol = address.protocol.replace(/^http/, "ws");
   address.hash = "";

@@ -1,9 +1,10 @@
 /** Finding in a profile what an engine can do. */
 
-import type { ComponentProfile, Profile } from "./types.ts";
+import type { Profile } from "./client.ts";
+import type { HRIComponentProfile } from "./generated/types.ts";
 
 /** Returns the last part of a component's type: `VideoStreaming` of `urn:x-rois:def:component:OMG::VideoStreaming`. */
-export function componentType(profile: ComponentProfile): string {
+export function componentType(profile: HRIComponentProfile): string {
   return profile.identifier.code.split(":").at(-1) ?? "";
 }
 
@@ -22,9 +23,4 @@ export function componentsByEngine(profile: Profile): Map<string, Map<string, st
     if (!components.has(type)) components.set(type, componentRef);
   }
   return engines;
-}
-
-/** Returns the condition that names exactly one component. */
-export function onlyComponent(componentRef: string): string {
-  return `component_ref = '${componentRef.replaceAll("'", "''")}'`;
 }

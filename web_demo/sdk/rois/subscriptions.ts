@@ -1,23 +1,29 @@
 /** Subscriptions that outlive the session in which they were made. */
 
-import type { RoISEvent } from "./types.ts";
+import type { Renewal, SubscriptionClaim } from "./claims.ts";
+import { RoISError } from "./errors.ts";
+import type { Call, RoISEvent } from "./link.ts";
 
+/** What `subscribe` gives back. */
 export interface Subscription {
   /** Ends the subscription, also on the gateway while it can be reached. */
   cancel(): Promise<void>;
 }
 
-/** The two operations of the wire. */
-export interface EventOperations {
-  subscribe(eventType: string, condition: string): Promise<string>;
-  unsubscribe(subscribeId: string): Promise<void>;
-}
+type Listener = (event: RoISEvent) => void;
+
+/** Events of subscriptions whose ids are not known yet. */
+const MAX_EARLY = 256;
 
 interface Entry {
   readonly eventType: string;
   readonly condition: string;
-  readonly listener: (event: RoISEvent) => void;
+  readonly listener: Listener;
+  readonly onEnd: () => void;
+  /** Null where there is none now; the session or the engine that knew it is gone. */
   subscribeId: string | null;
+  /** That it could not be made again was told. */
+  lost: boolean;
 }
 
 /**
@@ -27,22 +33,39 @@ interface Entry {
  * The old id counts until the new one is there: no event is lost and none is delivered twice.
  */
 export class Subscriptions {
-  readonly #operations: EventOperations;
   readonly #entries = new Set<Entry>();
+  /** Two messages may come in one breath: the answer with the id, and the first event under it. */
+  #early: RoISEvent[] = [];
+  #asking = 0;
 
-  constructor(operations: EventOperations) {
-    this.#operations = operations;
-  }
-
-  async add(eventType: string, condition: string, listener: Entry["listener"]): Promise<Subscription> {
-    const subscribeId = await this.#operations.subscribe(eventType, condition);
-    const entry: Entry = { eventType, condition, listener, subscribeId };
+  async add(
+    call: Call,
+    eventType: string,
+    condition: string,
+    listener: Listener,
+    onEnd: () => void = () => undefined,
+  ): Promise<Subscription> {
+    const entry: Entry = { eventType, condition, listener, onEnd, subscribeId: null, lost: false };
     this.#entries.add(entry);
-    return { cancel: () => this.#cancel(entry) };
+    try {
+      await this.#subscribe(call, entry);
+    } catch (error) {
+      this.#entries.delete(entry);
+      throw error;
+    }
+    return { cancel: () => this.#cancel(call, entry) };
   }
 
   deliver(event: RoISEvent): void {
-    for (const entry of this.#entries) if (entry.subscribeId === event.subscribe_id) entry.listener(event);
+    let known = false;
+    for (const entry of this.#entries) {
+      if (entry.subscribeId !== event.subscribe_id) continue;
+      known = true;
+      entry.listener(event);
+    }
+    if (known || this.#asking === 0) return;
+    if (this.#early.length === MAX_EARLY) this.#early.shift();
+    this.#early.push(event);
   }
 
   /** The session that knew the ids is gone. */
@@ -50,21 +73,65 @@ export class Subscriptions {
     for (const entry of this.#entries) entry.subscribeId = null;
   }
 
-  /** Subscribes all again. What is refused now is tried again at the next renewal. */
-  async renew(): Promise<void> {
-    await Promise.allSettled([...this.#entries].map((entry) => this.#renew(entry)));
+  /** Subscribes all again. */
+  async renew(call: Call, renewal: Renewal): Promise<void> {
+    await Promise.all([...this.#entries].map((entry) => this.#renew(call, entry, renewal)));
   }
 
-  async #renew(entry: Entry): Promise<void> {
-    const old = entry.subscribeId;
-    entry.subscribeId = await this.#operations.subscribe(entry.eventType, entry.condition);
-    if (!this.#entries.has(entry)) await this.#operations.unsubscribe(entry.subscribeId);
-    if (old !== null) await this.#operations.unsubscribe(old);
+  /** Nothing will be heard any more. */
+  end(): void {
+    const entries = [...this.#entries];
+    this.#entries.clear();
+    for (const entry of entries) entry.onEnd();
   }
 
-  async #cancel(entry: Entry): Promise<void> {
-    this.#entries.delete(entry);
-    if (entry.subscribeId !== null)
-      await this.#operations.unsubscribe(entry.subscribeId).catch(() => undefined);
+  async #renew(call: Call, entry: Entry, renewal: Renewal): Promise<void> {
+    const { eventType, condition, subscribeId: old } = entry;
+    const claim: SubscriptionClaim = { kind: "subscription", eventType, condition };
+    try {
+      await this.#subscribe(call, entry);
+      if (!this.#entries.has(entry)) await this.#unsubscribe(call, entry.subscribeId);
+      else if (old === null) renewal.restored(claim);
+      entry.lost = false;
+      await this.#unsubscribe(call, old);
+    } catch (error) {
+      // Whatever else goes wrong ends the session, or is tried again at the next change.
+      if (!(error instanceof RoISError) || !this.#entries.has(entry)) return;
+      // A component that does not work now refuses new subscriptions and keeps those it has.
+      if (error.returnCode === "UNSUPPORTED") entry.subscribeId = null;
+      if (entry.lost || entry.subscribeId !== null) return;
+      entry.lost = true;
+      renewal.lost({ ...claim, error });
+    }
+  }
+
+  async #subscribe(call: Call, entry: Entry): Promise<void> {
+    this.#asking += 1;
+    try {
+      const { eventType: event_type, condition } = entry;
+      const { subscribe_id } = await call("rois.event.subscribe", { event_type, condition });
+      entry.subscribeId = subscribe_id ?? "";
+      if (this.#entries.has(entry)) this.#catchUp(entry);
+    } finally {
+      this.#asking -= 1;
+      if (this.#asking === 0) this.#early = [];
+    }
+  }
+
+  #catchUp(entry: Entry): void {
+    const mine = this.#early.filter((event) => event.subscribe_id === entry.subscribeId);
+    this.#early = this.#early.filter((event) => !mine.includes(event));
+    for (const event of mine) entry.listener(event);
+  }
+
+  async #cancel(call: Call, entry: Entry): Promise<void> {
+    if (!this.#entries.delete(entry)) return;
+    entry.onEnd();
+    await this.#unsubscribe(call, entry.subscribeId);
+  }
+
+  async #unsubscribe(call: Call, subscribeId: string | null): Promise<void> {
+    if (subscribeId === null) return;
+    await call("rois.event.unsubscribe", { subscribe_id: subscribeId }).catch(() => undefined);
   }
 }

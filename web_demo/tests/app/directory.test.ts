@@ -2,11 +2,11 @@ import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { AvatarDirectory } from "../../app/avatars.ts";
 import { ComponentWatch, isUsable } from "../../app/component_status.ts";
 import type { Availability } from "../../app/component_status.ts";
-import { RoISClient } from "../../sdk/index.ts";
+import { Client } from "../../sdk/index.ts";
 import { FakeGateway } from "../support/fake_gateway.ts";
 
 let gateway: FakeGateway;
-let client: RoISClient;
+let client: Client;
 let engines: string[];
 
 beforeEach(() => {
@@ -18,7 +18,7 @@ beforeEach(() => {
       engines.map((id) => [`${id}/v`, { identifier: { code: "VideoStreaming" }, name: "v" }]),
     ),
   }));
-  client = new RoISClient({ url: "ws://test/", createSocket: gateway.createSocket });
+  client = new Client("ws://test/", { webSocket: gateway.webSocket });
 });
 
 afterEach(() => {

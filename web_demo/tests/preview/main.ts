@@ -7,7 +7,7 @@ const gateway = new FakeGateway();
 const avatar = new PreviewAvatar(gateway, "avatar");
 
 function openSocket(url: string, protocols: string[]): unknown {
-  return gateway.createSocket(url, protocols);
+  return gateway.webSocket(url, protocols);
 }
 
 Object.assign(globalThis, { WebSocket: openSocket, preview: { gateway, avatar } });

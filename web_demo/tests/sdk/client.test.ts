@@ -1,14 +1,19 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
-import { RoISClient } from "../../sdk/rois/client.ts";
-import type { ClientOptions } from "../../sdk/rois/client.ts";
+import { Client } from "../../sdk/rois/client.ts";
 import { ConnectionLost, RequestTimeout, RpcError } from "../../sdk/jsonrpc/session.ts";
-import { RoISError } from "../../sdk/rois/types.ts";
+import { InvalidMessage, RoISError } from "../../sdk/rois/errors.ts";
+import type { ClientOptions } from "../../sdk/rois/link.ts";
 import { FakeGateway } from "../support/fake_gateway.ts";
 
 let gateway: FakeGateway;
 
-const clientOf = (options: ClientOptions = {}): RoISClient =>
-  new RoISClient({ url: "ws://test/", createSocket: gateway.createSocket, ...options });
+const clientOf = (options: ClientOptions = {}): Client =>
+  new Client("ws://test/", { webSocket: gateway.webSocket, ...options });
+
+function controller(): { signal: AbortSignal; abort: () => void } {
+  const controller = new AbortController();
+  return { signal: controller.signal, abort: () => controller.abort(new Error("enough")) };
+}
 
 beforeEach(() => {
   vi.useFakeTimers();
@@ -59,6 +64,29 @@ describe("connecting", () => {
     expect(gateway.sockets).toHaveLength(1);
     await expect(client.search()).rejects.toBeInstanceOf(ConnectionLost);
   });
+
+  it("says at once what cannot work: an address that is none, no WebSocket at all", () => {
+    expect(() => new Client("not an address", { webSocket: gateway.webSocket })).toThrow(TypeError);
+    vi.stubGlobal("WebSocket", undefined);
+    Reflect.deleteProperty(globalThis, "WebSocket");
+    expect(() => new Client("ws://test/")).toThrow(/give the option webSocket, or use Node 22/);
+    vi.unstubAllGlobals();
+  });
+
+  it("can be given up", async () => {
+    gateway.running = false;
+    const client = clientOf();
+    const closed = expect(client.connect()).rejects.toBeInstanceOf(ConnectionLost);
+    await client.close();
+    await closed;
+    const { signal, abort } = controller();
+    const aborted = expect(client.connect({ signal })).rejects.toThrow("enough");
+    abort();
+    await aborted;
+    expect(client.state.name).toBe("closed");
+    await expect(client.connect({ signal })).rejects.toThrow("enough");
+    expect(vi.getTimerCount()).toBe(0);
+  });
 });
 
 describe("operations", () => {
@@ -88,7 +116,7 @@ describe("operations", () => {
       { method: "rois.system.get_profile", params: { condition: "" } },
       { method: "rois.command.search", params: { condition: "component_ref = 'a/b'" } },
       { method: "rois.query.query", params: { query_type: "q", condition: "c" } },
-      { method: "rois.command.get_command_result", params: { command_id: "c1", condition: "" } },
+      { method: "rois.command.get_command_result", params: { command_id: "c1" } },
       { method: "rois.command.bind", params: { component_ref: "a/b" } },
       { method: "rois.command.release", params: { component_ref: "a/b" } },
     ]);
@@ -106,7 +134,56 @@ describe("operations", () => {
       method: "rois.command.bind",
     });
     await expect(client.call("unheard.of")).rejects.toMatchObject({ name: "RpcError", code: -32601 });
-    await expect(client.search()).rejects.toBeInstanceOf(RpcError);
+    const wrong = client.search();
+    await expect(wrong).rejects.toBeInstanceOf(InvalidMessage);
+    await expect(wrong).rejects.toThrow(/return_code must be one of OK, ERROR/);
+    gateway.on("rois.command.search", () => ({ component_ref_list: ["a/b", 7] }));
+    await expect(client.search()).rejects.toThrow(
+      "rois.command.search: result.component_ref_list.1 must be text",
+    );
+  });
+
+  it("are all there, under the names of the standard", async () => {
+    const parameters = [{ name: "p", data_type_ref: "int", value: "1" }];
+    gateway
+      .on("rois.command.bind_any", () => ({ component_ref: "a/b" }))
+      .on("rois.command.get_parameter", () => ({ parameters }))
+      .on("rois.command.set_parameter", () => ({ command_id: "a/p1" }))
+      .on("rois.event.get_event_detail", () => ({ results: parameters }))
+      .on("rois.system.get_error_detail", () => ({ results: parameters }));
+    const client = clientOf();
+    await client.connect();
+    await expect(client.bindAny("c")).resolves.toBe("a/b");
+    await expect(client.getParameter("a/b")).resolves.toEqual(parameters);
+    await expect(client.setParameter("a/b", parameters)).resolves.toBe("a/p1");
+    gateway.notify("rois.command.completed", { command_id: "a/p1", status: "OK" });
+    await expect(client.completed("a/p1")).resolves.toEqual({ command_id: "a/p1", status: "OK" });
+    await expect(client.getEventDetail("a/e1")).resolves.toEqual(parameters);
+    await expect(client.getErrorDetail("a/f1")).resolves.toEqual(parameters);
+    expect(gateway.calls.slice(2)).toEqual([
+      { method: "rois.command.bind_any", params: { condition: "c" } },
+      { method: "rois.command.get_parameter", params: { component_ref: "a/b" } },
+      { method: "rois.command.set_parameter", params: { component_ref: "a/b", parameters } },
+      { method: "rois.event.get_event_detail", params: { event_id: "a/e1" } },
+      { method: "rois.system.get_error_detail", params: { error_id: "a/f1" } },
+    ]);
+  });
+
+  it("are typed by their names", async () => {
+    gateway.on("rois.command.search", () => ({ component_ref_list: ["a/b"] }));
+    gateway.on("someone.else", () => ({ anything: 1 }));
+    const client = clientOf();
+    await client.connect();
+    const { component_ref_list: refs } = await client.call("rois.command.search", { condition: "" });
+    const typed: readonly string[] | undefined = refs;
+    expect(typed).toEqual(["a/b"]);
+    await client.call("rois.command.search");
+    const { anything } = await client.call("someone.else", { of: "mine" });
+    expect(anything).toBe(1);
+    // @ts-expect-error: bind needs a component
+    await expect(client.call("rois.command.bind")).rejects.toBeInstanceOf(RpcError);
+    // @ts-expect-error: a condition is text
+    await client.call("rois.command.search", { condition: 7 });
   });
 });
 
@@ -175,14 +252,20 @@ describe("commands", () => {
     await expect(client.execute([unit])).rejects.toBeInstanceOf(ConnectionLost);
   });
 
-  it("are remembered in a bounded number", async () => {
+  it("that have ended are remembered in a bounded number, those that run all", async () => {
     gateway.on("rois.command.execute", () => ({}));
-    const client = clientOf();
+    const client = clientOf({ idleProbe: 1e6 });
     await client.connect();
-    const [oldest = ""] = await client.execute([unit]);
-    const waiting = expect(client.completed(oldest)).rejects.toThrow(/too many/);
-    await client.execute(Array.from({ length: 256 }, () => unit));
-    await waiting;
+    const [running = ""] = await client.execute([unit]);
+    const end = (command_id: string): void =>
+      gateway.notify("rois.command.completed", { command_id, status: "OK" });
+    for (let count = 0; count <= 1024; count++) end(`c${count}`);
+    await expect(client.completed("c1")).resolves.toMatchObject({ status: "OK" });
+    const forgotten = expect(client.completed("c0", 500)).rejects.toBeInstanceOf(RequestTimeout);
+    await vi.advanceTimersByTimeAsync(500);
+    await forgotten;
+    end(running);
+    await expect(client.completed(running)).resolves.toMatchObject({ status: "OK" });
   });
 });
 
@@ -253,5 +336,23 @@ describe("events", () => {
     gateway.notify("foreign.thing", {});
     expect(heard).toHaveBeenCalledTimes(5);
     failing.mockRestore();
+  });
+
+  it("and all that is not as it should be is told and passed over", async () => {
+    const client = clientOf();
+    await client.connect();
+    const heard = vi.fn();
+    const invalid = vi.fn();
+    for (const name of ["completed", "event", "fault", "notification"] as const) client.on(name, heard);
+    client.on("invalid", invalid);
+    gateway.notify("rois.command.completed", { command_id: "c", status: "DONE" });
+    gateway.notify("rois.event.notify_event", { ...event("s/1"), results: [{ name: "n", value: 1 }] });
+    gateway.notify("rois.system.notify_error", { error_id: 7, error_type: "USER_DEFINED_ERROR" });
+    expect(heard).not.toHaveBeenCalled();
+    expect(invalid.mock.calls.map(([what]) => what)).toEqual([
+      "rois.command.completed: params.status must be one of OK, ERROR, ABORT, OUT_OF_RESOURCES, TIMEOUT",
+      "rois.event.notify_event: params.results.0.data_type_ref must be text",
+      "rois.system.notify_error: params.error_id must be text",
+    ]);
   });
 });

@@ -1,9 +1,9 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { Backoff } from "../../sdk/rois/backoff.ts";
-import { RoISClient } from "../../sdk/rois/client.ts";
-import type { ClientOptions } from "../../sdk/rois/client.ts";
+import { Client } from "../../sdk/rois/client.ts";
 import { gatewayUrl } from "../../sdk/rois/connection.ts";
 import type { ConnectionState } from "../../sdk/rois/connection.ts";
+import type { ClientOptions } from "../../sdk/rois/link.ts";
 import { FakeGateway, FakeSocket, Refusal } from "../support/fake_gateway.ts";
 
 let gateway: FakeGateway;
@@ -12,16 +12,11 @@ let states: ConnectionState[];
 /** The waits lie at the upper end, so that times can be told exactly. */
 const steady = { random: (): number => 1 };
 
-function start(options: ClientOptions = {}): RoISClient {
-  const client = new RoISClient({
-    url: "ws://test/",
-    createSocket: gateway.createSocket,
-    backoff: steady,
-    ...options,
-  });
+function start(options: ClientOptions = {}): Client {
+  const client = new Client("ws://test/", { webSocket: gateway.webSocket, backoff: steady, ...options });
   states = [];
   client.on("state", (state) => states.push(state));
-  void client.connect();
+  client.connect().catch(() => undefined);
   return client;
 }
 
@@ -104,7 +99,7 @@ describe("reconnecting", () => {
     const stuck: FakeSocket[] = [];
     const client = start({
       connectTimeout: 3000,
-      createSocket: (url, protocols) => {
+      webSocket: (url, protocols) => {
         stuck.push(new FakeSocket(url, protocols, () => undefined));
         return stuck.at(-1) as FakeSocket;
       },
@@ -137,7 +132,7 @@ describe("reconnecting", () => {
 
   it("reports an address that cannot be dialled", async () => {
     const client = start({
-      createSocket: () => {
+      webSocket: () => {
         throw new SyntaxError("bad address");
       },
     });

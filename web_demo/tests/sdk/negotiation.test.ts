@@ -1,6 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { MAX_PEERS, MAX_WAITING_CANDIDATES, Negotiation } from "../../sdk/media/negotiation.ts";
-import type { Candidate, Effect, Offer } from "../../sdk/media/negotiation.ts";
+import type { Candidate, Effect } from "../../sdk/media/negotiation.ts";
+import type { Offer } from "../../sdk/rois/generated/types.ts";
 
 const offer = (peer_id: string, generation: number, replaces?: string): Offer => ({
   peer_id,

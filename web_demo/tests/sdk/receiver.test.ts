@@ -3,7 +3,7 @@ import type { JsonObject } from "../../sdk/jsonrpc/peer.ts";
 import { MediaReceiver } from "../../sdk/media/receiver.ts";
 import { nextVerb } from "../../sdk/media/reconciler.ts";
 import type { RemoteStream } from "../../sdk/media/stream.ts";
-import { RoISClient } from "../../sdk/rois/client.ts";
+import { Client } from "../../sdk/rois/client.ts";
 import { FakeGateway } from "../support/fake_gateway.ts";
 import { FakePeerConnection } from "../support/fake_peer_connection.ts";
 
@@ -12,7 +12,7 @@ const AUDIO = "avatar/audio";
 const STEADY = { first: 500, factor: 1.5, random: (): number => 1 };
 
 let gateway: FakeGateway;
-let client: RoISClient;
+let client: Client;
 let receiver: MediaReceiver;
 let video: RemoteStream;
 let count: number;
@@ -83,7 +83,7 @@ beforeEach(async () => {
   for (const verb of ["disconnect", "suspend", "resume"])
     gateway.on(`rois.stream.${verb}_stream`, () => ({}));
   for (const method of ["answer", "candidate", "restart"]) gateway.on(`signaling.${method}`, () => ({}));
-  client = new RoISClient({ url: "ws://test/", createSocket: gateway.createSocket, backoff: STEADY });
+  client = new Client("ws://test/", { webSocket: gateway.webSocket, backoff: STEADY });
   receiver = new MediaReceiver(client, {
     backoff: STEADY,
     codecs: (kind) => [`${kind}/x`],
@@ -195,7 +195,7 @@ describe("connecting", () => {
     ["no-streaming", new FakeGateway(null)],
     ["refused", new FakeGateway().on("rois.stream.connect_stream", () => ({ return_code: "ERROR" }))],
   ])("says %s", async (kind, other) => {
-    const elsewhere = new RoISClient({ url: "ws://test/", createSocket: other.createSocket });
+    const elsewhere = new Client("ws://test/", { webSocket: other.webSocket });
     await elsewhere.connect();
     const stream = new MediaReceiver(elsewhere, { codecs: () => [] }).stream(VIDEO, "video");
     await stream.connect();

@@ -106,7 +106,7 @@ export class FakeGateway {
     return socket;
   }
 
-  readonly createSocket = (url: string, protocols: readonly string[]): FakeSocket => {
+  readonly webSocket = (url: string, protocols: readonly string[]): FakeSocket => {
     const socket = new FakeSocket(url, protocols, (from, text) => void this.#receive(from, text));
     this.sockets.push(socket);
     queueMicrotask(() => (this.running ? socket.open() : socket.end(1006)));

@@ -6,10 +6,10 @@ import {
   statusQuery,
   visibleRows,
 } from "../../../app/inspector/profile_tree.ts";
-import type { ComponentProfile, Profile } from "../../../sdk/index.ts";
+import type { HRIComponentProfile, Profile } from "../../../sdk/index.ts";
 
 const named = (name: string, code = "string") => ({ name, data_type_ref: { code } });
-const component = (type: string, more: Partial<ComponentProfile> = {}): ComponentProfile => ({
+const component = (type: string, more: Partial<HRIComponentProfile> = {}): HRIComponentProfile => ({
   identifier: { code: `urn:x-test:${type}` },
   name: type.toLowerCase(),
   ...more,

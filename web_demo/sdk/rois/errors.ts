@@ -1,0 +1,41 @@
+/** What can go wrong in RoIS terms. What can go wrong with the connection stands in `jsonrpc/session.ts`. */
+
+import type { CompletedStatus, ReturnCode } from "./generated/types.ts";
+
+/** An operation ended with a return code other than OK. */
+export class RoISError extends Error {
+  override readonly name = "RoISError";
+  readonly returnCode: ReturnCode;
+  /** The method that was called, such as `rois.command.bind`. */
+  readonly method: string;
+
+  constructor(returnCode: ReturnCode, method: string) {
+    super(`${method}: ${returnCode}`);
+    this.returnCode = returnCode;
+    this.method = method;
+  }
+}
+
+/** A command was accepted and did not end well. */
+export class CommandFailed extends Error {
+  override readonly name = "CommandFailed";
+  /** ABORT: it was stopped, or a command before it in the sequence failed. */
+  readonly status: CompletedStatus;
+  readonly commandId: string;
+
+  constructor(commandType: string, commandId: string, status: CompletedStatus) {
+    super(`${commandType}: ${status}`);
+    this.status = status;
+    this.commandId = commandId;
+  }
+}
+
+/** A value does not fit its type. */
+export class ValueError extends Error {
+  override readonly name = "ValueError";
+}
+
+/** The gateway answered with something that is not what the method gives. */
+export class InvalidMessage extends Error {
+  override readonly name = "InvalidMessage";
+}

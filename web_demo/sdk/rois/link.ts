@@ -1,0 +1,222 @@
+/** An application's end of one gateway: it connects, and again whenever the connection is lost, calls and is told. */
+
+import { Emitter } from "../events.ts";
+import { METHOD_NOT_FOUND } from "../jsonrpc/peer.ts";
+import type { Json, JsonObject, Notification } from "../jsonrpc/peer.ts";
+import { ConnectionLost, RpcError } from "../jsonrpc/session.ts";
+import type { JsonRpcSession, Traffic } from "../jsonrpc/session.ts";
+import { wrongInNotification, wrongInResult } from "./checks.ts";
+import type { Claim, LostClaim } from "./claims.ts";
+import { Connection } from "./connection.ts";
+import type { ConnectionOptions, ConnectionState } from "./connection.ts";
+import { InvalidMessage, RoISError } from "./errors.ts";
+import type { MethodName, Methods } from "./generated/methods.ts";
+import type { Completed, ErrorNotification, EventNotification, ReturnCode } from "./generated/types.ts";
+
+/** The version of the extensions this client speaks, as `openrois.hello` carries it. */
+const EXTENSION_VERSION = "1";
+const EXTENSIONS: readonly string[] = ["rois.stream", "signaling"];
+
+/** The params of a method; of one that is not in `Methods`, any object. */
+export type Params<Method extends string> = Method extends MethodName
+  ? Methods[Method]["params"]
+  : JsonObject;
+
+/** The result of a method; of one that is not in `Methods`, any object. */
+export type ResultOf<Method extends string> = Method extends MethodName
+  ? Methods[Method]["result"]
+  : JsonObject;
+
+/** Calls a method, and returns its result once the `return_code` is OK. Params may be left out where all may. */
+export type Call = <Method extends MethodName | (string & {})>(
+  method: Method,
+  ...params: {} extends Params<Method> ? [params?: Params<Method>] : [params: Params<Method>]
+) => Promise<ResultOf<Method>>;
+
+/** An event as an application hears it: what the engine left out is empty. */
+export type RoISEvent = Required<EventNotification>;
+
+/** How a client connects. */
+export interface ClientOptions extends ConnectionOptions {
+  /** Milliseconds of silence after which the gateway is asked for a sign of life. */
+  readonly idleProbe?: number;
+}
+
+/** What a client tells. */
+export interface ClientEvents {
+  /** Connected, waiting, closed ... */
+  state: ConnectionState;
+  /** A command has ended. */
+  completed: Completed;
+  /** An event happened; `subscribe` tells of those of one kind. */
+  event: RoISEvent;
+  /** An engine or component reports a fault; `getErrorDetail` tells more. */
+  fault: ErrorNotification;
+  /** The engines or components behind the gateway are others now. */
+  profile_changed: undefined;
+  /** A binding or subscription is gone and could not be made again. */
+  lost: LostClaim;
+  /** A binding or subscription was gone and is made again; what happened in between is not known. */
+  restored: Claim;
+  /** Something that came in is not as it should be and was passed over: a sentence. */
+  invalid: string;
+  /** Every notification, also those of extensions. */
+  notification: Notification;
+  /** Every message that was sent or received. */
+  traffic: Traffic;
+}
+
+/** The connection of a `Client`, below the operations of RoIS. */
+export abstract class Link {
+  protected readonly emitter = new Emitter<ClientEvents>();
+  readonly #connection: Connection;
+  readonly #idleProbe: number;
+  #probe: ReturnType<typeof setInterval> | undefined;
+  #extensions: readonly string[] | null = null;
+
+  /**
+   * @param url the gateway, `ws://`, `wss://` or what it prints, `http://`; read relative to the page
+   * @throws TypeError when `url` is no address, or there is no WebSocket here and no `webSocket` is given
+   */
+  constructor(url: string | URL = "./", options: ClientOptions = {}) {
+    this.#idleProbe = options.idleProbe ?? 20_000;
+    this.#connection = new Connection(url, options, (session) => this.#handshake(session));
+    this.#connection.events.on("state", (state) => this.#stateChanged(state));
+    this.#connection.events.on("notification", (notification) => this.#notified(notification));
+    this.#connection.events.on("traffic", (traffic) => this.emitter.emit("traffic", traffic));
+  }
+
+  /** Whether there is a connection, and when the next attempt is made. */
+  get state(): ConnectionState {
+    return this.#connection.state;
+  }
+
+  /** The gateway's extensions beyond RoIS; null where it has none (it does not know `openrois.hello`). */
+  get extensions(): readonly string[] | null {
+    return this.#extensions;
+  }
+
+  /** Listens to what the client tells; the function that comes back ends it. */
+  on<Name extends keyof ClientEvents>(name: Name, listener: (value: ClientEvents[Name]) => void): () => void {
+    return this.emitter.on(name, listener);
+  }
+
+  /**
+   * Connects and stays connected until `close`; resolves at the first connection. While there is no gateway it keeps
+   * trying; `on("state")` tells why, and `signal` ends it, such as `AbortSignal.timeout(5000)`.
+   *
+   * @throws ConnectionLost when the client is closed first | the reason of `signal`
+   */
+  connect({ signal }: { readonly signal?: AbortSignal } = {}): Promise<void> {
+    if (signal?.aborted) return Promise.reject(signal.reason);
+    this.#connection.open();
+    if (this.state.name === "connected") return Promise.resolve();
+    return new Promise((resolve, reject) => {
+      const abort = (): void => {
+        stop();
+        void this.close();
+        reject(signal?.reason);
+      };
+      const stop = this.on("state", ({ name }) => {
+        if (name !== "connected" && name !== "closed") return;
+        stop();
+        signal?.removeEventListener("abort", abort);
+        if (name === "connected") resolve();
+        else reject(new ConnectionLost("the client was closed"));
+      });
+      signal?.addEventListener("abort", abort, { once: true });
+    });
+  }
+
+  /** Does not wait for the next attempt: there is reason to believe that it succeeds. */
+  retryNow(): void {
+    this.#connection.retryNow();
+  }
+
+  /** Ends the session, and with it what was bound and subscribed. */
+  async close(): Promise<void> {
+    if (this.state.name === "connected") await this.call("rois.system.disconnect").catch(() => undefined);
+    this.#connection.close();
+  }
+
+  /**
+   * Calls any method, also of extensions, and returns its result once `return_code` is OK. The params and results of
+   * methods in `Methods` are typed.
+   *
+   * @throws RoISError | RpcError | InvalidMessage | ConnectionLost | RequestTimeout
+   */
+  readonly call: Call = async (method, ...[params]) =>
+    accepted(method, await this.#connection.request(method, (params ?? {}) as JsonObject));
+
+  /** Tells that something came in which is not as it should be. @internal */
+  passedOver(what: string): void {
+    this.emitter.emit("invalid", what);
+  }
+
+  /** There is a session: what is held at the gateway is made again, before anybody is told. */
+  protected abstract began(call: Call): Promise<void>;
+
+  /** The session is gone; `closed`: for good. */
+  protected abstract ended(closed: boolean): void;
+
+  /** The engines or components are others now. */
+  protected abstract changed(): void;
+
+  async #handshake(session: JsonRpcSession): Promise<void> {
+    const call: Call = async (method, ...[params]) =>
+      accepted(method, await session.request(method, (params ?? {}) as JsonObject));
+    await call("rois.system.connect");
+    try {
+      const hello = { version: EXTENSION_VERSION, extensions: EXTENSIONS };
+      this.#extensions = (await call("openrois.hello", hello)).extensions ?? [];
+    } catch (error) {
+      if (!(error instanceof RpcError && error.code === METHOD_NOT_FOUND)) throw error;
+      this.#extensions = null;
+    }
+    await this.began(call);
+  }
+
+  #stateChanged(state: ConnectionState): void {
+    clearInterval(this.#probe);
+    if (state.name === "connected") this.#probe = setInterval(() => this.#probeIdle(), this.#idleProbe / 4);
+    else this.ended(state.name === "closed");
+    this.emitter.emit("state", state);
+  }
+
+  /** A browser cannot ping: only an unanswered request shows that a silent connection is dead. */
+  #probeIdle(): void {
+    if (this.#connection.silence >= this.#idleProbe)
+      void this.call("rois.command.search").catch(() => undefined);
+  }
+
+  #notified(notification: Notification): void {
+    const { method, params } = notification;
+    const wrong = wrongInNotification(method, params);
+    if (wrong !== null) return this.passedOver(`${method}: ${wrong}`);
+    switch (method) {
+      case "rois.command.completed":
+        this.emitter.emit("completed", params as unknown as Completed);
+        break;
+      case "rois.event.notify_event":
+        this.emitter.emit("event", { expire: "", results: [], ...params } as unknown as RoISEvent);
+        break;
+      case "rois.system.notify_error":
+        this.emitter.emit("fault", params as unknown as ErrorNotification);
+        break;
+      case "rois.system.profile_changed":
+        this.changed();
+        this.emitter.emit("profile_changed", undefined);
+        break;
+    }
+    this.emitter.emit("notification", notification);
+  }
+}
+
+/** @throws RoISError when the return code is not OK | InvalidMessage when the result is not what the method gives */
+function accepted<Method extends string>(method: Method, result: Json): ResultOf<Method> {
+  const wrong = wrongInResult(method, result);
+  if (wrong !== null) throw new InvalidMessage(`${method}: ${wrong}`);
+  const { return_code } = result as { readonly return_code: ReturnCode };
+  if (return_code !== "OK") throw new RoISError(return_code, method);
+  return result as ResultOf<Method>;
+}

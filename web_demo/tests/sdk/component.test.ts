@@ -1,0 +1,361 @@
+import { beforeEach, describe, expect, it, vi } from "vitest";
+import type { JsonObject } from "../../sdk/jsonrpc/peer.ts";
+import { Client } from "../../sdk/rois/client.ts";
+import { CommandFailed, RoISError, ValueError } from "../../sdk/rois/errors.ts";
+import {
+  AudioStreaming,
+  Navigation,
+  PersonDetection,
+  Reaction,
+  SpeechSynthesis,
+} from "../../sdk/rois/generated/components.ts";
+import { FakeGateway } from "../support/fake_gateway.ts";
+
+let gateway: FakeGateway;
+let client: Client;
+
+const units = (): JsonObject[] =>
+  gateway
+    .called("rois.command.execute")
+    .flatMap((params) => params["command_unit_list"] as { command_id: string }[]);
+
+const complete = (index: number, status: string): void => {
+  const { command_id = "" } = units().at(index) ?? {};
+  gateway.notify("rois.command.completed", { command_id, status });
+};
+
+const steps = (): string[] =>
+  gateway.calls
+    .map((call) => call.method.replace("rois.command.", ""))
+    .filter((method) => !method.includes("."));
+
+/** Every command ends in the same breath in which it is accepted. */
+const completeAtOnce = (status = "OK"): void => {
+  gateway.on("rois.command.execute", (params) => {
+    const list = params["command_unit_list"] as { command_id: string }[];
+    for (const { command_id } of list) {
+      queueMicrotask(() => gateway.notify("rois.command.completed", { command_id, status }));
+    }
+    return {};
+  });
+};
+
+beforeEach(async () => {
+  gateway = new FakeGateway();
+  for (const method of ["bind", "release", "execute"]) gateway.on(`rois.command.${method}`, () => ({}));
+  client = new Client("ws://test/", { webSocket: gateway.webSocket });
+  await client.connect();
+});
+
+describe("finding", () => {
+  it("asks for the type, and for what else must hold", async () => {
+    gateway.on("rois.command.search", () => ({
+      component_ref_list: ["robot/navigation", "cart/navigation"],
+    }));
+    const navigation = await client.find(Navigation, "component_ref LIKE 'r%'");
+    expect(navigation).toBeInstanceOf(Navigation);
+    expect(navigation.componentRef).toBe("robot/navigation");
+    expect(gateway.called("rois.command.search")).toEqual([
+      {
+        condition: "component_type = 'urn:x-rois:def:component:OMG::Navigation' AND component_ref LIKE 'r%'",
+      },
+    ]);
+    const all = await client.findAll(Navigation);
+    expect(all.map(({ componentRef }) => componentRef)).toEqual(["robot/navigation", "cart/navigation"]);
+  });
+
+  it("throws where there is none", async () => {
+    await expect(client.find(Navigation)).rejects.toMatchObject({ returnCode: "UNSUPPORTED" });
+    await expect(client.findAll(Navigation)).resolves.toEqual([]);
+  });
+});
+
+describe("commands", () => {
+  it("resolve when they have ended", async () => {
+    const navigation = new Navigation(client, "robot/navigation");
+    const ended = vi.fn();
+    const start = navigation.start().then(ended);
+    await vi.waitFor(() => expect(units()).toHaveLength(1));
+    expect(units()[0]).toEqual({
+      component_ref: "robot/navigation",
+      command_type: "start",
+      command_id: expect.any(String),
+    });
+    expect(ended).not.toHaveBeenCalled();
+    complete(0, "OK");
+    await start;
+    expect(ended).toHaveBeenCalledOnce();
+  });
+
+  it("throw when they have not ended well", async () => {
+    completeAtOnce("ABORT");
+    const failed = new Navigation(client, "robot/navigation").suspend();
+    await expect(failed).rejects.toBeInstanceOf(CommandFailed);
+    await expect(failed).rejects.toMatchObject({ status: "ABORT", message: "suspend: ABORT" });
+  });
+
+  it("carry arguments and give results", async () => {
+    completeAtOnce();
+    gateway.on("rois.command.get_command_result", () => ({
+      results: [{ name: "stream_id", data_type_ref: "string", value: "s-1" }],
+    }));
+    const audio = new AudioStreaming(client, "robot/audio");
+    await expect(audio.connectStream()).resolves.toEqual({ stream_id: "s-1" });
+    const asked = gateway.called("rois.command.get_command_result");
+    expect(asked).toEqual([{ command_id: units()[0]?.["command_id"] }]);
+    await audio.suspendStream({ stream_id: "s-1" });
+    expect(units()[1]).toMatchObject({
+      command_type: "suspend_stream",
+      arguments: [{ name: "stream_id", data_type_ref: "String", value: "s-1" }],
+    });
+  });
+
+  it("say what is wrong with a result", async () => {
+    completeAtOnce();
+    gateway.on("rois.command.get_command_result", () => ({}));
+    const connected = new AudioStreaming(client, "robot/audio").connectStream();
+    await expect(connected).rejects.toThrow(new ValueError("stream_id is missing"));
+  });
+});
+
+describe("parameters", () => {
+  const parameters = [
+    { name: "target_positions", data_type_ref: "string[]", value: '["lobby"]' },
+    { name: "time_limit", data_type_ref: "int", value: "60000" },
+  ];
+
+  it("are read and written as what they are", async () => {
+    gateway.on("rois.command.get_parameter", () => ({ parameters }));
+    gateway.on("rois.command.set_parameter", () => {
+      queueMicrotask(() =>
+        gateway.notify("rois.command.completed", { command_id: "robot/p1", status: "OK" }),
+      );
+      return { command_id: "robot/p1" };
+    });
+    const navigation = new Navigation(client, "robot/navigation");
+    await expect(navigation.getParameter()).resolves.toEqual({
+      target_positions: ["lobby"],
+      time_limit: 60_000,
+    });
+    await navigation.setParameter({ target_positions: ["lobby"], time_limit: 60_000 });
+    expect(gateway.called("rois.command.set_parameter")).toEqual([
+      { component_ref: "robot/navigation", parameters },
+    ]);
+  });
+
+  it("are refused before they are sent when they do not fit", async () => {
+    const navigation = new Navigation(client, "robot/navigation");
+    await expect(navigation.setParameter({ time_limit: 0.5 })).rejects.toThrow(
+      new ValueError('time_limit: "0.5" is not of type int'),
+    );
+    // @ts-expect-error: TypeScript knows that there is no such parameter
+    await expect(navigation.setParameter({ colour: "red" })).rejects.toThrow(/there is no value colour/);
+    expect(gateway.called("rois.command.set_parameter")).toEqual([]);
+  });
+});
+
+describe("queries", () => {
+  it("ask this component and no other", async () => {
+    gateway.on("rois.query.query", () => ({
+      results: [{ name: "status", data_type_ref: "Component_Status", value: "BUSY" }],
+    }));
+    await expect(new Navigation(client, "robot/navigation").componentStatus()).resolves.toEqual({
+      status: "BUSY",
+    });
+    await new AudioStreaming(client, "robot/audio").getStreamStatus("stream_id = 's-1'");
+    expect(gateway.called("rois.query.query")).toEqual([
+      { query_type: "component_status", condition: "component_ref = 'robot/navigation'" },
+      { query_type: "get_stream_status", condition: "component_ref = 'robot/audio' AND stream_id = 's-1'" },
+    ]);
+  });
+});
+
+describe("events", () => {
+  const NOON = "2026-06-01T12:00:00+00:00";
+  const detected = (number: string): JsonObject[] => [
+    { name: "number", data_type_ref: "int", value: number },
+    { name: "timestamp", data_type_ref: "DateTime", value: NOON },
+  ];
+  const happen = (results: JsonObject[] | null, event_id = "robot/e1"): void =>
+    gateway.notify("rois.event.notify_event", {
+      event_id,
+      event_type: "person_detected",
+      subscribe_id: "robot/s1",
+      ...(results && { results }),
+    });
+  let persons: PersonDetection;
+
+  beforeEach(() => {
+    gateway.on("rois.event.subscribe", () => ({ subscribe_id: "robot/s1" }));
+    gateway.on("rois.event.unsubscribe", () => ({}));
+    persons = new PersonDetection(client, "robot/persons");
+  });
+
+  it("are heard as what they tell", async () => {
+    const heard = vi.fn();
+    const subscription = await persons.personDetected.subscribe(heard);
+    expect(gateway.called("rois.event.subscribe")).toEqual([
+      { event_type: "person_detected", condition: "component_ref = 'robot/persons'" },
+    ]);
+    happen(detected("2"));
+    await vi.waitFor(() => expect(heard).toHaveBeenCalledOnce());
+    expect(heard.mock.calls[0]?.[0]).toEqual({ number: 2, timestamp: new Date(NOON) });
+    expect(heard.mock.calls[0]?.[1]).toMatchObject({ event_id: "robot/e1", expire: "" });
+    await subscription.cancel();
+    expect(gateway.called("rois.event.unsubscribe")).toEqual([{ subscribe_id: "robot/s1" }]);
+  });
+
+  it("are asked for where an engine does not send along what they tell, and stay in order", async () => {
+    gateway.on("rois.event.get_event_detail", () => ({ results: detected("1") }));
+    const heard: number[] = [];
+    await persons.personDetected.subscribe(({ number }) => heard.push(number));
+    happen(null);
+    happen(detected("2"), "robot/e2");
+    await vi.waitFor(() => expect(heard).toEqual([1, 2]));
+    expect(gateway.called("rois.event.get_event_detail")).toEqual([{ event_id: "robot/e1" }]);
+  });
+
+  it("that cannot be read are told and passed over", async () => {
+    const invalid = vi.fn();
+    client.on("invalid", invalid);
+    const heard = vi.fn();
+    await persons.personDetected.subscribe(heard);
+    happen(detected("many"));
+    happen([{ name: "number", data_type_ref: "int", value: "1" }]);
+    happen([detected("1")[0] ?? {}, { name: "timestamp", data_type_ref: "DateTime", value: "noon" }]);
+    happen(detected("3"));
+    await vi.waitFor(() => expect(heard).toHaveBeenCalledOnce());
+    expect(invalid.mock.calls.map(([what]) => what)).toEqual([
+      'person_detected of robot/persons: ValueError: number: "many" is not of type int',
+      "person_detected of robot/persons: ValueError: timestamp is missing",
+      'person_detected of robot/persons: ValueError: timestamp: "noon" is not of type DateTime',
+    ]);
+  });
+
+  it("reach every listener, even past one that throws", async () => {
+    const failing = vi.spyOn(console, "error").mockImplementation(() => undefined);
+    let heard = 0;
+    await persons.personDetected.subscribe(() => {
+      heard += 1;
+      throw new Error("mine");
+    });
+    happen(detected("1"));
+    happen(detected("2"));
+    await vi.waitFor(() => expect(heard).toBe(2));
+    expect(failing).toHaveBeenCalledTimes(2);
+    failing.mockRestore();
+  });
+
+  it("are iterated over until the loop ends", async () => {
+    const numbers: number[] = [];
+    const reading = (async () => {
+      for await (const { number } of persons.personDetected) {
+        numbers.push(number);
+        if (number === 3) break;
+      }
+    })();
+    await vi.waitFor(() => expect(gateway.called("rois.event.subscribe")).toHaveLength(1));
+    // All in one breath with the answer to subscribe: nothing is missed.
+    for (const number of ["1", "2", "3", "4"]) happen(detected(number));
+    await reading;
+    expect(numbers).toEqual([1, 2, 3]);
+    expect(gateway.called("rois.event.unsubscribe")).toEqual([{ subscribe_id: "robot/s1" }]);
+  });
+
+  it("end for their reader with the client", async () => {
+    gateway.on("rois.system.disconnect", () => ({}));
+    const reading = (async () => {
+      const numbers: number[] = [];
+      for await (const { number } of persons.personDetected) numbers.push(number);
+      return numbers;
+    })();
+    await vi.waitFor(() => expect(gateway.called("rois.event.subscribe")).toHaveLength(1));
+    happen(detected("1"));
+    await client.close();
+    await expect(reading).resolves.toEqual([1]);
+  });
+
+  it("that a reader is too slow for are dropped, the oldest first", async () => {
+    const iterator = persons.personDetected[Symbol.asyncIterator]();
+    const first = iterator.next();
+    await vi.waitFor(() => expect(gateway.called("rois.event.subscribe")).toHaveLength(1));
+    happen(detected("0"));
+    await expect(first).resolves.toMatchObject({ value: { number: 0 } });
+    for (let number = 1; number <= 300; number++) happen(detected(String(number)));
+    await expect(iterator.next()).resolves.toMatchObject({ value: { number: 45 } });
+    await iterator.return();
+  });
+
+  it("cannot be heard where the engine refuses", async () => {
+    gateway.on("rois.event.subscribe", () => ({ return_code: "UNSUPPORTED" }));
+    await expect(persons.personDetected[Symbol.asyncIterator]().next()).rejects.toBeInstanceOf(RoISError);
+  });
+});
+
+describe("perform", () => {
+  it("binds, sets and starts in one sequence, waits for both, releases", async () => {
+    const speech = new SpeechSynthesis(client, "a/speech");
+    const started = vi.fn();
+    const performance = speech.perform({ speech_text: "Hello", volume: 70 }, started);
+    await vi.waitFor(() => expect(started).toHaveBeenCalled());
+    expect(speech.inUse).toBe(true);
+    expect(steps()).toEqual(["bind", "execute"]);
+    expect(units()).toMatchObject([
+      {
+        component_ref: "a/speech",
+        command_type: "set_parameter",
+        arguments: [
+          { name: "speech_text", data_type_ref: "string", value: "Hello" },
+          { name: "volume", data_type_ref: "int", value: "70" },
+        ],
+      },
+      { component_ref: "a/speech", command_type: "start" },
+    ]);
+    complete(0, "OK");
+    complete(1, "OK");
+    await performance;
+    expect(steps()).toEqual(["bind", "execute", "release"]);
+    expect(speech.inUse).toBe(false);
+  });
+
+  it("reports the first command that did not end well", async () => {
+    const started = vi.fn();
+    const performance = new Reaction(client, "a/reaction").perform({ reaction_ref: "nod" }, started);
+    await vi.waitFor(() => expect(started).toHaveBeenCalled());
+    complete(0, "ERROR");
+    complete(1, "ABORT");
+    await expect(performance).rejects.toMatchObject({ status: "ERROR" });
+  });
+
+  it("keeps the component while performances overlap", async () => {
+    const speech = new SpeechSynthesis(client, "a/speech");
+    const started = vi.fn();
+    const first = speech.perform({}, started);
+    const second = speech.perform({}, started);
+    await vi.waitFor(() => expect(started).toHaveBeenCalledTimes(2));
+    complete(0, "OK");
+    complete(1, "ABORT");
+    await expect(first).rejects.toMatchObject({ status: "ABORT" });
+    expect(steps()).not.toContain("release");
+    complete(2, "OK");
+    complete(3, "OK");
+    await second;
+    expect(steps().at(-1)).toBe("release");
+  });
+
+  it("throws when somebody else holds the component, and can be used again", async () => {
+    gateway.on("rois.command.bind", () => ({ return_code: "OUT_OF_RESOURCES" }));
+    const speech = new SpeechSynthesis(client, "a/speech");
+    await expect(speech.perform({})).rejects.toBeInstanceOf(RoISError);
+    expect(speech.inUse).toBe(false);
+    gateway.on("rois.command.bind", () => ({}));
+    completeAtOnce();
+    await speech.perform({});
+  });
+
+  it("gives back what the work of `bound` gives", async () => {
+    const navigation = new Navigation(client, "robot/navigation");
+    await expect(navigation.bound(() => Promise.resolve(7))).resolves.toBe(7);
+    expect(steps()).toEqual(["bind", "release"]);
+  });
+});

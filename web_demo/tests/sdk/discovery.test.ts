@@ -1,0 +1,21 @@
+import { describe, expect, it } from "vitest";
+import { componentType, componentsByEngine, engineOf } from "../../sdk/rois/discovery.ts";
+
+describe("discovery", () => {
+  it("reads the type of a component, whichever form its code has", () => {
+    const type = (code: string): string => componentType({ identifier: { code }, name: "x" });
+    expect(type("urn:x-rois:def:component:OMG::Reaction")).toBe("Reaction");
+    expect(type("Reaction")).toBe("Reaction");
+    expect(type("")).toBe("");
+  });
+
+  it("groups by engine", () => {
+    const profile = { identifier: { code: "X::T" }, name: "x" };
+    const found = componentsByEngine({
+      profile: null,
+      component_profiles: { "a/1": profile, "a/2": profile },
+    });
+    expect([...found].map(([engine, types]) => [engine, [...types]])).toEqual([["a", [["T", "a/1"]]]]);
+    expect(engineOf("a/1")).toBe("a");
+  });
+});

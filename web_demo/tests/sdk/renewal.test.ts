@@ -1,0 +1,213 @@
+/** What an application has bound and subscribed outlives its session, and that of the engine. */
+
+import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { Client } from "../../sdk/rois/client.ts";
+import type { Claim, LostClaim } from "../../sdk/rois/claims.ts";
+import type { Subscription } from "../../sdk/rois/subscriptions.ts";
+import { FakeGateway } from "../support/fake_gateway.ts";
+
+const NAVIGATION = "robot/navigation";
+
+let gateway: FakeGateway;
+let client: Client;
+let told: [string, Claim][];
+let subscribed: number;
+
+const pass = (ms = 0): Promise<unknown> => vi.advanceTimersByTimeAsync(ms);
+const answer = (method: string, return_code: string): unknown => gateway.on(method, () => ({ return_code }));
+const count = (method: string): number => gateway.called(method).length;
+const binding = { kind: "binding", componentRef: NAVIGATION };
+const subscription = { kind: "subscription", eventType: "t", condition: "c" };
+
+async function reconnect(): Promise<void> {
+  gateway.socket.end(1006);
+  await pass(500);
+}
+
+async function engineChanged(): Promise<void> {
+  gateway.notify("rois.system.profile_changed", {});
+  await pass();
+}
+
+beforeEach(async () => {
+  vi.useFakeTimers();
+  gateway = new FakeGateway();
+  subscribed = 0;
+  gateway
+    .on("rois.command.bind", () => ({}))
+    .on("rois.command.release", () => ({}))
+    .on("rois.event.subscribe", () => ({ subscribe_id: `s/${++subscribed}` }))
+    .on("rois.event.unsubscribe", () => ({}));
+  client = new Client("ws://test/", { webSocket: gateway.webSocket, backoff: { random: () => 1 } });
+  told = [];
+  client.on("lost", (claim: LostClaim) => told.push(["lost", claim]));
+  client.on("restored", (claim) => told.push(["restored", claim]));
+  await client.connect();
+});
+
+afterEach(() => {
+  vi.useRealTimers();
+});
+
+describe("bindings", () => {
+  it("come back before the connection is said to be there", async () => {
+    await client.bind(NAVIGATION);
+    const bound: number[] = [];
+    client.on("state", ({ name }) => {
+      if (name === "connected") bound.push(count("rois.command.bind"));
+    });
+    await reconnect();
+    expect(bound).toEqual([2]);
+    expect(told).toEqual([["restored", binding]]);
+  });
+
+  it("that were released stay away", async () => {
+    await client.bind(NAVIGATION);
+    await client.release(NAVIGATION);
+    await reconnect();
+    await engineChanged();
+    expect(count("rois.command.bind")).toBe(1);
+    expect(told).toEqual([]);
+  });
+
+  it("of bindAny come back too", async () => {
+    gateway.on("rois.command.bind_any", () => ({ component_ref: NAVIGATION }));
+    await client.bindAny();
+    await reconnect();
+    expect(gateway.called("rois.command.bind")).toEqual([{ component_ref: NAVIGATION }]);
+  });
+
+  it("that another application has by now are told once, and come back when it lets go", async () => {
+    await client.bind(NAVIGATION);
+    answer("rois.command.bind", "OUT_OF_RESOURCES");
+    await reconnect();
+    await engineChanged();
+    expect(client.state.name).toBe("connected");
+    expect(told).toMatchObject([["lost", { ...binding, error: { returnCode: "OUT_OF_RESOURCES" } }]]);
+    answer("rois.command.bind", "OK");
+    await engineChanged();
+    expect(told.at(-1)).toEqual(["restored", binding]);
+  });
+
+  it("come back with the engine", async () => {
+    await client.bind(NAVIGATION);
+    answer("rois.command.bind", "UNSUPPORTED");
+    await engineChanged();
+    expect(told).toMatchObject([["lost", { ...binding, error: { returnCode: "UNSUPPORTED" } }]]);
+    answer("rois.command.bind", "OK");
+    await engineChanged();
+    expect(told).toHaveLength(2);
+    await engineChanged();
+    expect(told).toHaveLength(2);
+  });
+
+  it("are not taken back by a release that came too early", async () => {
+    await client.bind(NAVIGATION);
+    let letIn = (): void => undefined;
+    gateway.on("rois.command.bind", () => new Promise((resolve) => (letIn = () => resolve({}))));
+    await engineChanged();
+    await client.release(NAVIGATION);
+    letIn();
+    await pass();
+    expect(count("rois.command.release")).toBe(2);
+    expect(told).toEqual([]);
+  });
+
+  it("end with the client", async () => {
+    await client.bind(NAVIGATION);
+    await client.close();
+    await client.connect();
+    expect(count("rois.command.bind")).toBe(1);
+  });
+
+  it("are kept when the session ends while they are made again", async () => {
+    await client.bind(NAVIGATION);
+    gateway.on("rois.command.bind", () => new Promise(() => undefined));
+    await reconnect();
+    gateway.socket.end(1006);
+    answer("rois.command.bind", "OK");
+    await pass(1000);
+    expect(client.state.name).toBe("connected");
+    expect(told).toEqual([["restored", binding]]);
+  });
+});
+
+describe("subscriptions", () => {
+  const event = (subscribe_id: string) => ({ event_id: "e/1", event_type: "t", subscribe_id });
+  const heard = vi.fn();
+  let heardOf: Subscription;
+
+  beforeEach(async () => {
+    heard.mockReset();
+    heardOf = await client.subscribe("t", "c", heard);
+  });
+
+  it("come back, and say so", async () => {
+    await reconnect();
+    gateway.notify("rois.event.notify_event", event("s/1"));
+    gateway.notify("rois.event.notify_event", event("s/2"));
+    expect(heard).toHaveBeenCalledOnce();
+    expect(told).toEqual([["restored", subscription]]);
+  });
+
+  it("whose engine is away are told once, and come back with it", async () => {
+    answer("rois.event.subscribe", "UNSUPPORTED");
+    await engineChanged();
+    await engineChanged();
+    expect(told).toMatchObject([["lost", { ...subscription, error: { returnCode: "UNSUPPORTED" } }]]);
+    gateway.on("rois.event.subscribe", () => ({ subscribe_id: "s/9" }));
+    await engineChanged();
+    gateway.notify("rois.event.notify_event", event("s/9"));
+    expect(heard).toHaveBeenCalledOnce();
+    expect(told.at(-1)).toEqual(["restored", subscription]);
+  });
+
+  it("of a component that takes no new ones now are kept", async () => {
+    answer("rois.event.subscribe", "ERROR");
+    await engineChanged();
+    gateway.notify("rois.event.notify_event", event("s/1"));
+    expect(heard).toHaveBeenCalledOnce();
+    expect(told).toEqual([]);
+  });
+
+  it("hear the event that comes in one breath with the answer", async () => {
+    gateway.on("rois.event.subscribe", () => ({ subscribe_id: "s/7" }));
+    // Sockets of Node hand out all messages that came in together before anybody's promise goes on.
+    const socket = gateway.socket;
+    const deliver = socket.deliver.bind(socket);
+    socket.deliver = (data: unknown) => {
+      deliver(data);
+      if (String(data).includes("s/7") && String(data).includes("result")) {
+        deliver(JSON.stringify({ jsonrpc: "2.0", method: "rois.event.notify_event", params: event("s/7") }));
+      }
+    };
+    const early = vi.fn();
+    await client.subscribe("t", "c2", early);
+    expect(early).toHaveBeenCalledOnce();
+  });
+
+  it("that are cancelled while they are made again end on the gateway too", async () => {
+    let letIn = (): void => undefined;
+    gateway.on(
+      "rois.event.subscribe",
+      () => new Promise((resolve) => (letIn = () => resolve({ subscribe_id: "s/5" }))),
+    );
+    await engineChanged();
+    await heardOf.cancel();
+    letIn();
+    await pass();
+    expect(gateway.called("rois.event.unsubscribe")).toEqual([
+      { subscribe_id: "s/1" },
+      { subscribe_id: "s/5" },
+      { subscribe_id: "s/1" },
+    ]);
+    gateway.notify("rois.event.notify_event", event("s/5"));
+    expect(heard).not.toHaveBeenCalled();
+  });
+
+  it("that hang hold up nobody", async () => {
+    gateway.on("rois.event.subscribe", () => new Promise(() => undefined));
+    await reconnect();
+    expect(client.state.name).toBe("connected");
+  });
+});
