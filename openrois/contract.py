@@ -146,6 +146,10 @@ class Client:
 class Extension(Protocol):
     """What a bus can do beyond the five methods: the streaming and signaling methods, which need to know who asks."""
 
+    def engines(self) -> frozenset[str]:
+        """Return the ids of the engines that can do it; others of the same bus have the five methods only."""
+        ...
+
     async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
         """Ask and return the result, `return_code` included.
 

@@ -252,14 +252,8 @@ class Engine:
 
     def extensions(self) -> tuple[Extension, ...]:
         """Return the extensions of the buses attached here that have one."""
-        found = (extension_of(child.bus) for child in self._children)
+        found = (getattr(child.bus, "extension", None) for child in self._children)
         return tuple(extension for extension in found if extension is not None)
-
-
-def extension_of(bus: ComponentBus) -> Extension | None:
-    """Return the extension of a bus, or None where it has the five methods only."""
-    extension: Extension | None = getattr(bus, "extension", None)
-    return extension
 
 
 def _depth(profile: HRIEngineProfile) -> int:
@@ -272,12 +266,20 @@ class _TreeExtension:
 
     engine: Engine
 
+    def engines(self) -> frozenset[str]:
+        """Return the ids of the engines of the tree that have streams."""
+        return frozenset[str]().union(*(extension.engines() for extension in self.engine.extensions()))
+
+    def _of(self, subject: str) -> Extension:
+        engine_id = engine_of(subject)
+        for extension in self.engine.extensions():
+            if engine_id in extension.engines():
+                return extension
+        raise Unsupported(f"there is no engine with streams for {subject[:200]!r}")
+
     async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
         """Pass a call to the engine named by its component_ref, stream_id or peer_id."""
-        subject = subject_of(params)
-        extension = extension_of(self.engine.route(subject))
-        if extension is None:
-            raise Unsupported(f"the engine of {subject[:200]!r} has no streams")
+        extension = self._of(subject_of(params))
         try:
             return await extension.call(method, params, client)
         except NotResponding as silence:

@@ -97,6 +97,10 @@ class AvatarStreams:
         self._numbers = itertools.count(1)
         self.sessions = StreamSessions(self._make_session)
 
+    def engines(self) -> frozenset[str]:
+        """Return the id of the avatar's engine."""
+        return frozenset({self._engine_id})
+
     async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
         """Do what an application asks; the reply always comes before the notifications that it causes.
 

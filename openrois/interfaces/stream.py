@@ -10,12 +10,12 @@ from typing import Any, Final, TypeVar
 from pydantic import ValidationError
 
 from openrois.application import ApplicationSession
-from openrois.engine import extension_of
 from openrois.errors import Aborted, BadParameter, ComponentFailed, OutOfResources, Unsupported, error_for
 from openrois.interfaces.operation import operation, reply_first
 from openrois.jsonrpc.session import Handler
 from openrois.types.codes import ReturnCode, StreamStatus
 from openrois.types.messages import CommandUnit, Parameter, Result, ReturnResult
+from openrois.types.references import engine_of
 from openrois.types.streams import (
     EXTENSIONS,
     STREAM_METHODS,
@@ -36,7 +36,7 @@ Outcome = TypeVar("Outcome", bound=ReturnResult)
 
 def has_streams(app: ApplicationSession, component_ref: str) -> bool:
     """Tell whether the component's engine has the streaming methods and tells applications about their own streams."""
-    return extension_of(app.engine.route(component_ref)) is not None
+    return engine_of(component_ref) in app.engine.extension.engines()
 
 
 def methods(app: ApplicationSession) -> dict[str, Handler]:
@@ -44,7 +44,8 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
 
     async def hello(_params: HelloParams) -> HelloResult:
         app.extended = True
-        return HelloResult(client_id=app.client_id, extensions=EXTENSIONS)
+        engines = tuple(sorted(app.engine.extension.engines()))
+        return HelloResult(client_id=app.client_id, extensions=EXTENSIONS, engines=engines)
 
     async def connect(params: ConnectStreamParams) -> ConnectStreamResult:
         app.extended = True

@@ -2,7 +2,7 @@
 
 import logging
 import secrets
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Awaitable, Callable, Iterable, Mapping
 from typing import Any, Final
 
 from openrois.contract import Client
@@ -65,9 +65,18 @@ class RemoteExtension:
         self._post = post
         self._notify = notify
         self._is_theirs = is_theirs
+        self._engines: frozenset[str] = frozenset()
         self._clients: dict[str, Client] = {}
         self._ids: dict[Client, str] = {}
         self._foreign = Tally(_log, "notifications that name a reference or id of another engine")
+
+    def engines(self) -> frozenset[str]:
+        """Return the ids of the engines of the other side that have the extension."""
+        return self._engines
+
+    def limit_to(self, engines: Iterable[str]) -> None:
+        """Note which engines of the other side have the extension."""
+        self._engines = frozenset(engines)
 
     async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
         """Ask for an application; from its first connect_stream on it is told what the other side says to it."""

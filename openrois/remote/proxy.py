@@ -40,6 +40,7 @@ from openrois.types.messages import (
     SetParameterResult,
     SubscribeResult,
 )
+from openrois.types.profiles import HRIEngineProfile
 from openrois.types.streams import EXTENSION_VERSION, EXTENSIONS, HelloResult
 
 __all__ = ["RemoteProxy"]
@@ -109,12 +110,12 @@ class RemoteProxy:
         if result.profile is None:
             raise ComponentFailed("the engine has no profile")
         if not self._plain:
-            await self._hello()
+            await self._hello(result.profile)
         self._claims.directory = Directory(result.profile, result.component_profiles)
         self._subscriptions.keep_only(result.component_profiles, SubscriptionLost("the component is gone"))
         return self._claims.directory
 
-    async def _hello(self) -> None:
+    async def _hello(self, profile: HRIEngineProfile) -> None:
         params = {"version": EXTENSION_VERSION, "extensions": list(EXTENSIONS)}
         try:
             result = await self._asking.ask("openrois.hello", params, HelloResult)
@@ -126,6 +127,8 @@ class RemoteProxy:
                 raise
         else:
             self.extension = self._remote_extension if "rois.stream" in result.extensions else None
+            named = result.engines or (profile.identifier.code,)
+            self._remote_extension.limit_to(set(named).intersection(profile.engine_ids()))
 
     async def query(self, component_ref: str, query_type: str) -> tuple[Result, ...]:
         """Ask a component."""

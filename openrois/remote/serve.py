@@ -68,7 +68,8 @@ class _ServedExtension:
         """Return `openrois.hello` and the extension methods."""
 
         async def hello(_params: HelloParams) -> HelloResult:
-            return HelloResult(extensions=EXTENSIONS if self._host.engine.extensions() else ())
+            engines = tuple(sorted(self._host.engine.extension.engines()))
+            return HelloResult(extensions=EXTENSIONS if engines else (), engines=engines)
 
         return {"openrois.hello": method(HelloParams, hello), **{m: self._calling(m) for m in EXTENSION_METHODS}}
 

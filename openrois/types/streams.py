@@ -47,10 +47,15 @@ class HelloParams(Model):
 
 
 class HelloResult(ReturnResult):
-    """Result of `openrois.hello`."""
+    """Result of `openrois.hello`.
+
+    `engines` are the ids of those in the tree that have the extensions; where it is empty and there are extensions, the
+    engine that answers has them.
+    """
 
     version: str = EXTENSION_VERSION
     extensions: tuple[str, ...] = Field(default=(), strict=False)
+    engines: tuple[str, ...] = Field(default=(), strict=False)
     client_id: str = ""
 
 

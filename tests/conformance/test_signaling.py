@@ -78,7 +78,7 @@ class TestSignaling:
     ) -> None:
         await stream_of(app)
         peer_id = await peer_of(app)
-        monkeypatch.setattr(gateway.engine, "_routes", {})
+        monkeypatch.setattr(gateway.engine, "_children", [])
         assert await app.code("signaling.restart", peer_id=peer_id) == "UNSUPPORTED"
 
     async def test_an_ended_peer_is_unknown(self, app: Application, robot: Robot) -> None:

@@ -15,6 +15,7 @@ from openrois.remote.serve import STREAM_GRACE
 from openrois.tasks import TaskScope
 from tests.support import deployment
 from tests.support.deployment import Adapter, Application, Robot
+from tests.support.streams import SharedCamera
 from tests.support.viewer import CAMERA, STATUS, peer_of, statuses, stream_of
 from tests.support.wire import adapter_leg, hosted
 from tests.support.wire import application as memory_application
@@ -218,6 +219,25 @@ class TestTwoHops:
                 while set(robot.streams.streams) != {stream_id}:
                     await app.ask("rois.system.connect")
             answer = await app.ask("rois.stream.query_stream_status", stream_id=stream_id)
+            assert answer["return_code"] == "OK"
+
+    async def test_beside_an_engine_with_streams_one_without_is_asked_in_strict_form(
+        self, middle: Engine, leg: AsyncExitStack
+    ) -> None:
+        shared = SharedCamera()
+        plain = Engine("plain")
+        await plain.attach(LocalRegistry("plain", [shared]))
+        await middle.attach(plain)
+        async with hosted(Engine("gateway")) as host, adapter_leg(host, middle), memory_application(host) as app:
+            assert (await app.ask("openrois.hello", version="1"))["engines"] == ["robot"]
+            unit = {"component_ref": "plain/camera", "command_type": "connect_stream", "command_id": "c"}
+            assert await app.ask("rois.command.execute", command_unit_list=[unit]) == {"return_code": "OK"}
+            assert (await app.next("rois.command.completed"))["status"] == "OK"
+            answer = await app.ask("rois.command.get_command_result", command_id="c")
+            assert [result["value"] for result in answer["results"]] == ["the stream"]
+            answer = await app.ask("rois.stream.connect_stream", component_ref="plain/camera")
+            assert answer["return_code"] == "UNSUPPORTED"
+            answer = await app.ask("rois.stream.connect_stream", component_ref=CAMERA)
             assert answer["return_code"] == "OK"
 
     async def test_the_adapter_is_lost(self, middle: Engine, leg: AsyncExitStack, robot: Robot) -> None:

@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-from openrois.contract import Client, ComponentBus, Directory, Sink
-from openrois.engine import MAX_DEPTH, Engine, extension_of
+from openrois.contract import Client, Directory, Sink
+from openrois.engine import MAX_DEPTH, Engine
 from openrois.errors import BadParameter, EngineUnreachable, Unsupported
 from openrois.registry import LocalRegistry
 from openrois.types.messages import Argument, Result
@@ -54,10 +54,14 @@ class Far:
 
 
 class FarExtension:
-    def __init__(self, *, broken: bool = False) -> None:
+    def __init__(self, *engines: str, broken: bool = False) -> None:
+        self.reach = frozenset(engines)
         self.calls: list[tuple[str, str]] = []
         self.forgotten: list[str] = []
         self.broken = broken
+
+    def engines(self) -> frozenset[str]:
+        return self.reach
 
     async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
         self.calls.append((method, client.client_id))
@@ -278,7 +282,7 @@ class TestRouting:
 class TestExtension:
     async def test_calls_go_where_their_id_leads(self, engine: Engine) -> None:
         a, b = Far(tree("a")), Far(tree("b"))
-        a.extension, b.extension = FarExtension(), FarExtension()
+        a.extension, b.extension = FarExtension("a"), FarExtension("b")
         client = Client("me", lambda _method, _params: None)
         for bus in (a, b):
             await engine.attach(bus)
@@ -308,11 +312,19 @@ class TestExtension:
         assert buses[2].extension.forgotten == ["me"]
         assert "could not be told" in caplog.text
 
-    async def test_a_bus_with_the_five_methods_only_has_none(self) -> None:
-        class Five:
-            pass
-
-        bus: Any = Five()
-        assert extension_of(bus) is None
-        registry: ComponentBus = LocalRegistry("a", [])
-        assert extension_of(registry) is None
+    async def test_which_engines_have_it(self, engine: Engine) -> None:
+        a, b = Far(tree("a", tree("a1"))), Far(tree("b", tree("b1")))
+        a.extension = FarExtension("a1")
+        middle = Engine("middle")
+        await middle.attach(b)
+        for bus in (a, middle, LocalRegistry("c", [])):
+            await engine.attach(bus)
+        assert engine.extension.engines() == {"a1"}
+        client = Client("me", lambda _method, _params: None)
+        for ref in ("a/x", "b1/x", "c/x"):
+            with pytest.raises(Unsupported):
+                await engine.extension.call("x", {"component_ref": ref}, client)
+        b.extension = FarExtension("b1")
+        assert engine.extension.engines() == {"a1", "b1"}
+        await engine.extension.call("x", {"component_ref": "b1/x"}, client)
+        assert b.extension.calls == [("x", "me")]

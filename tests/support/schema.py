@@ -69,7 +69,7 @@ RESULTS: dict[str, dict[str, Any]] = {
     "rois.event.subscribe": {"subscribe_id": str},
     "rois.event.unsubscribe": {},
     "rois.event.get_event_detail": {"results": [VALUE]},
-    "openrois.hello": {"version": str, "extensions": [str], "client_id": str},
+    "openrois.hello": {"version": str, "extensions": [str], "engines": [str], "client_id": str},
     "rois.stream.connect_stream": {"stream_id": str},
     "rois.stream.disconnect_stream": {},
     "rois.stream.suspend_stream": {},

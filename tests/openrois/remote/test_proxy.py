@@ -41,7 +41,9 @@ class Far:
     async def tell(self, method: str, **params: Any) -> None:
         await self.stream.send(json.dumps({"jsonrpc": "2.0", "method": method, "params": params}))
 
-    async def introduce(self, *, plain: bool = False, extensions: tuple[str, ...] = ("rois.stream",)) -> None:
+    async def introduce(
+        self, *, plain: bool = False, extensions: tuple[str, ...] = ("rois.stream",), engines: tuple[str, ...] = ()
+    ) -> None:
         """Answer what `discover` asks."""
         discovering = asyncio.ensure_future(self.proxy.discover())
         await self.answer(await self.asked("rois.system.get_profile"), **profile_result("toy"))
@@ -50,7 +52,7 @@ class Far:
             request = await self.asked("openrois.hello")
             await self.stream.send(json.dumps({"jsonrpc": "2.0", "id": request["id"], "error": error}))
         else:
-            hello = {"version": "1", "extensions": list(extensions), "client_id": ""}
+            hello = {"version": "1", "extensions": list(extensions), "engines": list(engines), "client_id": ""}
             await self.answer(await self.asked("openrois.hello"), **hello)
         await discovering
 
@@ -80,6 +82,15 @@ class TestDiscover:
         for extensions, has_streams in ((("rois.stream", "x"), True), ((), False), (("rois.stream",), True)):
             await far.introduce(extensions=extensions)
             assert (far.proxy.extension is not None) == has_streams
+
+    async def test_which_engines_speak_them(self, far: Far) -> None:
+        await far.introduce()
+        assert far.proxy.extension is not None
+        assert far.proxy.extension.engines() == {"plain"}
+        await far.introduce(engines=("other", "plain"))
+        assert far.proxy.extension.engines() == {"plain"}
+        await far.introduce(engines=("other",))
+        assert far.proxy.extension.engines() == set()
 
     async def test_one_that_speaks_none_is_asked_once(self, far: Far) -> None:
         await far.introduce(plain=True)

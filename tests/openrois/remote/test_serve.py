@@ -98,6 +98,7 @@ class TestHello:
             "return_code": "OK",
             "version": "1",
             "extensions": ["rois.stream", "signaling"],
+            "engines": ["robot"],
             "client_id": "",
         }
 
