@@ -1,0 +1,111 @@
+"""The documents of a whole system: one for its engine, and one for each of its components.
+
+The engine's document names a component by the XML id that the component's own document has.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Final
+
+from openrois.profile_xml.names import write_id
+from openrois.profile_xml.read import ComponentDocument, EngineDocument
+from openrois.profile_xml.write import component_xml, engine_xml
+from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile, ParameterProfile
+from openrois.types.values import check_value
+
+__all__ = ["ENGINE_DOCUMENT", "Profiles", "assemble", "doubts", "write_documents"]
+
+ENGINE_DOCUMENT: Final = "engine.xml"
+_MAX_NAME: Final = 200
+
+
+@dataclass(frozen=True, slots=True)
+class Profiles:
+    """What documents say together.
+
+    Attributes:
+        engine: the engine and all below it, if one of the documents is an engine's.
+        components: the profiles of components by component_ref.
+        types: the profiles of types, which are of no component in particular.
+    """
+
+    engine: HRIEngineProfile | None = None
+    components: Mapping[str, HRIComponentProfile] = field(default_factory=dict)
+    types: tuple[HRIComponentProfile, ...] = ()
+
+
+def write_documents(engine: HRIEngineProfile, components: Mapping[str, HRIComponentProfile]) -> dict[str, str]:
+    """Return the texts of a system's documents by their file names: `engine.xml` and `components/<id>.xml`.
+
+    Raises:
+        ValueError: a text has what XML cannot carry, or an id stands twice.
+    """
+    documents = {ENGINE_DOCUMENT: engine_xml(engine)}
+    for number, (component_ref, profile) in enumerate(components.items(), 1):
+        xml_id = write_id(component_ref)
+        name = xml_id if len(xml_id) <= _MAX_NAME else f"{xml_id[:_MAX_NAME]}-{number}"
+        documents[f"components/{name}.xml"] = component_xml(profile, component_ref)
+    return documents
+
+
+def assemble(documents: Iterable[EngineDocument | ComponentDocument]) -> Profiles:
+    """Put the documents of one system together.
+
+    Raises:
+        ValueError: there are two engines, two profiles of one component, or one of a component that the engine does
+            not have.
+    """
+    engine: HRIEngineProfile | None = None
+    components: dict[str, HRIComponentProfile] = {}
+    types: list[HRIComponentProfile] = []
+    for document in documents:
+        if isinstance(document, EngineDocument):
+            if engine is not None:
+                raise ValueError(
+                    f"there are two engines, {engine.identifier.code!r} and {document.profile.identifier.code!r}"
+                )
+            engine = document.profile
+        elif not document.component_ref:
+            types.append(document.profile)
+        elif document.component_ref in components:
+            raise ValueError(f"the component {document.component_ref!r} has two profiles")
+        else:
+            components[document.component_ref] = document.profile
+    if engine is not None and (strange := components.keys() - set(engine.component_refs())):
+        raise ValueError(f"the engine {engine.identifier.code!r} has no component {sorted(strange)[0]!r}")
+    return Profiles(engine, components, tuple(types))
+
+
+def doubts(profiles: Profiles) -> list[str]:
+    """Return sentences about what a gateway would not take, or what could not be used, in profiles that can be read."""
+    found = []
+    refs = profiles.engine.component_refs() if profiles.engine is not None else ()
+    missing = [ref for ref in refs if ref not in profiles.components]
+    if missing and profiles.components:
+        found.append(f"the component {missing[0]!r} has no profile" + _others(len(missing) - 1))
+    for component in (*profiles.components.values(), *profiles.types):
+        found += [f"{component.name}: {doubt}" for doubt in _defaults(_values(component))]
+    return found
+
+
+def _others(count: int) -> str:
+    return f", and {count} more have none" if count else ""
+
+
+def _values(component: HRIComponentProfile) -> Iterable[ParameterProfile]:
+    yield from component.parameter_profiles
+    for command in component.command_profiles:
+        yield from (*command.arguments, *command.results)
+    for query in component.query_profiles:
+        yield from query.results
+    for event in component.event_profiles:
+        yield from event.results
+
+
+def _defaults(values: Iterable[ParameterProfile]) -> Iterable[str]:
+    for value in values:
+        try:
+            if value.default_value:
+                check_value(value.data_type_ref.code, value.default_value)
+        except ValueError as error:
+            yield f"the default of {value.name!r}: {error}"
