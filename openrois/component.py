@@ -1,123 +1,162 @@
-"""A component in this process: messages as methods, a parameter store, a status, and the commands of RoIS_Common."""
+"""A component in this process: typed messages as methods, a parameter store, and the life cycle of RoIS_Common."""
 
 import asyncio
 import logging
-from collections.abc import Awaitable, Callable, Iterator
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any, ClassVar, Final, TypeVar
+from functools import cached_property
+from typing import Any, ClassVar, Final, Literal, Self, final
 
+from openrois.arguments import check_arguments
+from openrois.authoring.parameters import ParameterStore
+from openrois.authoring.reading import AuthoredType, Message, own_type, read_class
+from openrois.catalog.component_type import ComponentType
+from openrois.catalog.payload import Payload
 from openrois.errors import Aborted, BadParameter, ComponentFailed, RoISError, TimedOut, Unsupported
-from openrois.types.codes import ComponentStatus, ErrorType
-from openrois.types.messages import Argument, Parameter, Result
-from openrois.types.profiles import (
-    HRIComponentProfile,
-    ParameterProfile,
-    QueryMessageProfile,
-    RoISIdentifier,
-)
+from openrois.types.codes import ComponentFunction, ComponentStatus, ErrorType
+from openrois.types.messages import Argument, Result
+from openrois.types.profiles import HRIComponentProfile
+from openrois.types.references import is_engine_id
 from openrois.types.values import check_value
 
-__all__ = [
-    "COMMON_QUERIES",
-    "Component",
-    "Emit",
-    "Report",
-    "check_arguments",
-    "command",
-    "parameter_profile",
-    "query",
-]
+__all__ = ["Component", "Emit", "Report"]
 
 _log = logging.getLogger(__name__)
 
-Arguments = dict[str, str]
-CommandFunction = Callable[[Any, Arguments], Awaitable[tuple[Result, ...]]]
-QueryFunction = Callable[[Any], Awaitable[tuple[Result, ...]]]
 Emit = Callable[[str, tuple[Result, ...]], None]
 """Announces an event of the component: its type and its results."""
 Report = Callable[[ErrorType, str], None]
 """Reports a fault of the component: its kind, and a sentence for a person."""
 
+DISCONNECT_TIMEOUT: Final = 5.0
+"""Seconds that a component has to let go of what it is connected to."""
+
 _MILLISECOND: Final = 0.001
-_Function = TypeVar("_Function", bound=Callable[..., Awaitable[tuple[Result, ...]]])
-
-
-def command(*names: str) -> Callable[[_Function], _Function]:
-    """Mark a method as the one that runs the commands `names`: arguments by name in, results out at the end."""
-    return _mark("_rois_commands", names)
-
-
-def query(*names: str) -> Callable[[_Function], _Function]:
-    """Mark a method as the one that answers the queries `names`."""
-    return _mark("_rois_queries", names)
-
-
-def _mark(attribute: str, names: tuple[str, ...]) -> Callable[[_Function], _Function]:
-    def mark(function: _Function) -> _Function:
-        setattr(function, attribute, names)
-        return function
-
-    return mark
-
-
-def parameter_profile(name: str, type_code: str, default: str = "", description: str = "") -> ParameterProfile:
-    """Return the profile of a parameter, argument or result whose type is a plain code such as `string` or `int`."""
-    return ParameterProfile(
-        name=name,
-        data_type_ref=RoISIdentifier(code=type_code),
-        default_value=default,
-        description=description,
-    )
-
-
-COMMON_QUERIES: Final = (
-    QueryMessageProfile(name="component_status", results=(parameter_profile("status", "Component_Status"),)),
-)
+_USABLE: Final = (ComponentStatus.READY, ComponentStatus.BUSY)
 
 
 class Component:
-    """What every component in this process shares; a subclass marks its messages with `command` and `query`.
+    """What every component in this process shares. A subclass writes its messages as methods:
 
-    A profile may only offer what a method does (`stop` and `component_status` need none), else `TypeError` is raised.
+        class Lamp(Component, authority="Example", function="actuation"):
+            brightness: int = parameter(80, description="per cent")
 
-    Its status is READY, or BUSY while a command runs; a subclass that depends on something outside overrides
-    `condition`. Of `start` one runs at a time: `stop` ends it with ABORT, and so does the next `start`. Other commands
-    run side by side.
-    """
+            @command
+            async def start(self) -> None: ...
 
-    _commands: ClassVar[dict[str, str]]
-    _queries: ClassVar[dict[str, str]]
+            @query
+            async def power(self) -> float: ...
 
-    def __init__(self, profile: HRIComponentProfile) -> None:
-        self.profile = profile
-        self.emit: Emit = _nobody_listens
-        self.report: Report = _nobody_watches
-        self.parameters: dict[str, str] = {p.name: p.default_value for p in profile.parameter_profiles}
-        self._require_methods()
+            @event
+            def switched(self, on: bool) -> None: ...
+
+    Its type and profile are read from it when the class is made; what cannot be on the wire is a TypeError then.
+
+    Of `start` one runs at a time: `stop` ends it with ABORT once the component's own `stop` has run, and so does the
+    next `start`. Other commands run side by side. A failure is a `RoISError`, which keeps its kind; whatever else a
+    message raises is the component's ERROR, and is reported.
+
+    Class arguments:
+        code: the code of the type; the class's name unless given. A subclass is of the same type unless it says so.
+        authority: who defines the type.
+        function: actuation, sensing or function: an actuation has to be bound before it is operated.
+        implements: a type of the catalog; messages that have its names have to fit it.
+        omit: events and parameters of that type that the class does without.
+
+    Args:
+        name: of the instance, unique behind one engine id; the type's unless given.
+
+    Raises:
+        BadParameter: `name` cannot be part of a reference.
+    """  # noqa: D415 - the sentence ends in the example
+
+    name: str
+    emit: Emit
+    report: Report
+    parameters: ParameterStore
+    component_type: ClassVar[ComponentType]
+    _authored: ClassVar[AuthoredType]
+    _kind: ClassVar[ComponentType | None] = None
+    _omitted: ClassVar[frozenset[str]] = frozenset()
+    _running: int
+    _start: asyncio.Task[tuple[Result, ...]] | None
+    _loop: asyncio.AbstractEventLoop | None
+    _standing: ComponentStatus
+
+    def __init_subclass__(
+        cls,
+        *,
+        code: str = "",
+        authority: str = "",
+        function: ComponentFunction | Literal["actuation", "sensing", "function"] | None = None,
+        implements: ComponentType | None = None,
+        omit: Collection[str] = (),
+        **more: Any,
+    ) -> None:
+        super().__init_subclass__(**more)
+        cls._kind = own_type(cls, implements or cls._kind, code, authority, function)
+        cls._omitted = cls._omitted | set(omit)
+        cls._authored = read_class(cls, cls._kind, _RESERVED, cls._omitted)
+        cls.component_type = cls._authored.component_type
+
+    def __new__(cls, *_arguments: Any, **_named: Any) -> Self:
+        """Make an instance that works whether or not its own `__init__` calls this class's."""
+        self = super().__new__(cls)
+        self.name = cls.component_type.name
+        self.emit = _nobody_listens
+        self.report = _nobody_watches
+        self.parameters = ParameterStore(cls._authored.parameters)
         self._running = 0
-        self._start: asyncio.Task[tuple[Result, ...]] | None = None
+        self._start = None
+        self._loop = None
+        connects = cls.connect is not Component.connect
+        self._standing = ComponentStatus.UNINITIALIZED if connects else ComponentStatus.READY
+        return self
 
-    def _require_methods(self) -> None:
-        offered = {p.name for p in self.profile.command_profiles} - self._commands.keys() - {"stop"}
-        offered |= {p.name for p in self.profile.query_profiles} - self._queries.keys() - {"component_status"}
-        if offered:
-            raise TypeError(f"{type(self).__name__} offers {', '.join(sorted(offered))} and has no method for it")
+    def __init__(self, name: str | None = None) -> None:
+        if name is None:
+            return
+        if not is_engine_id(name):
+            raise BadParameter(f"{name!r} cannot name a component: it is empty, too long, or has a slash")
+        self.name = name
 
-    def __init_subclass__(cls, **arguments: Any) -> None:
-        super().__init_subclass__(**arguments)
-        cls._commands = _collect(cls, "_rois_commands")
-        cls._queries = _collect(cls, "_rois_queries")
+    @cached_property
+    def profile(self) -> HRIComponentProfile:
+        """What the instance understands."""
+        return self.component_type.profile(self.name)
+
+    # What an author may override.
+
+    async def connect(self) -> None:
+        """Reach what the component depends on: a device, a driver. Until it returns the component is UNINITIALIZED.
+
+        If it raises, the component is in ERROR, and it is called again after a while.
+        """
+
+    async def disconnect(self) -> None:
+        """Let go of what `connect` reached; nothing runs any more. It has a few seconds."""
 
     def condition(self) -> ComponentStatus:
-        """Return READY, or what keeps the component from working."""
+        """Return READY, or what keeps the component from working now."""
         return ComponentStatus.READY
+
+    def accept_parameters(self, changes: dict[str, Any]) -> dict[str, Any]:
+        """Return what to store for parameters that an application sets; each fits its type.
+
+        Raises:
+            BadParameter: one of them cannot be used; none is stored.
+        """
+        return changes
+
+    # What a registry and an adapter need.
 
     @property
     def status(self) -> ComponentStatus:
         """What `component_status` answers."""
-        condition = self.condition()
+        condition = self.condition() if self._standing is ComponentStatus.READY else self._standing
         return ComponentStatus.BUSY if self._running and condition is ComponentStatus.READY else condition
 
+    @final
     async def ask(self, query_type: str) -> tuple[Result, ...]:
         """Answer a query.
 
@@ -126,56 +165,108 @@ class Component:
             ComponentFailed: the component is not READY or BUSY; `component_status` and `get_parameter` always answer.
         """
         if query_type == "get_parameter":
-            return self._stored_parameters()
+            return self.parameters.told()
         if not self.profile.has_query(query_type):
-            raise Unsupported(f"{self.profile.name} has no query {query_type!r}")
-        if query_type == "component_status" and query_type not in self._queries:
+            raise Unsupported(f"{self.name} has no query {query_type!r}")
+        message = self._authored.queries.get(query_type)
+        if message is None:
             return (Result(name="status", data_type_ref="Component_Status", value=self.status.value),)
-        self._require_usable()
-        function: Callable[[], Awaitable[tuple[Result, ...]]] = getattr(self, self._queries[query_type])
-        with self._containing_bugs(query_type):
-            return await function()
+        self.require_usable()
+        return await self._call(message, None)
 
+    @final
     async def run(self, command_type: str, arguments: tuple[Argument, ...]) -> tuple[Result, ...]:
         """Run a command to its end.
 
         Raises:
             Unsupported: the profile has no such command.
-            BadParameter: an argument is unknown, repeated, or not of its type.
+            BadParameter: an argument is unknown, repeated, missing, or not of its type.
             ComponentFailed: the component is not READY or BUSY.
             Aborted: `stop` or another `start` ended it.
             TimedOut: it took longer than its profile allows.
             RoISError: whatever the command raises.
         """
         if command_type == "set_parameter":
-            return self._set_parameters(arguments)
-        profile = self.profile.command(command_type)
-        if profile is None:
-            raise Unsupported(f"{self.profile.name} has no command {command_type!r}")
-        values = check_arguments(profile.arguments, arguments)
-        self._require_usable()
+            return self._set_parameters(check_arguments(self.profile.parameter_profiles, arguments))
+        message = self._authored.commands.get(command_type)
+        if message is None:
+            raise Unsupported(f"{self.name} has no command {command_type!r}")
+        given = _payload(message, arguments)
+        self.require_usable()
         self._running += 1
         try:
-            async with asyncio.timeout(None if profile.timeout is None else profile.timeout * _MILLISECOND):
-                return await self._run_checked(command_type, values)
+            async with asyncio.timeout(None if message.timeout is None else message.timeout * _MILLISECOND):
+                return await self._run_checked(message, given)
         except TimeoutError:
-            sentence = f"{self.profile.name}: {command_type} took longer than {profile.timeout} ms"
+            sentence = f"{self.name}: {command_type} took longer than {message.timeout} ms"
             self.report(ErrorType.COMPONENT_NOT_RESPONDING, sentence)
             raise TimedOut(sentence) from None
         finally:
             self._running -= 1
 
-    async def _run_checked(self, command_type: str, values: Arguments) -> tuple[Result, ...]:
-        if command_type == "start":
-            return await self._run_start(values)
-        results = await self._call(command_type, values)
-        if command_type == "stop":
+    @final
+    def require_usable(self) -> None:
+        """Raise `ComponentFailed` where the component is not READY or BUSY."""
+        status = self.status
+        if status not in _USABLE:
+            raise ComponentFailed(f"{self.name} is in status {status}")
+
+    def _announce(self, method: str, values: tuple[object, ...], named: Mapping[str, object]) -> None:
+        """Announce the event behind a method, from any thread; one that the class omits is nobody's.
+
+        Raises:
+            TypeError: the arguments are not the method's.
+            ValueError: one is not of its type.
+        """
+        message = self._authored.events.get(method)
+        if message is None:
+            return
+        payload = message.arguments.bind(values, named)
+        results = () if payload is None else _fitting(payload)
+        if self._loop is None or self._loop is _running_loop():
+            self.emit(message.name, results)
+        else:
+            self._loop.call_soon_threadsafe(self.emit, message.name, results)
+
+    @final
+    async def bring_up(self) -> bool:
+        """Run `connect` and tell whether the component can be used now; a failure is reported."""
+        self._loop = asyncio.get_running_loop()
+        try:
+            with self._containing_bugs("connect"):
+                await self.connect()
+        except RoISError as error:
+            _log.warning("%s is not connected: %s", self.name, error)
+            self._standing = ComponentStatus.ERROR
+            return False
+        self._standing = ComponentStatus.READY
+        return True
+
+    @final
+    async def take_down(self) -> None:
+        """End what runs and run `disconnect`, which has `DISCONNECT_TIMEOUT` seconds; a failure is logged."""
+        await self._abort_start()
+        was_up, self._standing = self._standing is ComponentStatus.READY, ComponentStatus.UNINITIALIZED
+        if was_up:
+            try:
+                async with asyncio.timeout(DISCONNECT_TIMEOUT):
+                    await self.disconnect()
+            except Exception as error:
+                _log.warning("%s did not disconnect: %s", self.name, str(error) or "it took too long")
+
+    # How it is done.
+
+    async def _run_checked(self, message: Message, given: Payload | None) -> tuple[Result, ...]:
+        if message.name == "start":
+            return await self._run_start(message, given)
+        results = await self._call(message, given)
+        if message.name == "stop":
             await self._abort_start()
         return results
 
-    async def _run_start(self, values: Arguments) -> tuple[Result, ...]:
+    async def _run_start(self, message: Message, given: Payload | None) -> tuple[Result, ...]:
         await self._abort_start()
-        task = asyncio.ensure_future(self._call("start", values))
+        task = asyncio.ensure_future(self._call(message, given))
         self._start = task
         try:
             await asyncio.wait({task})
@@ -187,7 +278,7 @@ class Component:
             if self._start is task:
                 self._start = None
         if task.cancelled():
-            raise Aborted(f"{self.profile.name} was stopped")
+            raise Aborted(f"{self.name} was stopped")
         return task.result()
 
     async def _abort_start(self) -> None:
@@ -198,14 +289,13 @@ class Component:
             if self._start is task:
                 self._start = None
 
-    async def _call(self, command_type: str, values: Arguments) -> tuple[Result, ...]:
-        name = self._commands.get(command_type)
-        if name is None:
-            # Only `stop` needs no method of its own: ending `start` is all there is to it.
-            return ()
-        function: Callable[[Arguments], Awaitable[tuple[Result, ...]]] = getattr(self, name)
-        with self._containing_bugs(command_type):
-            return await function(values)
+    async def _call(self, message: Message, given: Payload | None) -> tuple[Result, ...]:
+        method = getattr(self, message.attribute)
+        # An argument that was not given has its default in the payload already, or in the signature.
+        arguments = {} if given is None else {name: getattr(given, name) for name in given.model_fields_set}
+        with self._containing_bugs(message.name):
+            payload = message.results.read(await method(**arguments))
+            return () if payload is None else _fitting(payload)
 
     @contextmanager
     def _containing_bugs(self, message: str) -> Iterator[None]:
@@ -215,64 +305,60 @@ class Component:
             raise
         except Exception as error:
             # Whoever asked learns that it failed; only the log of this process can tell where.
-            _log.exception("%s: %s failed", self.profile.name, message)
-            sentence = f"{self.profile.name}: {message} failed: {error}"
+            _log.exception("%s: %s failed", self.name, message)
+            sentence = f"{self.name}: {message} failed: {error}"
             self.report(ErrorType.COMPONENT_INTERNAL_ERROR, sentence)
             raise ComponentFailed(sentence) from error
 
-    def _require_usable(self) -> None:
-        status = self.status
-        if status not in (ComponentStatus.READY, ComponentStatus.BUSY):
-            raise ComponentFailed(f"{self.profile.name} is in status {status}")
-
-    def _stored_parameters(self) -> tuple[Parameter, ...]:
-        return tuple(
-            Parameter(name=p.name, data_type_ref=p.data_type_ref.code, value=self.parameters[p.name])
-            for p in self.profile.parameter_profiles
-            if self.parameters[p.name]
-        )
-
-    def _set_parameters(self, arguments: tuple[Argument, ...]) -> tuple[Result, ...]:
-        self.parameters.update(self.accept_parameters(check_arguments(self.profile.parameter_profiles, arguments)))
+    def _set_parameters(self, texts: Mapping[str, str]) -> tuple[Result, ...]:
+        for name in texts:
+            if name in self._authored.read_only:
+                raise BadParameter(f"{name} can only be read")
+        try:
+            wanted = self.parameters.read(texts)
+            accepted = self.accept_parameters(dict(wanted))
+            as_they_came = {name: text for name, text in texts.items() if accepted.get(name) == wanted[name]}
+            self.parameters.update(accepted, as_they_came)
+        except ValueError as error:
+            raise BadParameter(str(error)) from None
         return ()
 
-    def accept_parameters(self, values: Arguments) -> Arguments:
-        """Return what to store for values that fit their types; a subclass with more to say overrides it.
 
-        Raises:
-            BadParameter: one of them cannot be used; none is stored.
-        """
-        return values
+_RESERVED: Final = frozenset(name for name in vars(Component) if not name.startswith("_")) | {
+    "component_type",
+    "emit",
+    "name",
+    "parameters",
+    "report",
+}
+"""Names that no message or parameter can have as an attribute."""
 
 
-def check_arguments(profiles: tuple[ParameterProfile, ...], arguments: tuple[Argument, ...]) -> dict[str, str]:
-    """Return the arguments' values by name; each keeps the type of the profile, whatever type the client wrote.
+def _payload(message: Message, arguments: tuple[Argument, ...]) -> Payload | None:
+    payload = message.arguments.payload
+    values = check_arguments(() if payload is None else payload.profiles(), arguments)
+    try:
+        return None if payload is None else payload.from_texts(values)
+    except ValueError as error:
+        raise BadParameter(str(error)) from None
 
-    Raises:
-        BadParameter: a name is unknown or repeated, or a value does not fit.
-    """
-    types = {profile.name: profile.data_type_ref.code for profile in profiles}
-    values: dict[str, str] = {}
-    for argument in arguments:
-        if argument.name not in types:
-            raise BadParameter(f"there is no argument {argument.name!r}; there are {', '.join(types) or 'none'}")
-        if argument.name in values:
-            raise BadParameter(f"the argument {argument.name!r} is given twice")
+
+def _fitting(payload: Payload) -> tuple[Result, ...]:
+    """Return results whose texts fit their types, which Python's infinities, for one, do not."""
+    results = payload.named(Result)
+    for result in results:
         try:
-            check_value(types[argument.name], argument.value)
+            check_value(result.data_type_ref, result.value)
         except ValueError as error:
-            raise BadParameter(f"{argument.name}: {error}") from None
-        values[argument.name] = argument.value
-    return values
+            raise ValueError(f"{result.name}: {error}") from None
+    return results
 
 
-def _collect(cls: type, attribute: str) -> dict[str, str]:
-    marked: dict[str, str] = {}
-    for base in reversed(cls.__mro__):
-        for name, function in vars(base).items():
-            if hasattr(function, attribute):
-                marked.update(dict.fromkeys(getattr(function, attribute), name))
-    return marked
+def _running_loop() -> asyncio.AbstractEventLoop | None:
+    try:
+        return asyncio.get_running_loop()
+    except RuntimeError:
+        return None
 
 
 def _nobody_listens(_event_type: str, _results: tuple[Result, ...]) -> None:

@@ -7,9 +7,9 @@ from typing import Final
 
 from openrois.component import Component
 from openrois.contract import Directory, Event, Extension, OnFault, Sink, ignore_fault
-from openrois.errors import BadParameter, Unsupported
+from openrois.errors import BadParameter, ComponentFailed, Unsupported
 from openrois.faults import FaultMint
-from openrois.types.codes import ErrorType
+from openrois.types.codes import ComponentStatus, ErrorType
 from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIEngineProfile, RoISIdentifier
 from openrois.types.references import is_engine_id, new_id, reference
@@ -104,8 +104,11 @@ class LocalRegistry:
 
     async def subscribe(self, component_ref: str, event_type: str, sink: Sink) -> str:
         """Listen to a component's event."""
-        if not self._component(component_ref).profile.has_event(event_type):
+        component = self._component(component_ref)
+        if not component.profile.has_event(event_type):
             raise Unsupported(f"{component_ref} has no event {event_type!r}")
+        if component.status not in (ComponentStatus.READY, ComponentStatus.BUSY):
+            raise ComponentFailed(f"{component_ref} is in status {component.status}")
         subscribe_id = new_id(self.engine_id)
         self._subscriptions[subscribe_id] = _Subscription(component_ref, event_type, sink)
         return subscribe_id

@@ -10,12 +10,10 @@ from openrois_streaming.clock import MediaClock, SystemClock
 from openrois_streaming.codecs import available_codecs
 from openrois_streaming.publisher import AudioPublisher, VideoPublisher
 
+from openrois.adapter.running import hosted
 from openrois.application import EngineHost
-from openrois.engine import Engine
-from openrois.registry import LocalRegistry
-from openrois.tasks import TaskScope
 from openrois.types.references import reference
-from openrois_avatar.components.streaming import Streaming
+from openrois_avatar.components.streaming import AudioStreaming, VideoStreaming
 from openrois_avatar.components.system_information import SystemInformation
 from openrois_avatar.game_engines import choose_game_engine
 from openrois_avatar.scene import Scene, embedded_scene, synthetic_scene
@@ -81,17 +79,15 @@ async def serve_scene(engine_id: str, scene: Scene, clock: MediaClock) -> AsyncI
     }
     components = (
         SystemInformation(engine_id, scene.status),
-        Streaming(VIDEO, _codecs("video/"), scene.status),
-        Streaming(AUDIO, _codecs("audio/"), scene.status),
+        VideoStreaming(_codecs("video/"), scene.status),
+        AudioStreaming(_codecs("audio/"), scene.status),
         *scene.components,
     )
     async with AsyncExitStack() as stack:
-        tasks = await stack.enter_async_context(TaskScope())
         streams = AvatarStreams(engine_id, published, clock)
         await stack.enter_async_context(streams.sessions)
-        engine = Engine(engine_id)
-        await engine.attach(LocalRegistry(engine_id, components, extension=streams))
-        yield Avatar(EngineHost(engine, tasks), video, audio)
+        host = await stack.enter_async_context(hosted(engine_id, *components, extension=streams))
+        yield Avatar(host, video, audio)
 
 
 def _codecs(kind: str) -> tuple[str, ...]:

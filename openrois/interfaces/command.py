@@ -3,7 +3,7 @@
 import logging
 
 from openrois.application import ApplicationSession
-from openrois.component import check_arguments
+from openrois.arguments import check_arguments
 from openrois.condition import parse_condition
 from openrois.errors import BadParameter, OutOfResources, RoISError, Unsupported
 from openrois.interfaces import stream

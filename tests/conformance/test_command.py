@@ -139,7 +139,7 @@ class TestParameters:
                 answer = await app.ask("rois.command.set_parameter", component_ref=ref, parameters=parameters)
                 assert answer["return_code"] == code
                 assert bool(answer["command_id"]) == (code == "OK")
-        assert robot.lamp.parameters == {"colour": "white", "level": "5"}
+        assert robot.lamp.parameters == {"colour": "white", "level": 5}
 
     async def test_set_parameter_as_a_command_unit(self, app: Application, robot: Robot) -> None:
         await bind(app)

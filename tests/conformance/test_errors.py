@@ -7,14 +7,13 @@ from typing import Any
 
 import pytest
 
-from openrois.component import Component, command
+from openrois.authoring.marks import command
+from openrois.component import Component
 from openrois.contract import Fault
 from openrois.error_log import MAX_ERRORS
 from openrois.faults import FAULTS_AT_ONCE
 from openrois.gateway.server import Gateway
-from openrois.types.codes import ComponentFunction, ErrorType
-from openrois.types.messages import Result
-from openrois.types.profiles import CommandMessageProfile, HRIComponentProfile, RoISIdentifier
+from openrois.types.codes import ErrorType
 from openrois.types.values import check_value
 from tests.support import deployment
 from tests.support.deployment import Adapter, Application, Robot
@@ -171,23 +170,12 @@ class TestComponents:
         assert len(await app.settled()) < 20
 
 
-class Sluggish(Component):
+class Sluggish(Component, function="sensing"):
     """A command that never ends and may take a millisecond."""
 
-    def __init__(self) -> None:
-        super().__init__(
-            HRIComponentProfile(
-                identifier=RoISIdentifier(code="urn:sluggish"),
-                name="sluggish",
-                function=ComponentFunction.SENSING,
-                command_profiles=(CommandMessageProfile(name="dawdle", timeout=1),),
-            )
-        )
-
-    @command("dawdle")
-    async def dawdle(self, _arguments: dict[str, str]) -> tuple[Result, ...]:
+    @command(timeout=0.001)
+    async def dawdle(self) -> None:
         await deployment.forever()
-        return ()
 
 
 class TestNotResponding:

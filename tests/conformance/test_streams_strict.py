@@ -96,7 +96,7 @@ class TestStrictForm:
         assert await app.code("rois.event.subscribe", event_type="notify_stream_status") == "OK"
         assert await execute(app, "c", "connect_stream") == "OK"
         assert (await app.ask("rois.command.get_command_result", command_id="c"))["results"][0]["value"] == "the stream"
-        assert (await app.next("rois.event.notify_event"))["results"][0]["value"] == "STREAMING_NOT_RUNNING"
+        assert (await app.next("rois.event.notify_event"))["results"][1]["value"] == "STREAMING_NOT_RUNNING"
         assert await execute(app, "d", "suspend_stream", "the stream") == "OK"
         assert camera.asked == ["connect_stream", "the stream"]
         assert await app.code("rois.query.query", query_type="get_stream_status") == "OK"

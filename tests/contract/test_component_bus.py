@@ -149,7 +149,7 @@ async def test_invoke_set_parameter_changes_all_or_nothing(bus: ComponentBus, ro
     await bus.invoke(LAMP, "set_parameter", (argument("colour", "red"), argument("level", "7")))
     with pytest.raises(BadParameter):
         await bus.invoke(LAMP, "set_parameter", (argument("colour", "blue"), argument("level", "much")))
-    assert robot.lamp.parameters == {"colour": "red", "level": "7"}
+    assert robot.lamp.parameters == {"colour": "red", "level": 7}
 
 
 @pytest.mark.parametrize(

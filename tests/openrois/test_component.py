@@ -2,14 +2,22 @@
 
 import asyncio
 import logging
+import threading
+from datetime import UTC, datetime, timedelta
+from typing import Annotated, Any
 
 import pytest
+from pydantic import Field
 
-from openrois.component import COMMON_QUERIES, Component, check_arguments, command, parameter_profile, query
+from openrois.adapter.components import PersonDetection
+from openrois.authoring.marks import command, event, query
+from openrois.authoring.parameters import parameter
+from openrois.catalog.payload import Payload
+from openrois.component import Component
 from openrois.errors import Aborted, BadParameter, ComponentFailed, TimedOut, Unsupported
-from openrois.types.codes import ComponentStatus
+from openrois.registry import LocalRegistry
+from openrois.types.codes import ComponentStatus, ErrorType
 from openrois.types.messages import Argument, Result
-from openrois.types.profiles import CommandMessageProfile, HRIComponentProfile, QueryMessageProfile, RoISIdentifier
 from tests.support.components import Bell, Lamp
 
 
@@ -17,28 +25,11 @@ def argument(name: str, value: str) -> Argument:
     return Argument(name=name, data_type_ref="ignored", value=value)
 
 
-def profile(*commands: CommandMessageProfile) -> HRIComponentProfile:
-    return HRIComponentProfile(
-        identifier=RoISIdentifier(code="urn"),
-        name="thing",
-        command_profiles=commands,
-        query_profiles=(*COMMON_QUERIES, QueryMessageProfile(name="shape")),
-    )
-
-
-COMMANDS = ("start", "stop", "suspend", "resume")
-
-
 class Thing(Component):
     """Its condition and what `start` and `dawdle` do are set by the test."""
 
     def __init__(self) -> None:
-        super().__init__(
-            profile(
-                *(CommandMessageProfile(name=name) for name in COMMANDS),
-                CommandMessageProfile(name="dawdle", timeout=1),
-            )
-        )
+        super().__init__("thing")
         self.is_in = ComponentStatus.READY
         self.starts: list[str] = []
         self.begun = asyncio.Event()
@@ -48,33 +39,29 @@ class Thing(Component):
     def condition(self) -> ComponentStatus:
         return self.is_in
 
-    @query("shape")
-    async def shape(self) -> tuple[Result, ...]:
-        return (Result(name="shape", data_type_ref="string", value="round"),)
+    @query
+    async def shape(self) -> str:
+        return "round"
 
-    @command("start")
-    async def start(self, _arguments: dict[str, str]) -> tuple[Result, ...]:
+    @command
+    async def start(self) -> None:
         self.starts.append("begins")
         self.begun.set()
         try:
             await self.may_end.wait()
         finally:
             self.starts.append("ends")
-        return ()
 
-    @command("stop")
-    async def stop(self, _arguments: dict[str, str]) -> tuple[Result, ...]:
+    @command
+    async def stop(self) -> None:
         self.stopped += 1
-        return ()
 
-    @command("suspend", "resume")
-    async def pause(self, _arguments: dict[str, str]) -> tuple[Result, ...]:
-        return ()
+    @command
+    async def pause(self) -> None: ...
 
-    @command("dawdle")
-    async def dawdle(self, _arguments: dict[str, str]) -> tuple[Result, ...]:
+    @command(timeout=0.001)
+    async def dawdle(self) -> None:
         await asyncio.Event().wait()
-        return ()
 
 
 @pytest.fixture
@@ -112,6 +99,14 @@ class TestStatus:
             await thing.run("start", ())
         assert thing.starts == []
 
+    async def test_nor_can_it_be_listened_to(self) -> None:
+        class Mute(Bell):
+            def condition(self) -> ComponentStatus:
+                return ComponentStatus.ERROR
+
+        with pytest.raises(ComponentFailed, match="ERROR"):
+            await LocalRegistry("robot", [Mute()]).subscribe("robot/bell", "rang", lambda _item: None)
+
     async def test_trouble_shows_while_a_command_runs(self, thing: Thing) -> None:
         running = asyncio.ensure_future(thing.run("start", ()))
         await began(thing)
@@ -119,14 +114,6 @@ class TestStatus:
         assert thing.status.value == "ERROR"
         thing.may_end.set()
         await running
-
-    async def test_a_component_may_answer_its_status_itself(self) -> None:
-        class Own(Thing):
-            @query("component_status")
-            async def own_status(self) -> tuple[Result, ...]:
-                return (Result(name="status", data_type_ref="Component_Status", value="WARNING"),)
-
-        assert (await Own().ask("component_status"))[0].value == "WARNING"
 
 
 class TestStart:
@@ -163,16 +150,14 @@ class TestStart:
         assert thing.starts == ["begins", "ends"]
         assert thing.status.value == "READY"
 
-    async def test_a_start_that_fails_when_its_caller_is_cancelled_is_not_forgotten(self, thing: Thing) -> None:
+    async def test_a_start_that_fails_when_its_caller_is_cancelled_is_not_forgotten(self) -> None:
         class Stubborn(Thing):
-            @command("start")
-            async def start(self, _arguments: dict[str, str]) -> tuple[Result, ...]:
+            async def start(self) -> None:
                 self.begun.set()
                 try:
                     await asyncio.Event().wait()
                 except asyncio.CancelledError:
                     raise ComponentFailed("no") from None
-                return ()
 
         stubborn = Stubborn()
         running = asyncio.ensure_future(stubborn.run("start", ()))
@@ -181,50 +166,142 @@ class TestStart:
         with pytest.raises(asyncio.CancelledError):
             await running
 
+    async def test_other_commands_run_beside_it(self, thing: Thing) -> None:
+        running = asyncio.ensure_future(thing.run("start", ()))
+        await began(thing)
+        assert await thing.run("pause", ()) == ()
+        assert not running.done()
+        thing.may_end.set()
+        await running
 
-class TestCommands:
-    async def test_one_method_may_run_several(self, thing: Thing) -> None:
-        assert await thing.run("suspend", ()) == await thing.run("resume", ()) == ()
 
-    async def test_a_profile_that_offers_more_than_the_class_does_is_a_mistake(self) -> None:
-        class Empty(Component):
-            pass
+class TestLife:
+    class Device(Component):
+        """Connects when it is let, as often as it takes."""
 
-        with pytest.raises(TypeError, match="fly, shape, start"):
-            Empty(profile(*(CommandMessageProfile(name=name) for name in ("fly", "start", "stop"))))
+        tempo: int = parameter(60)
 
+        def __init__(self, *outcomes: Exception | None) -> None:
+            self.outcomes = list(outcomes)
+            self.calls: list[str] = []
+            self.started = asyncio.Event()
+
+        async def connect(self) -> None:
+            self.calls.append("connect")
+            outcome = self.outcomes.pop(0)
+            if outcome is not None:
+                raise outcome
+
+        async def disconnect(self) -> None:
+            self.calls.append("disconnect")
+
+        @command
+        async def start(self) -> None:
+            self.calls.append("start")
+            self.started.set()
+            await asyncio.Event().wait()
+
+        @event
+        def beat(self) -> None: ...
+
+    async def test_uninitialized_until_it_is_connected(self) -> None:
+        device = self.Device(None)
+        assert device.name == "device"
+        assert device.status.value == "UNINITIALIZED"
+        with pytest.raises(ComponentFailed, match="UNINITIALIZED"):
+            await device.run("start", ())
+        await device.run("set_parameter", (argument("tempo", "90"),))
+        assert (await device.ask("get_parameter"))[0].value == "90"
+        assert await device.bring_up()
+        assert device.status.value == "READY"
+
+    @pytest.mark.parametrize(
+        ("error", "reported"), [(ComponentFailed("no power"), 0), (OSError("no such device"), 1), (TimeoutError(), 1)]
+    )
+    async def test_a_connect_that_fails(
+        self, error: Exception, reported: int, caplog: pytest.LogCaptureFixture
+    ) -> None:
+        device = self.Device(error, None)
+        faults: list[ErrorType] = []
+        device.report = lambda kind, _description: faults.append(kind)
+        assert not await device.bring_up()
+        assert device.status.value == "ERROR"
+        assert faults == [ErrorType.COMPONENT_INTERNAL_ERROR] * reported
+        assert str(error) in caplog.text
+        assert await device.bring_up()
+        assert device.status.value == "READY"
+
+    async def test_what_was_connected_is_let_go(self) -> None:
+        device = self.Device(None)
+        await device.bring_up()
+        running = asyncio.ensure_future(device.run("start", ()))
+        async with asyncio.timeout(5):
+            await device.started.wait()
+        await device.take_down()
+        with pytest.raises(Aborted):
+            await running
+        assert device.calls == ["connect", "start", "disconnect"]
+        assert device.status.value == "UNINITIALIZED"
+
+    async def test_what_never_was_connected_is_not_let_go(self) -> None:
+        device = self.Device(OSError("no"))
+        await device.take_down()
+        await device.bring_up()
+        await device.take_down()
+        assert device.calls == ["connect"]
+
+    @pytest.mark.parametrize("stuck", [True, False])
+    async def test_a_disconnect_that_fails_or_takes_too_long_is_over_in_time(
+        self, stuck: bool, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        class Clinging(self.Device):  # type: ignore[name-defined, misc]
+            async def disconnect(self) -> None:
+                if stuck:
+                    await asyncio.Event().wait()
+                raise OSError("it clings")
+
+        monkeypatch.setattr("openrois.component.DISCONNECT_TIMEOUT", 0.001)
+        clinging = Clinging(None)
+        await clinging.bring_up()
+        async with asyncio.timeout(5):
+            await clinging.take_down()
+        assert ("it took too long" if stuck else "it clings") in caplog.text
+
+
+class TestMessages:
     async def test_a_command_has_the_time_of_its_profile(self, thing: Thing) -> None:
+        faults: list[tuple[ErrorType, str]] = []
+        thing.report = lambda kind, description: faults.append((kind, description))
         with pytest.raises(TimedOut):
             await thing.run("dawdle", ())
         assert thing.status.value == "READY"
+        assert faults == [(ErrorType.COMPONENT_NOT_RESPONDING, "thing: dawdle took longer than 1 ms")]
 
-    async def test_a_time_out_inside_a_command_is_its_own_failure(self, thing: Thing) -> None:
+    async def test_a_time_out_inside_a_command_is_its_own_failure(self) -> None:
         class Slow(Thing):
-            async def pause(self, _arguments: dict[str, str]) -> tuple[Result, ...]:
+            async def pause(self) -> None:
                 raise TimeoutError("of something else")
 
         with pytest.raises(ComponentFailed, match="of something else"):
-            await Slow().run("suspend", ())
+            await Slow().run("pause", ())
 
     async def test_a_bug_is_the_components_failure(self) -> None:
-        with pytest.raises(ComponentFailed, match="crash"):
-            await Lamp().run("crash", ())
-
         class Broken(Thing):
-            async def shape(self) -> tuple[Result, ...]:
+            async def shape(self) -> str:
                 raise ZeroDivisionError("a bug")
 
+        with pytest.raises(ComponentFailed, match="crash"):
+            await Lamp().run("crash", ())
         with pytest.raises(ComponentFailed, match="shape"):
             await Broken().ask("shape")
 
     async def test_a_failure_keeps_its_kind(self) -> None:
-        with pytest.raises(TimedOut):
-            await Lamp().run("time_out", ())
-
         class Refusing(Thing):
-            async def shape(self) -> tuple[Result, ...]:
+            async def shape(self) -> str:
                 raise BadParameter("no")
 
+        with pytest.raises(TimedOut):
+            await Lamp().run("time_out", ())
         with pytest.raises(BadParameter):
             await Refusing().ask("shape")
 
@@ -234,17 +311,67 @@ class TestCommands:
         with pytest.raises(Unsupported):
             await thing.ask("fly")
 
-    async def test_marks_are_inherited_and_can_be_overridden(self) -> None:
-        class Derived(Thing):
-            async def start(self, _arguments: dict[str, str]) -> tuple[Result, ...]:
-                return (Result(name="x", data_type_ref="string", value="derived"),)
+    async def test_arguments_arrive_as_values_and_results_leave_as_text(self) -> None:
+        class Sum(Payload):
+            total: float
+            parts: tuple[int, ...]
+            note: str | None = None
 
-        (result,) = await Derived().run("start", ())
-        assert result.value == "derived"
+        class Adder(Component):
+            @command
+            async def add(self, parts: tuple[int, ...], factor: float = 0.5, at: datetime | None = None) -> Sum:
+                return Sum(total=sum(parts) * factor, parts=parts, note=None if at is None else f"{at:%Y}")
+
+        adder = Adder()
+        assert await adder.run("add", (argument("parts", "[1, 2]"),)) == (
+            Result(name="total", data_type_ref="double", value="1.5"),
+            Result(name="parts", data_type_ref="int[]", value="[1, 2]"),
+        )
+        given = (argument("parts", "[]"), argument("factor", "2e0"), argument("at", "2026-11-21T00:00:00Z"))
+        assert (await adder.run("add", given))[2].value == "2026"
+        with pytest.raises(BadParameter, match="parts"):
+            await adder.run("add", ())
+
+    @pytest.mark.parametrize("returned", [None, "many", float("nan"), float("inf"), [1.0]])
+    async def test_a_result_that_is_not_what_was_declared_is_a_bug(self, returned: Any) -> None:
+        class Scale(Component):
+            @query
+            async def weight(self) -> float:
+                return returned  # type: ignore[no-any-return]
+
+        with pytest.raises(ComponentFailed, match="weight failed"):
+            await Scale().ask("weight")
+
+    async def test_nothing_and_a_payload_are_what_was_declared_too(self) -> None:
+        class Two(Payload):
+            one: int
+
+        class Wrong(Component):
+            @command
+            async def nothing(self) -> None:
+                return 5  # type: ignore[return-value]
+
+            @command
+            async def two(self) -> Two:
+                return {"one": 1}  # type: ignore[return-value]
+
+        for name in ("nothing", "two"):
+            with pytest.raises(ComponentFailed, match="declared"):
+                await Wrong().run(name, ())
+
+    async def test_limits_of_arguments_are_kept(self) -> None:
+        class Dimmer(Component):
+            @command
+            async def dim(self, level: Annotated[int, Field(ge=0, le=10)]) -> None: ...
+
+        assert await Dimmer().run("dim", (argument("level", "10"),)) == ()
+        for level in ("11", "-1", "much"):
+            with pytest.raises(BadParameter, match="level"):
+                await Dimmer().run("dim", (argument("level", level),))
 
 
 class TestParameters:
-    async def test_they_start_with_the_defaults_of_the_profile(self) -> None:
+    async def test_they_start_with_their_defaults(self) -> None:
         stored = await Lamp().ask("get_parameter")
         assert {(p.name, p.data_type_ref, p.value) for p in stored} == {
             ("colour", "string", "white"),
@@ -256,49 +383,105 @@ class TestParameters:
         await lamp.run("set_parameter", (argument("colour", ""),))
         assert [p.name for p in await lamp.ask("get_parameter")] == ["level"]
 
+    async def test_attribute_and_store_are_one(self) -> None:
+        lamp, other = Lamp(), Lamp()
+        await lamp.run("set_parameter", (argument("level", "-0"),))
+        assert (lamp.level, other.level) == (0, 5)
+        assert (await lamp.ask("get_parameter"))[1].value == "-0"
+        lamp.level = 7
+        assert (await lamp.ask("get_parameter"))[1].value == "7"
+        assert lamp.parameters == {"colour": "white", "level": 7}
+        assert len(lamp.parameters) == 2
+        with pytest.raises(ValueError, match="level"):
+            lamp.level = "much"  # type: ignore[assignment]
+
     async def test_a_refused_value_changes_none(self) -> None:
         class Picky(Lamp):
-            def accept_parameters(self, values: dict[str, str]) -> dict[str, str]:
-                if values.get("colour") == "beige":
+            def accept_parameters(self, changes: dict[str, Any]) -> dict[str, Any]:
+                if changes.get("colour") == "beige":
                     raise BadParameter("not beige")
-                return {name: value.lower() for name, value in values.items()}
+                return {name: value.lower() if name == "colour" else value for name, value in changes.items()}
 
         lamp = Picky()
         with pytest.raises(BadParameter):
             await lamp.run("set_parameter", (argument("level", "9"), argument("colour", "beige")))
-        assert lamp.parameters == {"colour": "white", "level": "5"}
-        await lamp.run("set_parameter", (argument("colour", "RED"),))
-        assert lamp.parameters["colour"] == "red"
+        assert lamp.parameters == {"colour": "white", "level": 5}
+        await lamp.run("set_parameter", (argument("colour", "RED"), argument("level", "8")))
+        assert (lamp.colour, lamp.level) == ("red", 8)
+        assert (await lamp.ask("get_parameter"))[0].value == "red"
+
+    async def test_limits_and_parameters_that_are_only_read(self) -> None:
+        class Radio(Component):
+            volume: Annotated[int, Field(ge=0, le=100)] = parameter(50)
+            stations: tuple[str, ...] = parameter(("one",), read_only=True)
+
+        radio = Radio()
+        for name, value in (("volume", "101"), ("stations", '["two"]'), ("pitch", "1")):
+            with pytest.raises(BadParameter, match=name):
+                await radio.run("set_parameter", (argument("volume", "1"), argument(name, value))[name == "volume" :])
+        assert radio.volume == 50
+        radio.stations = ("two",)
+        assert (await radio.ask("get_parameter"))[1].value == '["two"]'
+        with pytest.raises(ValueError, match="volume"):
+            radio.volume = 101
+
+    async def test_what_a_component_accepts_fits_too(self) -> None:
+        class Careless(Lamp):
+            def accept_parameters(self, changes: dict[str, Any]) -> dict[str, Any]:
+                return {"level": "high"}
+
+        with pytest.raises(BadParameter, match="level"):
+            await Careless().run("set_parameter", (argument("level", "1"),))
 
 
-class TestArguments:
-    PROFILES = (parameter_profile("times", "int"), parameter_profile("note", "string"))
+class TestEvents:
+    async def test_one_before_anybody_can_listen_is_dropped(self, caplog: pytest.LogCaptureFixture) -> None:
+        with caplog.at_level(logging.DEBUG):
+            Bell().ring("ding")
+        assert not caplog.records
 
-    def test_values_by_name(self) -> None:
-        assert check_arguments(self.PROFILES, (argument("note", "x"), argument("times", "3"))) == {
-            "note": "x",
-            "times": "3",
-        }
-        assert check_arguments(self.PROFILES, ()) == {}
+    async def test_a_call_with_wrong_values_is_the_callers_mistake(self) -> None:
+        bell = Bell()
+        heard: list[object] = []
+        bell.emit = lambda kind, _results: heard.append(kind)
+        with pytest.raises(TypeError, match="tune"):
+            bell.rang()  # type: ignore[call-arg]
+        with pytest.raises(ValueError, match="tune"):
+            bell.rang(5)  # type: ignore[arg-type]
+        assert heard == []
 
-    @pytest.mark.parametrize(
-        "arguments",
-        [
-            (argument("colour", "x"),),
-            (argument("times", "many"),),
-            (argument("times", "1"), argument("times", "1")),
-        ],
-    )
-    def test_what_does_not_fit(self, arguments: tuple[Argument, ...]) -> None:
-        with pytest.raises(BadParameter):
-            check_arguments(self.PROFILES, arguments)
+    async def test_one_of_another_thread_arrives_in_the_loop(self) -> None:
+        bell = Bell()
+        heard: asyncio.Queue[tuple[str, int]] = asyncio.Queue()
+        bell.emit = lambda _kind, results: heard.put_nowait((results[0].value, threading.get_ident()))
+        await bell.bring_up()
+        await asyncio.to_thread(bell.ring, "ding")
+        async with asyncio.timeout(5):
+            assert await heard.get() == ("ding", threading.get_ident())
 
-    def test_a_component_without_arguments_says_so(self) -> None:
-        with pytest.raises(BadParameter, match="none"):
-            check_arguments((), (argument("x", "y"),))
+    async def test_a_moment_that_is_not_said_is_now(self) -> None:
+        detector = PersonDetection()
+        heard: list[dict[str, str]] = []
+        detector.emit = lambda _kind, results: heard.append({result.name: result.value for result in results})
+        detector.person_detected(2)
+        detector.person_detected(3, datetime(2026, 1, 1, tzinfo=UTC))
+        assert [told["number"] for told in heard] == ["2", "3"]
+        assert abs(datetime.fromisoformat(heard[0]["timestamp"]) - datetime.now(UTC)) < timedelta(minutes=1)
+        assert heard[1]["timestamp"].startswith("2026-01-01T00:00:00")
 
 
-async def test_an_event_before_anybody_can_listen_is_dropped(caplog: pytest.LogCaptureFixture) -> None:
-    with caplog.at_level(logging.DEBUG):
-        Bell().ring("ding")
-    assert not caplog.records
+async def test_an_own_init_need_not_call_the_component() -> None:
+    class Careless(Lamp):
+        def __init__(self) -> None:
+            self.level = 3
+
+    careless = Careless()
+    assert (careless.name, careless.level) == ("lamp", 3)
+    assert (await careless.ask("brightness"))[0].value == "3"
+    assert careless.profile.name == "lamp"
+
+
+@pytest.mark.parametrize("name", ["", "a/b", "x" * 129])
+async def test_a_name_that_cannot_be_part_of_a_reference(name: str) -> None:
+    with pytest.raises(BadParameter, match="name"):
+        Bell(name)

@@ -4,7 +4,8 @@ import asyncio
 
 import pytest
 
-from openrois.component import COMMON_QUERIES, Component, command, query
+from openrois.authoring.marks import command, query
+from openrois.component import Component
 from openrois.contract import Fault, FaultSource
 from openrois.engine import Engine
 from openrois.errors import ComponentFailed, NotResponding, TimedOut
@@ -12,7 +13,6 @@ from openrois.faults import FAULTS_AT_ONCE, FaultMint
 from openrois.registry import LocalRegistry
 from openrois.types.codes import ErrorType
 from openrois.types.messages import Result
-from openrois.types.profiles import CommandMessageProfile, HRIComponentProfile, QueryMessageProfile, RoISIdentifier
 from openrois.types.references import engine_of
 from tests.support.clock import Clock
 
@@ -20,28 +20,17 @@ from tests.support.clock import Clock
 class Clumsy(Component):
     """Raises in its query, and never ends its command."""
 
-    def __init__(self) -> None:
-        super().__init__(
-            HRIComponentProfile(
-                identifier=RoISIdentifier(code="urn:clumsy"),
-                name="clumsy",
-                command_profiles=(CommandMessageProfile(name="dawdle", timeout=1),),
-                query_profiles=(*COMMON_QUERIES, QueryMessageProfile(name="mood"), QueryMessageProfile(name="refuse")),
-            )
-        )
-
-    @query("mood")
-    async def mood(self) -> tuple[Result, ...]:
+    @query
+    async def mood(self) -> str:
         raise KeyError("moods")
 
-    @query("refuse")
-    async def refuse(self) -> tuple[Result, ...]:
+    @query
+    async def refuse(self) -> str:
         raise ComponentFailed("not today")
 
-    @command("dawdle")
-    async def dawdle(self, _arguments: dict[str, str]) -> tuple[Result, ...]:
+    @command(timeout=0.001)
+    async def dawdle(self) -> None:
         await asyncio.Event().wait()
-        return ()
 
 
 class Heard:

@@ -11,7 +11,8 @@ import pytest
 from websockets.asyncio.client import ClientConnection, connect
 
 from openrois.application import EngineHost
-from openrois.component import COMMON_QUERIES, Component, command, parameter_profile, query
+from openrois.authoring.marks import command, query
+from openrois.component import Component
 from openrois.contract import Extension
 from openrois.dialer import serve_parent
 from openrois.engine import Engine
@@ -22,15 +23,7 @@ from openrois.jsonrpc.session import RpcSession
 from openrois.registry import LocalRegistry
 from openrois.tasks import TaskScope
 from openrois.types.codes import ComponentStatus
-from openrois.types.messages import Result
-from openrois.types.profiles import (
-    CommandMessageProfile,
-    HRIComponentProfile,
-    QueryMessageProfile,
-    RoISIdentifier,
-    component_urn,
-)
-from tests.support.components import Bell, Lamp, text
+from tests.support.components import Bell, Lamp
 from tests.support.schema import check_notification, check_result
 from tests.support.streams import Camera, FakeStreams
 
@@ -38,28 +31,11 @@ PATIENCE = 5.0
 """Seconds after which a test gives up waiting for something that comes at once."""
 
 
-class Door(Component):
+class Door(Component, authority="Test"):
     """A component without a class: opens when it is let, can be out of order, and lists what it is given."""
 
     def __init__(self, name: str = "door") -> None:
-        super().__init__(
-            HRIComponentProfile(
-                identifier=RoISIdentifier(code=component_urn("Door", "Test")),
-                name=name,
-                command_profiles=(
-                    CommandMessageProfile(
-                        name="open",
-                        arguments=(parameter_profile("how", "string"),),
-                        results=(parameter_profile("how", "string"),),
-                    ),
-                    CommandMessageProfile(name="list", arguments=(parameter_profile("numbers", "int[]"),)),
-                ),
-                query_profiles=(
-                    *COMMON_QUERIES,
-                    QueryMessageProfile(name="view", results=(parameter_profile("view", "string"),)),
-                ),
-            )
-        )
+        super().__init__(name)
         self.is_in = ComponentStatus.READY
         self.asked = asyncio.Event()
         self.may_answer = asyncio.Event()
@@ -69,18 +45,22 @@ class Door(Component):
     def condition(self) -> ComponentStatus:
         return self.is_in
 
-    @command("open", "list")
-    async def open(self, arguments: dict[str, str]) -> tuple[Result, ...]:
+    @command(result="how")
+    async def open(self, how: str | None = None) -> str | None:
         self.asked.set()
         await self.may_answer.wait()
-        self.opened.append(arguments.get("how", ""))
-        return (text("how", arguments["how"]),) if "how" in arguments else ()
+        self.opened.append(how or "")
+        return how
 
-    @query("view")
-    async def view(self) -> tuple[Result, ...]:
+    @command
+    async def list(self, numbers: tuple[int, ...] | None = None) -> None:
+        await self.open()
+
+    @query
+    async def view(self) -> str:
         self.asked.set()
         await self.may_answer.wait()
-        return (text("view", "a garden"),)
+        return "a garden"
 
 
 @dataclass

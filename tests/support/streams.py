@@ -5,59 +5,33 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from openrois.component import COMMON_QUERIES, Component, command, parameter_profile, query
+from openrois.adapter.components import VideoStreaming
 from openrois.contract import Client
 from openrois.errors import Unsupported
-from openrois.types.codes import ComponentFunction, StreamStatus
-from openrois.types.messages import Result
-from openrois.types.profiles import (
-    CommandMessageProfile,
-    EventMessageProfile,
-    HRIComponentProfile,
-    QueryMessageProfile,
-    RoISIdentifier,
-    component_urn,
-)
+from openrois.types.codes import StreamStatus
 from openrois.types.references import new_id
 from openrois.types.streams import StreamStatusNotification
 
-STREAM_ID = parameter_profile("stream_id", "String")
-STATUS = parameter_profile("status", "Stream_Status")
 
-
-class Camera(Component):
+class Camera(VideoStreaming):
     """A streaming component whose verbs are its engine's extension."""
 
     def __init__(self, name: str = "camera") -> None:
-        super().__init__(
-            HRIComponentProfile(
-                identifier=RoISIdentifier(code=component_urn("VideoStreaming")),
-                name=name,
-                function=ComponentFunction.FUNCTION,
-                command_profiles=(
-                    CommandMessageProfile(name="connect_stream", results=(STREAM_ID,)),
-                    *(
-                        CommandMessageProfile(name=f"{verb}_stream", arguments=(STREAM_ID,))
-                        for verb in ("disconnect", "suspend", "resume")
-                    ),
-                ),
-                query_profiles=(*COMMON_QUERIES, QueryMessageProfile(name="get_stream_status", results=(STATUS,))),
-                event_profiles=(
-                    EventMessageProfile(
-                        name="notify_stream_status",
-                        results=(parameter_profile("timestamp", "DateTime"), STATUS, STREAM_ID),
-                    ),
-                ),
-                parameter_profiles=(parameter_profile("encoding_parameters", "String"),),
-            )
-        )
+        super().__init__(name)
 
-    @command("connect_stream", "disconnect_stream", "suspend_stream", "resume_stream")
-    async def act(self, _arguments: dict[str, str]) -> tuple[Result, ...]:
+    async def connect_stream(self) -> str:
         raise Unsupported("only for an application")
 
-    @query("get_stream_status")
-    async def get_stream_status(self) -> tuple[Result, ...]:
+    async def disconnect_stream(self, stream_id: str) -> None:
+        raise Unsupported("only for an application")
+
+    async def suspend_stream(self, stream_id: str) -> None:
+        raise Unsupported("only for an application")
+
+    async def resume_stream(self, stream_id: str) -> None:
+        raise Unsupported("only for an application")
+
+    async def get_stream_status(self) -> StreamStatus:
         raise Unsupported("only for an application")
 
 
@@ -68,23 +42,25 @@ class SharedCamera(Camera):
         super().__init__(name)
         self.asked: list[str] = []
 
-    @command("connect_stream")
-    async def connect(self, _arguments: dict[str, str]) -> tuple[Result, ...]:
+    async def connect_stream(self) -> str:
         self.asked.append("connect_stream")
-        self.announce("STREAMING_NOT_RUNNING")
-        return (Result(name="stream_id", data_type_ref="String", value="the stream"),)
+        self.tell(StreamStatus.STREAMING_NOT_RUNNING)
+        return "the stream"
 
-    @command("disconnect_stream", "suspend_stream", "resume_stream")
-    async def act(self, arguments: dict[str, str]) -> tuple[Result, ...]:
-        self.asked.append(arguments.get("stream_id", ""))
-        return ()
+    async def disconnect_stream(self, stream_id: str) -> None:
+        self.asked.append(stream_id)
 
-    @query("get_stream_status")
-    async def get_stream_status(self) -> tuple[Result, ...]:
-        return (Result(name="status", data_type_ref="Stream_Status", value="STREAMING_RUNNING"),)
+    async def suspend_stream(self, stream_id: str) -> None:
+        self.asked.append(stream_id)
 
-    def announce(self, status: str) -> None:
-        self.emit("notify_stream_status", (Result(name="status", data_type_ref="Stream_Status", value=status),))
+    async def resume_stream(self, stream_id: str) -> None:
+        self.asked.append(stream_id)
+
+    async def get_stream_status(self) -> StreamStatus:
+        return StreamStatus.STREAMING_RUNNING
+
+    def tell(self, status: StreamStatus) -> None:
+        self.notify_stream_status(status)
 
 
 @dataclass
@@ -114,6 +90,9 @@ class FakeStreams:
         self.gone = asyncio.Event()
         self.may_answer = asyncio.Event()
         self.may_answer.set()
+
+    def engines(self) -> frozenset[str]:
+        return frozenset({self.engine_id})
 
     async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
         self.calls.append((method, dict(params), client.client_id))

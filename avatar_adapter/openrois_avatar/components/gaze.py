@@ -1,19 +1,19 @@
 """Gaze: where the avatar looks. A component of our own; the standard has none."""
 
 from collections.abc import Callable
+from typing import Annotated
 
-from openrois.component import Component, command, parameter_profile
-from openrois.errors import BadParameter
-from openrois.types.codes import ComponentFunction, ComponentStatus
-from openrois.types.messages import Result
-from openrois.types.profiles import CommandMessageProfile
+from pydantic import Field
+
+from openrois.adapter import Component, ComponentStatus, command
 from openrois_avatar.body import Body
-from openrois_avatar.components.profiles import component_profile
 
 __all__ = ["Gaze"]
 
+Coordinate = Annotated[float, Field(ge=-1, le=1)]
 
-class Gaze(Component):
+
+class Gaze(Component, authority="OpenRoIS", function="function"):
     """Turns the eyes, and the head a little after them. Of class function: a glance is nobody's to reserve.
 
     Args:
@@ -22,22 +22,7 @@ class Gaze(Component):
     """
 
     def __init__(self, body: Body, engine_status: Callable[[], ComponentStatus]) -> None:
-        super().__init__(
-            component_profile(
-                "Gaze",
-                ComponentFunction.FUNCTION,
-                authority="OpenRoIS",
-                commands=(
-                    CommandMessageProfile(
-                        name="look",
-                        arguments=(
-                            parameter_profile("x", "double", description="-1 (the viewer's left) to 1"),
-                            parameter_profile("y", "double", description="-1 (down) to 1"),
-                        ),
-                    ),
-                ),
-            )
-        )
+        super().__init__("Gaze")
         self._body = body
         self._engine_status = engine_status
 
@@ -45,11 +30,12 @@ class Gaze(Component):
         """Follow the game engine."""
         return self._engine_status()
 
-    @command("look")
-    async def look(self, arguments: dict[str, str]) -> tuple[Result, ...]:
-        """Look somewhere; ends at once, the eyes take their time."""
-        x, y = float(arguments.get("x", "0")), float(arguments.get("y", "0"))
-        if abs(x) > 1 or abs(y) > 1:
-            raise BadParameter("x and y go from -1 to 1")
+    @command
+    async def look(self, x: Coordinate = 0, y: Coordinate = 0) -> None:
+        """Look somewhere; ends at once, the eyes take their time.
+
+        Args:
+            x: -1 (the viewer's left) to 1
+            y: -1 (down) to 1
+        """
         self._body.look(x, y)
-        return ()

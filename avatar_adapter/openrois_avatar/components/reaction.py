@@ -1,21 +1,15 @@
 """Reaction: gestures of head, arms and body (component 12), named by the identifiers of Annex D where it has one."""
 
 from collections.abc import Callable
-from typing import Final
+from typing import Any, Final
 
-from openrois.component import Component, command, parameter_profile, query
-from openrois.errors import BadParameter
-from openrois.types.codes import ComponentFunction, ComponentStatus
-from openrois.types.messages import Result
-from openrois.types.profiles import CommandMessageProfile, QueryMessageProfile
-from openrois.types.values import encode_list
+from openrois.adapter import BadParameter, ComponentStatus, command, components
 from openrois_avatar.body import Body
-from openrois_avatar.components.profiles import component_profile
 
 __all__ = ["Reaction", "reaction_ref"]
 
-_LONGEST_MS: Final = 30_000
-"""After this a reaction counts as failed: a game engine that forgets to say that one is over must not block others."""
+_LONGEST: Final = 30.0
+"""Seconds; then a reaction counts as failed: a game engine that forgets to say that one is over must not block more."""
 
 _ANNEX_D: Final = {
     "nod": 1,
@@ -34,7 +28,7 @@ def reaction_ref(name: str) -> str:
     return f"urn:x-rois:def:reaction:OpenRoIS::{name}"
 
 
-class Reaction(Component):
+class Reaction(components.Reaction):
     """Plays the reaction that `reaction_ref` names; one at a time, a new one replaces the one that runs.
 
     Args:
@@ -46,20 +40,7 @@ class Reaction(Component):
     def __init__(
         self, body: Body, reactions: Callable[[], tuple[str, ...]], engine_status: Callable[[], ComponentStatus]
     ) -> None:
-        super().__init__(
-            component_profile(
-                "Reaction",
-                ComponentFunction.ACTUATION,
-                commands=(CommandMessageProfile(name="start", timeout=_LONGEST_MS), CommandMessageProfile(name="stop")),
-                queries=(
-                    QueryMessageProfile(
-                        name="available_reactions",
-                        results=(parameter_profile("available_reactions", "RoISIdentifier[]"),),
-                    ),
-                ),
-                parameters=(parameter_profile("reaction_ref", "RoISIdentifier"),),
-            )
-        )
+        super().__init__("Reaction")
         self._body = body
         self._reactions = reactions
         self._engine_status = engine_status
@@ -71,24 +52,24 @@ class Reaction(Component):
     def _names(self) -> dict[str, str]:
         return {reaction_ref(name): name for name in self._reactions()}
 
-    def accept_parameters(self, values: dict[str, str]) -> dict[str, str]:
+    def accept_parameters(self, changes: dict[str, Any]) -> dict[str, Any]:
         """Refuse a reaction that the game engine does not have."""
-        wanted = values.get("reaction_ref")
+        wanted = changes.get("reaction_ref")
         if wanted is not None and wanted not in self._names():
             raise BadParameter(f"there is no reaction {wanted!r}; available_reactions lists them")
-        return values
+        return changes
 
-    @query("available_reactions")
-    async def available_reactions(self) -> tuple[Result, ...]:
+    async def available_reactions(self) -> tuple[str, ...]:
         """Return the refs of the reactions the game engine offers."""
-        refs = encode_list(list(self._names()))
-        return (Result(name="available_reactions", data_type_ref="RoISIdentifier[]", value=refs),)
+        return tuple(self._names())
 
-    @command("start")
-    async def start(self, _arguments: dict[str, str]) -> tuple[Result, ...]:
+    @command(timeout=_LONGEST)
+    async def start(self) -> None:
         """Play the chosen reaction to its end."""
-        name = self._names().get(self.parameters["reaction_ref"])
+        name = self._names().get(self.reaction_ref or "")
         if name is None:
             raise BadParameter("set reaction_ref first")
         await self._body.react(name)
-        return ()
+
+    async def stop(self) -> None:
+        """Break the reaction off."""

@@ -5,83 +5,71 @@ the engine that the application speaks to turns `execute`, `query` and `subscrib
 """
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from typing import NoReturn
 
-from openrois.component import Component, command, parameter_profile, query
-from openrois.errors import BadParameter, Unsupported
-from openrois.types.codes import ComponentFunction, ComponentStatus
-from openrois.types.messages import Result
-from openrois.types.profiles import CommandMessageProfile, EventMessageProfile, QueryMessageProfile
-from openrois_avatar.components.profiles import component_profile
+from openrois.adapter import ComponentStatus, StreamStatus, Unsupported, components
 
-__all__ = ["Streaming"]
-
-_STREAM_ID = parameter_profile("stream_id", "String")
-_STATUS = parameter_profile("status", "Stream_Status")
+__all__ = ["AudioStreaming", "VideoStreaming"]
 
 
-class Streaming(Component):
-    """One of the two streaming components.
+class _Streaming:
+    """What both have in common."""
 
-    Args:
-        name: `VideoStreaming` or `AudioStreaming`.
-        codecs: the media types it can be streamed in, best first.
-        source_status: tells whether there is something to stream now.
-    """
+    available_encodings: str | None
+    available_transports: str | None
+    _source_status: Callable[[], ComponentStatus]
 
-    def __init__(self, name: str, codecs: tuple[str, ...], source_status: Callable[[], ComponentStatus]) -> None:
-        super().__init__(
-            component_profile(
-                name,
-                ComponentFunction.FUNCTION,
-                commands=(
-                    CommandMessageProfile(name="connect_stream", results=(_STREAM_ID,)),
-                    CommandMessageProfile(name="disconnect_stream", arguments=(_STREAM_ID,)),
-                    CommandMessageProfile(name="suspend_stream", arguments=(_STREAM_ID,)),
-                    CommandMessageProfile(name="resume_stream", arguments=(_STREAM_ID,)),
-                ),
-                queries=(QueryMessageProfile(name="get_stream_status", results=(_STATUS,)),),
-                events=(
-                    EventMessageProfile(
-                        name="notify_stream_status",
-                        results=(parameter_profile("timestamp", "DateTime"), _STATUS, _STREAM_ID),
-                    ),
-                ),
-                parameters=(
-                    parameter_profile("encoding_parameters", "String"),
-                    parameter_profile("transport_parameters", "String"),
-                    parameter_profile("available_encodings", "String", json.dumps({"codecs": list(codecs)})),
-                    parameter_profile("available_transports", "String", json.dumps({"direction": ["recvonly"]})),
-                ),
-            )
-        )
+    def _offer(self, codecs: Iterable[str], source_status: Callable[[], ComponentStatus]) -> None:
         self._source_status = source_status
+        self.available_encodings = json.dumps({"codecs": list(codecs)})
+        self.available_transports = json.dumps({"direction": ["recvonly"]})
 
     def condition(self) -> ComponentStatus:
         """Follow the source."""
         return self._source_status()
 
-    def accept_parameters(self, values: dict[str, str]) -> dict[str, str]:
-        """Refuse to change what is available: every application reads it, and only the engine knows."""
-        for name in values:
-            if name.startswith("available_"):
-                raise BadParameter(f"{name} can only be read")
-        return values
+    async def connect_stream(self) -> str:
+        """Refuse, as all the others do: without the application a stream would belong to nobody."""
+        _refuse()
 
-    @command("connect_stream", "disconnect_stream", "suspend_stream", "resume_stream")
-    async def act(self, _arguments: dict[str, str]) -> tuple[Result, ...]:
-        """Refuse: without the application a stream would belong to nobody.
+    async def disconnect_stream(self, stream_id: str) -> None:
+        """Refuse."""
+        _refuse()
 
-        Raises:
-            Unsupported: always.
-        """
-        raise Unsupported("streams are connected for an application, through the streaming methods")
+    async def suspend_stream(self, stream_id: str) -> None:
+        """Refuse."""
+        _refuse()
 
-    @query("get_stream_status")
-    async def get_stream_status(self) -> tuple[Result, ...]:
-        """Refuse, for the same reason.
+    async def resume_stream(self, stream_id: str) -> None:
+        """Refuse."""
+        _refuse()
 
-        Raises:
-            Unsupported: always.
-        """
-        raise Unsupported("the status of a stream is told to its application, through the streaming methods")
+    async def get_stream_status(self) -> StreamStatus:
+        """Refuse."""
+        _refuse()
+
+
+def _refuse() -> NoReturn:
+    raise Unsupported("streams belong to an application: they are there through the streaming methods")
+
+
+class VideoStreaming(_Streaming, components.VideoStreaming):
+    """What the avatar looks like.
+
+    Args:
+        codecs: the media types it can be streamed in, best first.
+        source_status: tells whether there is something to stream now.
+    """
+
+    def __init__(self, codecs: Iterable[str], source_status: Callable[[], ComponentStatus]) -> None:
+        super().__init__("VideoStreaming")
+        self._offer(codecs, source_status)
+
+
+class AudioStreaming(_Streaming, components.AudioStreaming):
+    """What the avatar sounds like; as `VideoStreaming`."""
+
+    def __init__(self, codecs: Iterable[str], source_status: Callable[[], ComponentStatus]) -> None:
+        super().__init__("AudioStreaming")
+        self._offer(codecs, source_status)

@@ -3,7 +3,7 @@
 import json
 
 import pytest
-from openrois_avatar.components.streaming import Streaming
+from openrois_avatar.components.streaming import VideoStreaming
 
 from openrois.errors import BadParameter
 from openrois.registry import LocalRegistry
@@ -15,7 +15,7 @@ VIDEO = "avatar/VideoStreaming"
 
 @pytest.fixture
 def registry() -> LocalRegistry:
-    return LocalRegistry("avatar", [Streaming("VideoStreaming", ("video/VP8",), lambda: ComponentStatus.READY)])
+    return LocalRegistry("avatar", [VideoStreaming(("video/VP8",), lambda: ComponentStatus.READY)])
 
 
 async def set_parameters(registry: LocalRegistry, **values: str) -> None:

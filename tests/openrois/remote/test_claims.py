@@ -2,18 +2,21 @@
 
 import pytest
 
-from openrois.component import parameter_profile
 from openrois.remote.claims import first_misfit
 from openrois.types.messages import Result
 from openrois.types.profiles import (
     CommandMessageProfile,
     EventMessageProfile,
     HRIComponentProfile,
+    ParameterProfile,
     QueryMessageProfile,
     RoISIdentifier,
 )
 
-PROMISED = (parameter_profile("level", "int"), parameter_profile("note", "string"))
+PROMISED = tuple(
+    ParameterProfile(name=name, data_type_ref=RoISIdentifier(code=code))
+    for name, code in (("level", "int"), ("note", "string"))
+)
 PROFILE = HRIComponentProfile(
     identifier=RoISIdentifier(code="urn"),
     name="lamp",

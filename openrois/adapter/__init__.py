@@ -1,0 +1,36 @@
+"""What an adapter is written with: components as classes, and `run`, which connects them to a gateway.
+
+    from openrois.adapter import Component, command, event, parameter, query, run
+
+`openrois.adapter.components` has a class to extend for each of the standard's basic components; docs/adapter.md tells
+the rest.
+"""
+
+from openrois.adapter.running import run, serve
+from openrois.authoring.marks import command, event, optional, query
+from openrois.authoring.parameters import parameter
+from openrois.catalog.payload import Data, Payload
+from openrois.component import Component
+from openrois.errors import BadParameter, ComponentFailed, OutOfResources, RoISError, TimedOut, Unsupported
+from openrois.types.codes import ComponentStatus, StreamStatus
+
+__all__ = [
+    "BadParameter",
+    "Component",
+    "ComponentFailed",
+    "ComponentStatus",
+    "Data",
+    "OutOfResources",
+    "Payload",
+    "RoISError",
+    "StreamStatus",
+    "TimedOut",
+    "Unsupported",
+    "command",
+    "event",
+    "optional",
+    "parameter",
+    "query",
+    "run",
+    "serve",
+]

@@ -1,0 +1,104 @@
+"""Running an adapter: components become an engine, which dials its gateway for as long as it lives."""
+
+import asyncio
+import logging
+import signal
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager, suppress
+from typing import Final
+
+from websockets.exceptions import InvalidURI
+from websockets.uri import parse_uri
+
+from openrois.adapter.lifecycle import connected
+from openrois.application import EngineHost
+from openrois.component import Component
+from openrois.contract import Extension
+from openrois.dialer import serve_parent
+from openrois.engine import Engine
+from openrois.logs import set_up_logging
+from openrois.registry import LocalRegistry
+from openrois.tasks import TaskScope
+
+__all__ = ["GATEWAY", "hosted", "run", "serve"]
+
+_log = logging.getLogger(__name__)
+
+GATEWAY: Final = "ws://127.0.0.1:8765/adapter"
+"""Where a gateway of this machine takes adapters unless it is told otherwise."""
+
+
+@asynccontextmanager
+async def hosted(
+    engine_id: str, *components: Component, extension: Extension | None = None
+) -> AsyncIterator[EngineHost]:
+    """Make an engine of components and keep them connected to what they depend on while the block runs.
+
+    Args:
+        engine_id: leads every component_ref.
+        components: each with a name of its own.
+        extension: answers the streaming and signaling methods, where the engine has streams.
+
+    Raises:
+        BadParameter: `engine_id` or a component's name cannot be part of a reference, or a name stands twice.
+    """
+    registry = LocalRegistry(engine_id, components, extension=extension)
+    engine = Engine(engine_id)
+    await engine.attach(registry)
+    # What runs is cancelled before anything is disconnected.
+    async with connected(components), TaskScope() as tasks:
+        yield EngineHost(engine, tasks)
+
+
+@asynccontextmanager
+async def serve(*components: Component, engine_id: str, gateway: str = GATEWAY) -> AsyncIterator[EngineHost]:
+    """Serve components to a gateway while the block runs; a connection that ends is made again.
+
+    Args:
+        components: each with a name of its own.
+        engine_id: unique behind its gateway; leads every component_ref.
+        gateway: its address, `ws://host:port/adapter`.
+
+    Raises:
+        BadParameter: `engine_id` or a component's name cannot be part of a reference, or a name stands twice.
+        ValueError: `gateway` is no WebSocket address.
+    """
+    try:
+        parse_uri(gateway)
+    except InvalidURI:
+        raise ValueError(f"{gateway!r} is no address of a gateway; one looks like {GATEWAY}") from None
+    async with hosted(engine_id, *components) as host, TaskScope() as tasks:
+        tasks.start(serve_parent(host, gateway))
+        yield host
+
+
+def run(*components: Component, engine_id: str, gateway: str = GATEWAY, verbose: bool = False) -> None:
+    """Serve components to a gateway until the process is told to stop (Ctrl-C, SIGTERM): the main of an adapter.
+
+    The gateway need not be there yet, and may go and come back: the log, on standard error, says how things stand.
+
+    Args:
+        components: each with a name of its own.
+        engine_id: unique behind its gateway; leads every component_ref.
+        gateway: its address, `ws://host:port/adapter`.
+        verbose: log more.
+
+    Raises:
+        BadParameter: `engine_id` or a component's name cannot be part of a reference, or a name stands twice.
+        ValueError: `gateway` is no WebSocket address.
+    """
+    set_up_logging(verbose=verbose)
+    with suppress(KeyboardInterrupt):
+        asyncio.run(_serve_until_stopped(components, engine_id, gateway))
+
+
+async def _serve_until_stopped(components: tuple[Component, ...], engine_id: str, gateway: str) -> None:
+    stopped = asyncio.Event()
+    loop = asyncio.get_running_loop()
+    for name in (signal.SIGINT, signal.SIGTERM):
+        with suppress(NotImplementedError):
+            # Where the loop takes no signals, Ctrl-C is a KeyboardInterrupt.
+            loop.add_signal_handler(name, stopped.set)
+    async with serve(*components, engine_id=engine_id, gateway=gateway):
+        await stopped.wait()
+    _log.info("%s has stopped", engine_id)

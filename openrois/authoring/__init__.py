@@ -1,0 +1,1 @@
+"""Reading component classes: from decorated methods with type hints to a component type, its profile and its calls."""
