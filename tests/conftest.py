@@ -12,6 +12,8 @@ from typing import NoReturn
 
 import pytest
 
+from tests.support.mono import Mono
+
 _lacking: set[str] = set()
 """What this machine has not, as `Skipped` has it."""
 
@@ -23,6 +25,18 @@ def chromium() -> Path:
     if found is None:
         _lack("no chromium is found; install it to run the tests in a browser (Debian: apt install chromium)")
     return Path(found)
+
+
+@pytest.fixture(scope="session")
+def mono() -> Mono:
+    """Compiles and runs C#."""
+    found = Mono.found()
+    if found is None:
+        packages = "mono-mcs mono-runtime libnewtonsoft-json5.0-cil"
+        _lack(
+            f"no Mono with Newtonsoft.Json is found; install it to run the tests in C# (Debian: apt install {packages})"
+        )
+    return found
 
 
 @pytest.fixture(scope="session")

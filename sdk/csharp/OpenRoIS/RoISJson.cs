@@ -87,7 +87,7 @@ namespace OpenRoIS
         private static readonly StrictResolver Resolver = new StrictResolver();
     }
 
-    /// <summary>Refuses null where the wire has none, for what stands as well as for what is absent.</summary>
+    /// <summary>Refuses null where the wire has none, and never writes one there.</summary>
     internal sealed class StrictResolver : DefaultContractResolver
     {
         protected override JsonProperty CreateProperty(MemberInfo member, MemberSerialization serialization)
@@ -96,7 +96,12 @@ namespace OpenRoIS
             bool mayBeNull = property.Required == Required.AllowNull || property.NullValueHandling != null;
             if (!mayBeNull)
             {
-                property.ValueProvider = new NeverNull(property.ValueProvider, property.PropertyName);
+                IValueProvider values = property.ValueProvider;
+                property.ValueProvider = new NeverNull(values, property.PropertyName);
+                if (property.Required == Required.Default)
+                {
+                    property.ShouldSerialize = target => values.GetValue(target) != null;
+                }
             }
             return property;
         }
@@ -114,21 +119,16 @@ namespace OpenRoIS
 
             public object GetValue(object target)
             {
-                return Checked(_inner.GetValue(target));
+                return _inner.GetValue(target);
             }
 
             public void SetValue(object target, object value)
-            {
-                _inner.SetValue(target, Checked(value));
-            }
-
-            private object Checked(object value)
             {
                 if (value == null)
                 {
                     throw new JsonSerializationException(_name + " is null");
                 }
-                return value;
+                _inner.SetValue(target, value);
             }
         }
     }
