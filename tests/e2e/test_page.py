@@ -50,7 +50,7 @@ async def test_the_tab_key_goes_everywhere_in_the_order_in_which_one_reads(guest
     await guest.page.keyboard.press("Shift")  # any key lets the page sound, and changes that button
     await expect(guest.item("sound-off")).to_be_visible()
     order = [
-        *("skip", "help-open", "theme-toggle", "stage", "sound-off", "fullscreen"),
+        *("skip", "show-avatar", "show-inspector", "help-open", "theme-toggle", "stage", "sound-off", "fullscreen"),
         *("say-text", "say-language", "say-send"),
         *reactions,
         *("video-suspend", "video-disconnect", "audio-suspend", "audio-disconnect"),

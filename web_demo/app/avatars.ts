@@ -1,7 +1,7 @@
 /** Which avatars there are, and which one the page shows. */
 
 import { componentsByEngine } from "../sdk/index.ts";
-import type { Profile, Client } from "../sdk/index.ts";
+import type { Client, Profile } from "../sdk/index.ts";
 
 /** An engine that can be seen. References stay valid while it is away: they do not change when it returns. */
 export interface Avatar {
@@ -37,6 +37,7 @@ export function findAvatars(profile: Profile): Avatar[] {
 export class AvatarDirectory {
   readonly #client: Client;
   readonly #onChange: () => void;
+  #profile: Profile | null = null;
   #avatars: Avatar[] | null = null;
   #chosen: Avatar | null = null;
   #reading = false;
@@ -49,6 +50,11 @@ export class AvatarDirectory {
     client.on("state", ({ name }) => {
       if (name === "connected") void this.#read();
     });
+  }
+
+  /** The profile as it was read last; null until it was read for the first time. */
+  get profile(): Profile | null {
+    return this.#profile;
   }
 
   /** Null until the profile was read for the first time. */
@@ -78,7 +84,8 @@ export class AvatarDirectory {
     try {
       while (this.#again) {
         this.#again = false;
-        this.#avatars = findAvatars(await this.#client.getProfile());
+        this.#profile = await this.#client.getProfile();
+        this.#avatars = findAvatars(this.#profile);
         this.choose(this.#chosen?.engineId ?? this.#avatars[0]?.engineId ?? "");
       }
     } catch {

@@ -24,6 +24,7 @@ import { Sound } from "./sound.ts";
 import { Stage } from "./stage.ts";
 import { StreamCard } from "./stream_card.ts";
 import { findTrouble } from "./trouble.ts";
+import { Views } from "./views.ts";
 
 declare global {
   interface Window {
@@ -53,6 +54,7 @@ new StampReader(stage.video, stage.frames, (reading) => figures.stampRead(readin
 
 let shown: Avatar | null = null;
 window.openrois = { client, video: null, audio: null };
+const views = new Views(client, render);
 
 /** The profile was read, another avatar was chosen, or the gateway came or went. */
 function avatarChanged(): void {
@@ -65,7 +67,15 @@ function avatarChanged(): void {
   reactions.setComponent(present?.reaction ?? null);
   gaze.setComponent(present?.gaze ?? null);
   if (present) void readClock(present);
+  views.update(directory.profile, client.state.name === "connected");
   render();
+}
+
+/** Milliseconds since the last frame was shown; a picture that nobody can see does not age. */
+function frameAge(): number | null {
+  const hidden = document.visibilityState !== "visible" || views.current !== "avatar";
+  if (hidden || stage.frameAge === null) return null;
+  return Math.min(stage.frameAge, performance.now() - views.since);
 }
 
 function show(avatar: Avatar): void {
@@ -97,39 +107,52 @@ function render(): void {
   const avatar = directory.chosen;
   header.render(client.state);
   stage.render(directory.present, figures.latency);
-  banner.render(
-    findTrouble({
-      canStream,
-      connection: client.state,
-      streaming: client.extensions !== null,
-      avatar:
-        directory.avatars === null
-          ? null
-          : avatar === null
-            ? "none"
-            : { name: avatar.engineId, present: directory.present },
-      codecs,
-      video: {
-        wanted: video?.desire === "running",
-        problem: video?.problem ?? null,
-        status: video?.status ?? null,
-        frameAge: document.visibilityState === "visible" ? stage.frameAge : null,
-      },
-    }),
-  );
+  const trouble = findTrouble({
+    canStream,
+    connection: client.state,
+    streaming: client.extensions !== null,
+    avatar:
+      directory.avatars === null
+        ? null
+        : avatar === null
+          ? "none"
+          : { name: avatar.engineId, present: directory.present },
+    codecs,
+    video: {
+      wanted: video?.desire === "running",
+      problem: video?.problem ?? null,
+      status: video?.status ?? null,
+      frameAge: frameAge(),
+    },
+  });
+  // What is wrong with the avatar is of no concern to whoever looks at the inspector.
+  const concerns = views.current === "avatar" || trouble?.kind === "no-gateway";
+  banner.render(concerns ? trouble : null);
+}
+
+/** Keys that do something with the avatar do so while it is in view. */
+function toAvatar(run: (key: string) => void): (key: string) => void {
+  return (key) => {
+    if (views.current === "avatar") run(key);
+  };
 }
 
 installShortcuts([
-  { keys: ["/"], label: "Say something", run: () => say.focus() },
-  { keys: ["Escape"], label: "Stop speaking, and leave the text field", run: () => say.stop() },
+  {
+    keys: ["/"],
+    label: "Say something, or search in the inspector",
+    run: () => (views.current === "avatar" ? say.focus() : views.search()),
+  },
+  { keys: ["i"], label: "Inspector or avatar", run: () => views.toggle() },
+  { keys: ["Escape"], label: "Stop speaking, and leave the text field", run: toAvatar(() => say.stop()) },
   {
     keys: ["1", "2", "3", "4", "5", "6", "7", "8", "9", "0"],
     label: "Reactions",
-    run: (key) => reactions.press((Number(key) + 9) % 10),
+    run: toAvatar((key) => reactions.press((Number(key) + 9) % 10)),
   },
-  { keys: ["s"], label: "Suspend or resume the video", run: toggleVideo },
+  { keys: ["s"], label: "Suspend or resume the video", run: toAvatar(toggleVideo) },
   { keys: ["m"], label: "Sound on or off", run: () => sound.toggle() },
-  { keys: ["f"], label: "Full screen", run: () => stage.toggleFullscreen() },
+  { keys: ["f"], label: "Full screen", run: toAvatar(() => stage.toggleFullscreen()) },
 ]);
 
 function toggleVideo(): void {

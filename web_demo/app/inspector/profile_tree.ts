@@ -133,3 +133,30 @@ export function statusQuery({ query_profiles = [] }: HRIComponentProfile): strin
 }
 
 const STATUS_TYPE = "component_status";
+
+/**
+ * Returns the tree with what is looked at in it, even if that has left: an engine by its id, a component as it was.
+ *
+ * @param component of the id, if that is a component's and was known once
+ */
+export function withAway(
+  engines: readonly EngineNode[],
+  id: string,
+  component: ComponentNode | null,
+): readonly EngineNode[] {
+  const there =
+    enginesOf(engines).some((engine) => engine.id === id) ||
+    componentsOf(engines).some(({ ref }) => ref === id);
+  if (id === "" || there || (id.includes("/") && component === null)) return engines;
+  const engineId = component === null ? id : engineOf(id);
+  const components = component === null ? [] : [component];
+  if (!enginesOf(engines).some((engine) => engine.id === engineId)) {
+    return [...engines, { id: engineId, profile: null, components, engines: [] }];
+  }
+  const add = (engine: EngineNode): EngineNode => ({
+    ...engine,
+    components: engine.id === engineId ? [...engine.components, ...components] : engine.components,
+    engines: engine.engines.map(add),
+  });
+  return engines.map(add);
+}

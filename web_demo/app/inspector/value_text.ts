@@ -98,6 +98,13 @@ export function listText(code: string, items: readonly string[]): string {
   return `[${written.join(",")}]`;
 }
 
+/** Tells whether two texts of a type are one value: a list may be written with or without spaces. */
+export function sameValue(code: string, one: string, other: string): boolean {
+  if (one === other || !code.endsWith("[]")) return one === other;
+  const [first, second] = [parsed(one), parsed(other)];
+  return first !== undefined && JSON.stringify(first) === JSON.stringify(second);
+}
+
 function parsed(text: string): unknown {
   try {
     return JSON.parse(text);

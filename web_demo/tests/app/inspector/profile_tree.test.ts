@@ -4,6 +4,7 @@ import {
   engineTree,
   enginesOf,
   statusQuery,
+  withAway,
   visibleRows,
 } from "../../../app/inspector/profile_tree.ts";
 import type { HRIComponentProfile, Profile } from "../../../sdk/index.ts";
@@ -124,5 +125,21 @@ describe("statusQuery", () => {
     ];
     expect(statusQuery(component("X", { query_profiles }))).toBe("short");
     expect(statusQuery(component("X"))).toBeNull();
+  });
+});
+
+describe("withAway", () => {
+  const gone = (ref: string) => ({ ref, name: ref, profile: component("Gone"), terms: [] });
+  const ids = (engines: readonly (typeof tree)[number][]): string[] =>
+    visibleRows(engines, all).map(({ id }) => id);
+
+  it("adds what was chosen and has left, at its engine or with it", () => {
+    expect(ids(withAway(tree, "hand/thumb", gone("hand/thumb")))).toContain("hand/thumb");
+    expect(ids(withAway(tree, "lost/thing", gone("lost/thing"))).slice(-2)).toEqual(["lost", "lost/thing"]);
+    expect(ids(withAway(tree, "lost", null)).at(-1)).toBe("lost");
+  });
+
+  it.each(["", "robot", "robot/arm", "never/seen"])("adds nothing for %j", (id) => {
+    expect(withAway(tree, id, null)).toBe(tree);
   });
 });

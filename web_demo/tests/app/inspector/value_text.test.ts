@@ -1,5 +1,12 @@
 import { describe, expect, it } from "vitest";
-import { fieldKind, itemType, listItems, listText, misfit } from "../../../app/inspector/value_text.ts";
+import {
+  fieldKind,
+  itemType,
+  listItems,
+  listText,
+  misfit,
+  sameValue,
+} from "../../../app/inspector/value_text.ts";
 
 describe("fieldKind", () => {
   it.each([
@@ -88,5 +95,17 @@ describe("lists", () => {
   it("are not what is no JSON array", () => {
     expect([listItems(""), listItems("{}"), listItems("a")]).toEqual([null, null, null]);
     expect(itemType("int[][]")).toBe("int[]");
+  });
+});
+
+describe("sameValue", () => {
+  it.each([
+    ["string[]", '["a", "b"]', '["a","b"]', true],
+    ["string[]", "[]", "", false],
+    ["string[]", "", "", true],
+    ["int", "1", "01", false],
+    ["string", "[ ]", "[]", false],
+  ])("of %s %j and %j is %s", (code, one, other, same) => {
+    expect(sameValue(code, one, other)).toBe(same);
   });
 });

@@ -1,0 +1,213 @@
+/** All that a component's profile holds, to be tried: made of the profile alone, whatever the component is. */
+
+import type { HRIComponentProfile, ComponentStatus, Client } from "../../sdk/index.ts";
+import { make, setText } from "../dom.ts";
+import { CommandCard } from "./command_card.ts";
+import type { Card, ComponentBench } from "./component_bench.ts";
+import { arrange, disclosure, jsonBlock } from "./controls.ts";
+import { EventCard } from "./event_card.ts";
+import type { Fault } from "./fault_log.ts";
+import { drawing } from "./icons.ts";
+import { FaultGroup, Group, copyable } from "./panel_parts.ts";
+import { ParameterCard } from "./parameter_card.ts";
+import { OutcomeView } from "./outcome_view.ts";
+import { QueryCard } from "./query_card.ts";
+import { addressOf } from "./routes.ts";
+import { refusal, statusWords } from "./sentences.ts";
+import type { Drafts } from "./value_form.ts";
+
+export interface PanelOwner {
+  readonly client: Client;
+  /** Something was done that may have changed the component's status. */
+  worked(ref: string): void;
+  /** The component is listened to more or less than before. */
+  heard(ref: string): void;
+}
+
+/** Why a component cannot be used; null when it can. */
+export type Absence = "away" | "offline" | null;
+
+const ABSENT: Readonly<Record<"away" | "offline", string>> = {
+  away: "This component has left. What you typed stays, and all goes on when it is back.",
+  offline: "There is no connection to the gateway. What you typed stays, and all goes on when it is back.",
+};
+
+export class ComponentPanel {
+  readonly element: HTMLElement;
+  readonly ref: string;
+  readonly #owner: PanelOwner;
+  readonly #bench: ComponentBench;
+  readonly #drafts: Drafts = new Map();
+  readonly #cards = new Map<string, Card>();
+  readonly #status = make("span", { class: "status", role: "status", "data-testid": "component-status" });
+  readonly #function = make("span", { class: "chip" });
+  readonly #ids = make("dl", { class: "panel-ids" });
+  readonly #absent = make("p", { class: "absent", role: "status", hidden: "" });
+  readonly #bound = make("span", { class: "hint", "data-testid": "bind-state" });
+  readonly #bind = make("button", { type: "button", class: "button small run", "data-testid": "bind" });
+  readonly #outcome = new OutcomeView();
+  readonly #parameters = new Group("parameters", "Parameters", "parameter");
+  readonly #commands = new Group("commands", "Commands", "command");
+  readonly #queries = new Group("queries", "Queries", "query");
+  readonly #events = new Group("events", "Events", "event");
+  readonly #faults = new FaultGroup();
+  readonly #raw = make("div", { class: "raw" });
+  #profile: HRIComponentProfile = { identifier: { code: "" }, name: "" };
+  #shown = "";
+  #held = false;
+  #absence: Absence = null;
+
+  constructor(owner: PanelOwner, ref: string) {
+    this.#owner = owner;
+    this.ref = ref;
+    this.#bench = {
+      client: owner.client,
+      ref,
+      drafts: this.#drafts,
+      bind: () => owner.client.bind(ref),
+      worked: () => owner.worked(ref),
+      heard: () => owner.heard(ref),
+    };
+    this.#bind.addEventListener("click", () => void this.#toggleBind());
+    const groups = [this.#parameters, this.#commands, this.#queries, this.#events, this.#faults];
+    const jumps = make("div", { class: "jumps" }, ...groups.map(({ jump }) => jump));
+    this.element = make(
+      "article",
+      { class: "panel", "data-ref": ref },
+      this.#head(),
+      this.#absent,
+      jumps,
+      ...groups.map(({ element }) => element),
+      this.#raw,
+    );
+    for (const attempt of ["click", "submit"]) {
+      this.element.addEventListener(attempt, (event) => this.#hold(event), { capture: true });
+    }
+    this.setStatus(null);
+    this.setHeld(false);
+  }
+
+  get listening(): boolean {
+    return [...this.#cards.values()].some((card) => card instanceof EventCard && card.listening);
+  }
+
+  /** Shows a profile; cards of messages that are as they were stay, with all that is in them. */
+  update(profile: HRIComponentProfile, absence: Absence): void {
+    const back = this.#absence !== null && absence === null;
+    this.#absence = absence;
+    this.#profile = profile;
+    const shown = JSON.stringify(profile);
+    if (shown !== this.#shown) this.#render(profile);
+    this.#shown = shown;
+    this.element.classList.toggle("away", absence !== null);
+    this.#absent.hidden = absence === null;
+    setText(this.#absent, absence === null ? "" : ABSENT[absence]);
+    for (const each of this.element.querySelectorAll("button.run")) {
+      each.setAttribute("aria-disabled", String(absence !== null));
+    }
+    if (back) this.refresh();
+  }
+
+  /** What may have changed since it was read is read again. */
+  refresh(): void {
+    if (this.#absence !== null) return;
+    for (const card of this.#cards.values()) card.refresh?.();
+  }
+
+  setStatus(status: ComponentStatus | null): void {
+    this.#status.dataset["status"] = status ?? "";
+    this.#status.title = statusWords(status);
+    setText(this.#status, status ?? "unknown");
+  }
+
+  setHeld(held: boolean): void {
+    this.#held = held;
+    setText(this.#bind, held ? "Release" : "Bind");
+    this.#bind.classList.toggle("primary", !held && this.#profile.function === "actuation");
+    const unheld =
+      this.#profile.function === "actuation" ? "Not bound: it takes no commands yet" : "Needs no binding";
+    setText(this.#bound, held ? "Bound by this page" : unheld);
+  }
+
+  setFaults(faults: readonly Fault[]): void {
+    this.#faults.show(faults);
+  }
+
+  /** Nothing is tried with a component that is not there; what it said and what was typed can still be used. */
+  #hold(event: Event): void {
+    const tries = event.type === "submit" || (event.target as Element).closest(".run") !== null;
+    if (this.#absence === null || !tries) return;
+    event.preventDefault();
+    event.stopPropagation();
+  }
+
+  #head(): HTMLElement {
+    const back = make("a", { class: "back", href: addressOf("") }, drawing("back"), "All components");
+    const name = this.ref.slice(this.ref.indexOf("/") + 1);
+    const title = make("h2", { tabindex: "-1" }, name);
+    const binding = make("div", { class: "binding" }, this.#bound, this.#bind);
+    const line = make("div", { class: "panel-title" }, title, this.#status, this.#function, binding);
+    return make("header", { class: "panel-head" }, back, line, this.#ids, this.#outcome.element);
+  }
+
+  #render(profile: HRIComponentProfile): void {
+    const {
+      command_profiles = [],
+      query_profiles = [],
+      event_profiles = [],
+      parameter_profiles = [],
+    } = profile;
+    const { function: kind, sub_component_profiles = [], identifier } = profile;
+    setText(this.#function, kind ?? "");
+    this.#function.hidden = !kind;
+    this.#ids.replaceChildren(
+      copyable("Reference", this.ref),
+      copyable("Type", identifier.code),
+      ...sub_component_profiles.map((urn) => copyable("Includes", urn)),
+    );
+    const kept = new Set<string>();
+    const fill = <T>(group: Group, profiles: readonly T[], count: number, make_: (each: T) => Card): void => {
+      const cards = profiles.map((each) =>
+        this.#card(`${group.element.dataset["group"]} ${JSON.stringify(each)}`, kept, () => make_(each)),
+      );
+      arrange(
+        group.body,
+        cards.map(({ element }) => element),
+      );
+      group.count = count;
+      group.shown = count > 0;
+    };
+    const bench = this.#bench;
+    const sets = parameter_profiles.length > 0 ? [parameter_profiles] : [];
+    fill(this.#parameters, sets, parameter_profiles.length, (each) => new ParameterCard(bench, each));
+    fill(this.#commands, command_profiles, command_profiles.length, (each) => new CommandCard(bench, each));
+    fill(this.#queries, query_profiles, query_profiles.length, (each) => new QueryCard(bench, each));
+    fill(this.#events, event_profiles, event_profiles.length, (each) => new EventCard(bench, each));
+    for (const [key, card] of this.#cards) {
+      if (kept.has(key)) continue;
+      card.close?.();
+      this.#cards.delete(key);
+    }
+    this.#raw.replaceChildren(disclosure("Profile as JSON", () => jsonBlock(profile, "Profile")));
+    this.setHeld(this.#held);
+  }
+
+  #card(key: string, kept: Set<string>, make_: () => Card): Card {
+    const card = this.#cards.get(key) ?? make_();
+    if (!this.#cards.has(key)) card.refresh?.();
+    this.#cards.set(key, card);
+    kept.add(key);
+    return card;
+  }
+
+  async #toggleBind(): Promise<void> {
+    const { client } = this.#owner;
+    const held = this.#held;
+    this.#outcome.clear();
+    try {
+      await (held ? client.release(this.ref) : client.bind(this.ref));
+    } catch (error) {
+      this.#outcome.refused(refusal(held ? "release" : "bind", error));
+    }
+  }
+}

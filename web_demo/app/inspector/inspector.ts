@@ -1,0 +1,212 @@
+/** The inspector: every component of every engine, as its profile says it is. */
+
+import type { ComponentStatus, Profile, Client } from "../../sdk/index.ts";
+import { make } from "../dom.ts";
+import { ComponentPanel } from "./component_panel.ts";
+import type { Absence } from "./component_panel.ts";
+import { EnginePanel } from "./engine_panel.ts";
+import { FaultLog } from "./fault_log.ts";
+import { Holdings } from "./holdings.ts";
+import { componentsOf, engineTree, enginesOf, statusQuery, withAway } from "./profile_tree.ts";
+import type { ComponentNode, EngineNode } from "./profile_tree.ts";
+import { StatusWatch } from "./status_watch.ts";
+import { TreeView } from "./tree_view.ts";
+import type { Marks } from "./tree_view.ts";
+
+export class Inspector {
+  readonly #client: Client;
+  readonly #root: HTMLElement;
+  readonly #tree: TreeView;
+  readonly #place = make("div", { class: "place" });
+  readonly #holdings = new Holdings();
+  readonly #faults: FaultLog;
+  readonly #watch: StatusWatch;
+  readonly #panels = new Map<string, ComponentPanel>();
+  readonly #status = new Map<string, ComponentStatus | null>();
+  #seen: ReadonlyMap<string, string> = new Map();
+  #engines: readonly EngineNode[] | null = null;
+  #components = new Map<string, ComponentNode>();
+  /** Those that were there once: what is known of one that has left. */
+  readonly #left = new Map<string, ComponentNode>();
+  #selected = "";
+  /** What is selected was brought into view in the tree. */
+  #revealed = false;
+  #connected = false;
+  #shown = false;
+  #engineShown = "";
+  #enginePanel: EnginePanel | null = null;
+
+  constructor(client: Client, root: HTMLElement) {
+    this.#client = client;
+    this.#root = root;
+    this.#tree = new TreeView({
+      marksOf: (id) => this.#marksOf(id),
+      seen: (components) => {
+        this.#seen = components;
+        this.#watchStatus();
+      },
+    });
+    this.#watch = new StatusWatch(client, (ref, status) => this.#statusIs(ref, status));
+    this.#faults = new FaultLog(client, () => this.#faultsChanged());
+    client.on("traffic", (traffic) => {
+      if (this.#holdings.observe(traffic)) this.#holdingsChanged();
+    });
+    root.append(this.#tree.element, this.#place);
+    this.#render();
+  }
+
+  /** @param profile null while it has not been read */
+  update(profile: Profile | null, connected: boolean): void {
+    this.#connected = connected;
+    if (profile !== null) {
+      this.#engines = engineTree(profile);
+      const now = new Map(componentsOf(this.#engines).map((each) => [each.ref, each]));
+      for (const [ref, component] of this.#components) if (!now.has(ref)) this.#left.set(ref, component);
+      this.#components = now;
+    }
+    this.#holdings.lose((ref) => !connected || !this.#components.has(ref));
+    for (const ref of this.#status.keys())
+      if (!connected || !this.#components.has(ref)) this.#status.delete(ref);
+    this.#holdingsChanged();
+    this.#render();
+  }
+
+  /** Goes to an engine or component; the empty id is the beginning. */
+  select(id: string): void {
+    if (id === this.#selected) return;
+    this.#selected = id;
+    this.#revealed = false;
+    this.#render();
+    this.#panels.get(id)?.refresh();
+    if (this.#shown) scrollTo({ top: 0 });
+    // On a narrow screen the tree has given way to what was chosen in it.
+    if (!this.#tree.element.checkVisibility()) this.#place.querySelector("h2")?.focus();
+  }
+
+  /** Components are asked for their status only while somebody looks. */
+  set shown(shown: boolean) {
+    this.#shown = shown;
+    this.#watchStatus();
+    if (shown) this.#panels.get(this.#selected)?.refresh();
+  }
+
+  search(): void {
+    this.#tree.search.focus();
+    this.#tree.search.select();
+  }
+
+  #marksOf(id: string): Marks {
+    const panel = this.#panels.get(id);
+    return {
+      status: this.#status.get(id) ?? null,
+      held: this.#holdings.has(id),
+      listening: panel?.listening ?? false,
+      faults: this.#faults.about(id).length,
+      away: this.#absence(id) === "away",
+    };
+  }
+
+  #absence(id: string): Absence {
+    if (!this.#connected) return "offline";
+    const there = id.includes("/") ? this.#components.has(id) : this.#engine(id) !== undefined;
+    return there ? null : "away";
+  }
+
+  #engine(id: string): EngineNode | undefined {
+    return enginesOf(this.#engines ?? []).find((engine) => engine.id === id);
+  }
+
+  #render(): void {
+    this.#root.classList.toggle("chosen", this.#selected !== "");
+    if (this.#engines === null) {
+      const words = this.#connected ? "Reading the profile of the engine" : "Waiting for the gateway";
+      return this.#place.replaceChildren(make("p", { class: "empty-state", role: "status" }, words));
+    }
+    const away = this.#left.get(this.#selected) ?? null;
+    this.#tree.show(withAway(this.#engines, this.#selected, away), this.#selected);
+    this.#revealed ||= this.#tree.reveal();
+    this.#showPlace();
+    this.#watchStatus();
+  }
+
+  #showPlace(): void {
+    const id = this.#selected === "" ? (this.#engines?.[0]?.id ?? "") : this.#selected;
+    const component = this.#components.get(id) ?? this.#left.get(id);
+    if (component) return this.#showComponent(component);
+    if (id.includes("/")) return this.#showUnknown(id);
+    this.#showEngine(id);
+  }
+
+  #showComponent({ ref, profile }: ComponentNode): void {
+    const panel = this.#panels.get(ref) ?? this.#newPanel(ref);
+    panel.update(profile, this.#absence(ref));
+    panel.setStatus(this.#status.get(ref) ?? null);
+    panel.setHeld(this.#holdings.has(ref));
+    panel.setFaults(this.#faults.about(ref));
+    this.#put(panel.element);
+  }
+
+  #newPanel(ref: string): ComponentPanel {
+    const panel = new ComponentPanel(
+      { client: this.#client, worked: () => this.#watch.poke(ref), heard: () => this.#tree.mark(ref) },
+      ref,
+    );
+    this.#panels.set(ref, panel);
+    return panel;
+  }
+
+  #showEngine(id: string): void {
+    const absence = this.#absence(id);
+    const engine = this.#engine(id) ?? { id, profile: null, components: [], engines: [] };
+    const shown = JSON.stringify([engine, absence]);
+    if (shown !== this.#engineShown || this.#enginePanel === null) {
+      const left = absence === "away" ? "This engine has left. As soon as it is back, it is shown here." : "";
+      this.#enginePanel = new EnginePanel(
+        engine,
+        absence === "offline" ? "There is no connection to the gateway." : left,
+      );
+      this.#engineShown = shown;
+    }
+    this.#enginePanel.setFaults(this.#faults.about(id));
+    this.#put(this.#enginePanel.element);
+  }
+
+  #showUnknown(id: string): void {
+    const words = `There is no component ${id} here. If its engine connects, it is shown.`;
+    this.#put(make("p", { class: "empty-state", role: "status" }, words));
+  }
+
+  #put(element: HTMLElement): void {
+    if (this.#place.firstElementChild !== element) this.#place.replaceChildren(element);
+  }
+
+  #watchStatus(): void {
+    const wanted = new Map(this.#shown && this.#connected ? this.#seen : []);
+    const selected = this.#components.get(this.#selected);
+    const query = selected ? statusQuery(selected.profile) : null;
+    if (this.#shown && this.#connected && query !== null) wanted.set(this.#selected, query);
+    for (const ref of wanted.keys()) if (!this.#components.has(ref)) wanted.delete(ref);
+    this.#watch.watch(wanted);
+  }
+
+  #statusIs(ref: string, status: ComponentStatus | null): void {
+    if (!this.#connected || !this.#components.has(ref)) return;
+    this.#status.set(ref, status);
+    this.#tree.mark(ref);
+    if (ref === this.#selected) this.#panels.get(ref)?.setStatus(status);
+  }
+
+  #holdingsChanged(): void {
+    for (const [ref, panel] of this.#panels) {
+      panel.setHeld(this.#holdings.has(ref));
+      this.#tree.mark(ref);
+    }
+  }
+
+  #faultsChanged(): void {
+    if (this.#engines === null) return;
+    for (const { id } of enginesOf(this.#engines)) this.#tree.mark(id);
+    for (const ref of this.#components.keys()) if (this.#faults.about(ref).length > 0) this.#tree.mark(ref);
+    this.#showPlace();
+  }
+}

@@ -1,0 +1,48 @@
+/** What became of a call: at work, done with results, or refused with a sentence. */
+
+import type { Result } from "../../sdk/index.ts";
+import { make } from "../dom.ts";
+import { resultsTable } from "./results_view.ts";
+import type { Refusal } from "./sentences.ts";
+
+export type OutcomeState = "running" | "done" | "ended" | "refused";
+
+/** A box that says one outcome at a time, to the ear as well. */
+export class OutcomeView {
+  readonly element = make("div", { class: "outcome", role: "status", hidden: "" });
+
+  clear(): void {
+    this.element.hidden = true;
+    this.element.replaceChildren();
+  }
+
+  running(words: string): void {
+    this.#show("running", make("p", {}, words));
+  }
+
+  /** @param results null where there is nothing that could have any */
+  done(words: string, results: readonly Result[] | null = null): void {
+    const line = make("p", { class: "outcome-line" }, make("span", { class: "code" }, "OK"), words);
+    this.#show("done", line, ...(results ? [resultsTable(results)] : []));
+  }
+
+  /** A command that was accepted and did not end well. */
+  ended(code: string, words: string): void {
+    this.#show("ended", codeLine(code, words));
+  }
+
+  refused({ code, sentence }: Refusal, ...remedies: Node[]): void {
+    this.#show("refused", codeLine(code, sentence, ...remedies));
+  }
+
+  #show(state: OutcomeState, ...children: Node[]): void {
+    this.element.dataset["state"] = state;
+    this.element.hidden = false;
+    this.element.replaceChildren(...children);
+  }
+}
+
+function codeLine(code: string, words: string, ...remedies: Node[]): HTMLElement {
+  const attributes = { class: "outcome-line" };
+  return make("p", attributes, make("span", { class: "code" }, code), make("span", {}, words), ...remedies);
+}
