@@ -39,7 +39,8 @@ def _read(path: Path) -> str:
 
 def _present(root: Path) -> list[str]:
     """Return the generated files that are there, wanted or not."""
-    return [str(path.relative_to(root)) for pattern in GENERATED for path in sorted(root.glob(pattern))]
+    found = (path for pattern in GENERATED for path in sorted(root.glob(pattern)) if path.is_file())
+    return [str(path.relative_to(root)) for path in found]
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ from typing import Final
 
 from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.schema import VERSION
-from openrois_codegen import corpus, csharp, json_schema, openrpc, python_proxies, typescript
+from openrois_codegen import corpus, csharp, json_schema, openrpc, python_proxies, typescript, values
 from openrois_codegen.by_hand import by_hand
 from openrois_codegen.wire import document
 
@@ -12,7 +12,7 @@ __all__ = ["GENERATED", "targets"]
 
 GENERATED: Final = (
     f"openrois/schema/{VERSION}/*",
-    f"tests/corpus/{VERSION}/*",
+    f"tests/corpus/{VERSION}/**/*",
     "sdk/csharp/OpenRoIS/Generated/*",
     "web_demo/sdk/rois/generated/*",
 )
@@ -26,6 +26,7 @@ def targets() -> dict[str, str]:
     messages = corpus.emit(found, by_hand())
     return {
         **{f"tests/corpus/{found.version}/{name}": text for name, text in messages.items()},
+        f"tests/corpus/{found.version}/values/values.json": values.emit(),
         f"{folder}/rois.schema.json": json_schema.emit(found),
         f"{folder}/openrpc.json": openrpc.emit(found),
         "openrois/client/components.py": python_proxies.emit(BASIC_COMPONENTS),

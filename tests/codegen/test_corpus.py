@@ -11,10 +11,16 @@ from pydantic import TypeAdapter, ValidationError
 
 from openrois.schema import VERSION
 from openrois.types.messages import ReturnResult
+from openrois.types.values import decode_value
 from tests.support.corpus import FOLDER, Case, corpus
 
 TYPES = sorted(corpus())
 SCHEMA: dict[str, Any] = json.loads(emit(document()))
+VALUES: dict[str, Any] = json.loads((FOLDER / "values" / "values.json").read_text(encoding="utf-8"))
+
+
+def value_id(case: dict[str, Any]) -> str:
+    return f"{case['type']} {case['text'][:20]}"
 
 
 def accepts(source: Any, message: Any) -> bool:
@@ -71,4 +77,16 @@ def test_what_is_valid_is_written_as_it_was_meant(name: str) -> None:
 
 def test_its_folder_is_named_after_the_schema() -> None:
     assert FOLDER.name == VERSION
-    assert {path.suffix for path in FOLDER.iterdir()} == {".json"}
+    assert {path.suffix for path in FOLDER.rglob("*") if path.is_file()} == {".json"}
+
+
+@pytest.mark.parametrize("case", VALUES["valid"], ids=value_id)
+def test_a_value_is_read(case: dict[str, Any]) -> None:
+    read = decode_value(case["type"], case["text"])
+    assert (read, type(read)) == (case["value"], type(case["value"]))
+
+
+@pytest.mark.parametrize("case", VALUES["invalid"], ids=value_id)
+def test_what_is_no_such_value_is_refused(case: dict[str, Any]) -> None:
+    with pytest.raises(ValueError, match=r"JSON array|is not of type"):
+        decode_value(case["type"], case["text"])

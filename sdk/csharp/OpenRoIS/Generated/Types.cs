@@ -373,6 +373,9 @@ namespace OpenRoIS
         [JsonProperty("extensions")]
         public List<string> Extensions { get; set; } = new List<string>();
 
+        [JsonProperty("engines")]
+        public List<string> Engines { get; set; } = new List<string>();
+
         [JsonProperty("client_id")]
         public string ClientId { get; set; } = "";
     }

@@ -186,6 +186,7 @@ export interface HelloResult {
   readonly return_code: ReturnCode;
   readonly version?: string;
   readonly extensions?: readonly string[];
+  readonly engines?: readonly string[];
   readonly client_id?: string;
 }
 
