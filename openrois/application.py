@@ -20,6 +20,7 @@ from openrois.event_log import EventLog
 from openrois.lost_streams import lost_streams
 from openrois.ordering import ReplyFirst
 from openrois.reservations import Reservations
+from openrois.stream_parameters import StreamParameters
 from openrois.tasks import TaskScope
 from openrois.types.codes import CompletedStatus, ErrorType, StreamStatus
 from openrois.types.messages import Completed, ErrorNotification
@@ -87,6 +88,7 @@ class ApplicationSession:
         self.client_id = secrets.token_hex(16)
         self.client = self._new_client()
         self.streams: dict[str, str] = {}
+        self.stream_parameters = StreamParameters()
         self.connecting = 0
         self.order = ReplyFirst()
         self.extended = False
@@ -140,6 +142,7 @@ class ApplicationSession:
             self._deliver(notice.method, notice.model_dump(mode="json"))
         self.events.keep_only(self.engine.directory.component_profiles.keys())
         self.bound &= self.engine.directory.component_profiles.keys()
+        self.stream_parameters.keep_only(self.engine.directory.component_profiles.keys())
         self._notify("rois.system.profile_changed", {})
 
     def _take_extension_notification(self, method: str, params: Mapping[str, Any]) -> None:
@@ -162,6 +165,7 @@ class ApplicationSession:
         self.bound.clear()
         self.host.reservations.release_all(self)
         self.streams.clear()
+        self.stream_parameters.keep_only(())
         self.order.clear()
         self._left()
         former, self.client = self.client, self._new_client()

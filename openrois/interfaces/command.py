@@ -19,7 +19,6 @@ from openrois.types.messages import (
     ComponentParams,
     ConditionParams,
     ExecuteParams,
-    Parameter,
     ParametersResult,
     ReferenceResult,
     Result,
@@ -98,10 +97,7 @@ class _Commands:
 
     async def get_parameter(self, params: ComponentParams) -> ParametersResult:
         self._profile(params.component_ref)
-        stored = await self._app.engine.query(params.component_ref, "get_parameter")
-        return ParametersResult(
-            parameters=tuple(Parameter(name=p.name, data_type_ref=p.data_type_ref, value=p.value) for p in stored)
-        )
+        return ParametersResult(parameters=await stream.get_parameters(self._app, params.component_ref))
 
     async def set_parameter(self, params: SetParameterParams) -> Reply:
         unit = CommandUnit(
@@ -186,7 +182,7 @@ class _Commands:
         if self._app.is_barred_from(unit.component_ref):
             # It was accepted while the component was this application's, and its turn came later.
             raise OutOfResources(f"{unit.component_ref} is bound by another application by now")
-        if unit.command_type in STREAM_METHODS and stream.has_streams(self._app, unit.component_ref):
+        if stream.is_verb(unit.command_type) and stream.has_streams(self._app, unit.component_ref):
             return await stream.run_verb(self._app, unit)
         return await self._app.engine.invoke(unit.component_ref, unit.command_type, unit.arguments)
 

@@ -13,8 +13,9 @@ from openrois.application import ApplicationSession
 from openrois.errors import Aborted, BadParameter, ComponentFailed, OutOfResources, Unsupported, error_for
 from openrois.interfaces.operation import operation, reply_first
 from openrois.jsonrpc.session import Handler
+from openrois.stream_parameters import STREAM_PARAMETERS
 from openrois.types.codes import ReturnCode, StreamStatus
-from openrois.types.messages import CommandUnit, Parameter, Result, ReturnResult
+from openrois.types.messages import Argument, CommandUnit, Parameter, Result, ReturnResult
 from openrois.types.references import engine_of
 from openrois.types.streams import (
     EXTENSIONS,
@@ -27,9 +28,11 @@ from openrois.types.streams import (
     StreamStatusResult,
 )
 
-__all__ = ["has_streams", "methods", "query_status", "run_verb"]
+__all__ = ["get_parameters", "has_streams", "is_verb", "methods", "query_status", "run_verb"]
 
 MAX_STREAMS: Final = 16
+
+_SET_PARAMETER: Final = "set_parameter"
 
 Outcome = TypeVar("Outcome", bound=ReturnResult)
 
@@ -37,6 +40,11 @@ Outcome = TypeVar("Outcome", bound=ReturnResult)
 def has_streams(app: ApplicationSession, component_ref: str) -> bool:
     """Tell whether the component's engine has the streaming methods and tells applications about their own streams."""
     return engine_of(component_ref) in app.engine.extension.engines()
+
+
+def is_verb(command_type: str) -> bool:
+    """Tell whether a command of a streaming component is about the streams of the application that sends it."""
+    return command_type in STREAM_METHODS or command_type == _SET_PARAMETER
 
 
 def methods(app: ApplicationSession) -> dict[str, Handler]:
@@ -152,13 +160,11 @@ async def run_verb(app: ApplicationSession, unit: CommandUnit) -> tuple[Result, 
         BadParameter: the stream_id is missing.
         RoISError: as the verb's own function.
     """
+    if unit.command_type == _SET_PARAMETER:
+        return await _set_parameters(app, unit)
     if unit.command_type == "connect_stream":
-        stored = await app.engine.query(unit.component_ref, "get_parameter")
-        chosen = tuple(
-            Parameter(name=p.name, data_type_ref=p.data_type_ref, value=p.value)
-            for p in stored
-            if p.name in ("encoding_parameters", "transport_parameters")
-        )
+        seen = await get_parameters(app, unit.component_ref)
+        chosen = tuple(parameter for parameter in seen if parameter.name in STREAM_PARAMETERS)
         stream_id = await connect_stream(app, unit.component_ref, chosen)
         return (Result(name="stream_id", data_type_ref="string", value=stream_id),)
     stream_id = next((argument.value for argument in unit.arguments if argument.name == "stream_id"), "")
@@ -166,6 +172,30 @@ async def run_verb(app: ApplicationSession, unit: CommandUnit) -> tuple[Result, 
         raise BadParameter(f"{unit.command_type} needs the argument stream_id")
     _require_own(app, stream_id, unit.component_ref)
     await act_on_stream(app, unit.command_type, stream_id)
+    return ()
+
+
+async def get_parameters(app: ApplicationSession, component_ref: str) -> tuple[Parameter, ...]:
+    """Return the parameters of a component as this application sees them.
+
+    Raises:
+        RoISError: the component did not answer.
+    """
+    stored = await app.engine.query(component_ref, "get_parameter")
+    return app.stream_parameters.over(component_ref, stored)
+
+
+async def _set_parameters(app: ApplicationSession, unit: CommandUnit) -> tuple[Result, ...]:
+    """Change the parameters of a component; those that are about streams to come are this application's alone."""
+    profile = app.engine.directory.component_profiles.get(unit.component_ref)
+    own: tuple[Argument, ...] = ()
+    if profile is not None and profile.command("connect_stream") is not None:
+        own = tuple(argument for argument in unit.arguments if argument.name in STREAM_PARAMETERS)
+    others = tuple(argument for argument in unit.arguments if argument not in own)
+    if others or not own:
+        await app.engine.invoke(unit.component_ref, _SET_PARAMETER, others)
+    if own and profile is not None:
+        app.stream_parameters.keep(unit.component_ref, profile, own)
     return ()
 
 

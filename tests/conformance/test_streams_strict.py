@@ -7,7 +7,7 @@ import pytest
 from openrois.gateway.server import Gateway
 from openrois.types.codes import StreamStatus
 from tests.support import deployment
-from tests.support.deployment import Application, Robot
+from tests.support.deployment import Adapter, Application, Robot
 from tests.support.streams import Camera, SharedCamera
 from tests.support.viewer import CAMERA, execute, stream_of
 
@@ -101,3 +101,82 @@ class TestStrictForm:
         assert camera.asked == ["connect_stream", "the stream"]
         assert await app.code("rois.query.query", query_type="get_stream_status") == "OK"
         assert await app.code("rois.stream.connect_stream", component_ref=CAMERA) == "UNSUPPORTED"
+
+
+class TestParameters:
+    """What applications set for their streams is their own."""
+
+    def value(self, name: str, value: str) -> dict[str, str]:
+        return {"name": name, "data_type_ref": "any", "value": value}
+
+    async def set_parameters(self, app: Application, **values: str) -> dict[str, str]:
+        """Set parameters and return how that ended, by command_id."""
+        parameters = [self.value(name, value) for name, value in values.items()]
+        answer = await app.ask("rois.command.set_parameter", component_ref=CAMERA, parameters=parameters)
+        return await app.completed(answer["command_id"])
+
+    async def parameters(self, app: Application) -> dict[str, str]:
+        answer = await app.ask("rois.command.get_parameter", component_ref=CAMERA)
+        assert {p["data_type_ref"] for p in answer["parameters"]} <= {"String"}
+        return {p["name"]: p["value"] for p in answer["parameters"]}
+
+    async def test_applications_do_not_overwrite_each_others(
+        self, app: Application, other: Application, robot: Robot
+    ) -> None:
+        await self.set_parameters(app, encoding_parameters='{"codecs":["video/VP8"]}')
+        await self.set_parameters(other, encoding_parameters='{"codecs":["video/H264"]}', transport_parameters="{}")
+        assert await self.parameters(app) == {"encoding_parameters": '{"codecs":["video/VP8"]}'}
+        assert await self.parameters(other) == {
+            "encoding_parameters": '{"codecs":["video/H264"]}',
+            "transport_parameters": "{}",
+        }
+        for session in (app, other):
+            assert await execute(session, "c", "connect_stream") == "OK"
+        used = [
+            {p["name"]: p["value"] for p in params["parameters"]}
+            for method, params, _ in robot.streams.calls
+            if method == "rois.stream.connect_stream"
+        ]
+        assert used == [await self.parameters(app), await self.parameters(other)]
+
+    async def test_also_by_execute(self, app: Application, other: Application) -> None:
+        unit = {"component_ref": CAMERA, "command_type": "set_parameter", "command_id": "c"}
+        arguments = [self.value("encoding_parameters", "{}")]
+        await app.ask("rois.command.execute", command_unit_list=[{**unit, "arguments": arguments}])
+        assert await app.completed("c") == {"c": "OK"}
+        assert await self.parameters(app) == {"encoding_parameters": "{}"}
+        assert await self.parameters(other) == {}
+
+    async def test_until_disconnect_or_the_adapter_is_lost(self, app: Application, adapter: Adapter) -> None:
+        await self.set_parameters(app, encoding_parameters="{}")
+        assert await self.parameters(app) == {"encoding_parameters": "{}"}
+        await app.code("rois.system.disconnect")
+        assert await self.parameters(app) == {}
+        await self.set_parameters(app, encoding_parameters="{}")
+        await adapter.stop()
+        await adapter.start()
+        assert await self.parameters(app) == {}
+
+    async def test_an_empty_one_is_none(self, app: Application, robot: Robot) -> None:
+        await self.set_parameters(app, encoding_parameters="{}")
+        await self.set_parameters(app, encoding_parameters="")
+        assert await self.parameters(app) == {}
+        assert await execute(app, "c", "connect_stream") == "OK"
+        assert robot.streams.calls[0][1]["parameters"] == []
+
+    async def test_other_parameters_are_the_components(self, app: Application, robot: Robot) -> None:
+        """A refusal of theirs changes nothing."""
+        (status,) = (await self.set_parameters(app, encoding_parameters="{}", available_encodings="x")).values()
+        assert status == "ERROR"
+        assert await self.parameters(app) == {}
+        answer = await app.ask("rois.command.set_parameter", component_ref=CAMERA, parameters=[])
+        assert await app.completed(answer["command_id"]) == {answer["command_id"]: "OK"}
+
+    async def test_of_an_engine_without_extension_they_are_shared(
+        self, gateway: Gateway, stack: AsyncExitStack
+    ) -> None:
+        await stack.enter_async_context(deployment.adapter(gateway, SharedCamera()))
+        one = await stack.enter_async_context(deployment.application(gateway))
+        other = await stack.enter_async_context(deployment.application(gateway))
+        await self.set_parameters(one, encoding_parameters="{}")
+        assert await self.parameters(other) == {"encoding_parameters": "{}"}
