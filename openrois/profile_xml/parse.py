@@ -123,8 +123,7 @@ class _Builder:
         except (ValueError, LookupError) as error:
             # The document declares an encoding that is unknown, or not read here.
             raise self._wrong(str(error)) from None
-        if self._root is None:
-            raise self._wrong("the document is empty")
+        assert self._root is not None, "expat refuses a document without an element"
         return self._root
 
     def _wrong(self, sentence: str) -> MalformedProfile:

@@ -1,7 +1,8 @@
 """Profile documents read: the structure of the standard's schema, checked element by element.
 
 What the standard's own files do beside the schema is taken: white space around a namespace, and arguments of queries
-and events, which have no place in the JSON form and are left out with a remark.
+and events, which have no place in the JSON form and are left out with a remark. So is an engine without components: the
+schema wants one at least, which a gateway cannot give.
 """
 
 import re
@@ -102,7 +103,7 @@ _OBJECT: Final = (
     _gml("name"),
     _gml("remarks", 0, 1),
 )
-_ENGINE: Final = (*_OBJECT, _rois("SubProfile"), _rois("HRIComponent", 1), _rois("ParameterProfile"))
+_ENGINE: Final = (*_OBJECT, _rois("SubProfile"), _rois("HRIComponent"), _rois("ParameterProfile"))
 _COMPONENT: Final = (*_OBJECT, _rois("SubComponentProfile"), _rois("MessageProfile"), _rois("ParameterProfile"))
 _MESSAGE: Final = (_rois("Results"), _rois("Arguments"))
 _PARAMETER: Final = (_rois("data_type_ref", 1, 1),)
@@ -125,6 +126,8 @@ class _Engines:
         identifier, _, extra = _identity(children, self._remarks)
         if "function" in extra:
             raise element.wrong("is an engine, which has no function")
+        if not children["HRIComponent"]:
+            self._remarks.append(f"line {element.line}: {element.name} has no rois:HRIComponent: the schema wants one")
         return HRIEngineProfile(
             identifier=identifier,
             sub_profiles=tuple(self.read(child) for child in children["SubProfile"]),
