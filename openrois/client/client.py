@@ -146,28 +146,35 @@ class Client(Operations):
         proxy: ComponentProxy = kind(self, component_ref)
         return proxy
 
-    async def find(self, kind: type[Proxy], condition: str = "") -> Proxy:
+    @overload
+    async def find(self, kind: type[Proxy], condition: str = "") -> Proxy: ...
+    @overload
+    async def find(self, kind: ComponentType, condition: str = "") -> ComponentProxy: ...
+    async def find(self, kind: Any, condition: str = "") -> ComponentProxy:
         """Return the one component of a type, or the one of them that meets a condition.
 
         Raises:
             Unsupported: there is none.
             BadParameter: there are several.
         """
-        found = await self.find_all(kind, condition)
+        found: list[ComponentProxy] = await self.find_all(kind, condition)
+        code = _type_of(kind).code
         if not found:
-            raise Unsupported(f"there is no {kind.__name__}{condition and f' where {condition}'}")
+            raise Unsupported(f"there is no {code}{condition and f' where {condition}'}")
         if len(found) > 1:
             refs = ", ".join(proxy.component_ref for proxy in found)
-            raise BadParameter(f"there are {len(found)} components {kind.__name__}, say which: {refs}")
+            raise BadParameter(f"there are {len(found)} components {code}, say which: {refs}")
         return found[0]
 
-    async def find_all(self, kind: type[Proxy], condition: str = "") -> list[Proxy]:
+    @overload
+    async def find_all(self, kind: type[Proxy], condition: str = "") -> list[Proxy]: ...
+    @overload
+    async def find_all(self, kind: ComponentType, condition: str = "") -> list[ComponentProxy]: ...
+    async def find_all(self, kind: Any, condition: str = "") -> list[Any]:
         """Return the components of a type that meet a condition, in the order of the profile."""
-        if kind.component_type is None:
-            raise TypeError(f"{kind.__name__} has no component_type to look for")
-        of_type = where(component_type=kind.component_type.urn)
+        of_type = where(component_type=_type_of(kind).urn)
         refs = await self.search(f"{of_type} AND {condition}" if condition else of_type)
-        return [kind(self, component_ref) for component_ref in refs]
+        return [self.component(kind, component_ref) for component_ref in refs]
 
     @asynccontextmanager
     async def bound(self, component_ref: str) -> AsyncIterator[None]:
@@ -185,6 +192,13 @@ class Client(Operations):
                 # A component that is gone meanwhile need not be given back.
                 with suppress(RoISError, TimeoutError):
                     await self.release(component_ref)
+
+
+def _type_of(kind: type[ComponentProxy] | ComponentType) -> ComponentType:
+    found = kind if isinstance(kind, ComponentType) else kind.component_type
+    if found is None:
+        raise TypeError(f"{kind} has no component_type to look for")
+    return found
 
 
 class _Params(Model):

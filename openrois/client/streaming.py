@@ -2,20 +2,18 @@
 
 import json
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import Any
 
 from openrois.catalog.streaming import ConnectStreamResults, NotifyStreamStatus, StreamStatusResults
 from openrois.client.component import ComponentProxy
 from openrois.client.conditions import where
 from openrois.client.feed import BUFFER
 from openrois.client.subscription import Subscription
-from openrois.errors import BadParameter
+from openrois.errors import BadParameter, Unsupported
 from openrois.types.codes import StreamStatus
-from openrois.types.streams import STREAM_METHODS, ConnectStreamResult, StreamStatusResult
+from openrois.types.streams import ConnectStreamResult, StreamStatusResult
 
 __all__ = ["Streaming"]
-
-_EXTENSION: Final = "rois.stream"
 
 
 class Streaming(ComponentProxy):
@@ -26,6 +24,9 @@ class Streaming(ComponentProxy):
     ) -> str:
         """Connect a stream and return its id, which stands for it until it ends.
 
+        In strict RoIS `encoding` and `transport` are the component's and are set before, for every application; over
+        the extension they are this stream's alone.
+
         Args:
             encoding: what the application can decode, such as `{"codecs": ["video/H264"]}`.
             transport: such as `{"direction": "recvonly"}`.
@@ -34,18 +35,15 @@ class Streaming(ComponentProxy):
             Unsupported: there is nothing that both sides can do.
             RoISError: the component refused.
         """
-        chosen = {
-            name: json.dumps(value)
-            for name, value in (("encoding_parameters", encoding), ("transport_parameters", transport))
-            if value is not None
-        }
-        if _EXTENSION in self.client.extensions:
-            parameters = [{"name": name, "data_type_ref": "string", "value": text} for name, text in chosen.items()]
-            result = await self.client.call(
-                STREAM_METHODS["connect_stream"], component_ref=self.component_ref, parameters=parameters
-            )
+        given = {"encoding_parameters": encoding, "transport_parameters": transport}
+        chosen = {name: json.dumps(value) for name, value in given.items() if value is not None}
+        parameters = [{"name": name, "data_type_ref": "string", "value": text} for name, text in chosen.items()]
+        result = await self._extended("connect_stream", component_ref=self.component_ref, parameters=parameters)
+        if result is not None:
             return ConnectStreamResult.model_validate(result).stream_id
         if chosen:
+            if self._extension:
+                raise Unsupported(f"{self.component_ref} has no stream with these parameters")
             await self.set_parameter(**chosen)
         return (await self.command("connect_stream", ConnectStreamResults)).stream_id
 
@@ -62,15 +60,13 @@ class Streaming(ComponentProxy):
         await self._act_on("resume_stream", stream_id)
 
     async def _act_on(self, verb: str, stream_id: str) -> None:
-        if _EXTENSION in self.client.extensions:
-            await self.client.call(STREAM_METHODS[verb], stream_id=stream_id)
-        else:
+        if await self._extended(verb, stream_id=stream_id) is None:
             await self.command(verb, None, stream_id=stream_id)
 
     async def get_stream_status(self, stream_id: str) -> StreamStatus:
         """Return what a stream does."""
-        if _EXTENSION in self.client.extensions:
-            result = await self.client.call("rois.stream.query_stream_status", stream_id=stream_id)
+        result = await self._extended("query_stream_status", stream_id=stream_id)
+        if result is not None:
             return StreamStatusResult.model_validate(result).status
         condition = where(component_ref=self.component_ref, stream_id=stream_id)
         try:
@@ -81,5 +77,21 @@ class Streaming(ComponentProxy):
         return StreamStatusResults.from_results(results).status
 
     def notify_stream_status(self, *, buffer: int = BUFFER) -> Subscription[NotifyStreamStatus]:
-        """Iterate over what the streams do from now on; the gateway tells of this application's own."""
+        """Return what the streams do from now on; a gateway with the extension tells of this application's own."""
         return self.event("notify_stream_status", NotifyStreamStatus, buffer=buffer)
+
+    @property
+    def _extension(self) -> bool:
+        return "rois.stream" in self.client.extensions
+
+    async def _extended(self, verb: str, **params: Any) -> dict[str, Any] | None:
+        """Call a verb as a method, or return None where it has to be said in strict RoIS.
+
+        That is where the gateway lacks the extension, and where the engine behind it does: it answers UNSUPPORTED then.
+        """
+        if not self._extension:
+            return None
+        try:
+            return await self.client.call(f"rois.stream.{verb}", **params)
+        except Unsupported:
+            return None

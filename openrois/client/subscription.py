@@ -10,6 +10,7 @@ from datetime import datetime
 from types import TracebackType
 from typing import Generic, Self, TypeVar
 
+from openrois.client.errors import ConnectionLost
 from openrois.client.feed import BUFFER, Feed
 from openrois.client.subscriptions import Entry, Subscriptions
 from openrois.errors import RoISError
@@ -74,7 +75,7 @@ class Subscription(Generic[T]):
 
     @property
     def unreadable(self) -> int:
-        """How many events were passed over because they do not fit their type."""
+        """How many events were passed over: they do not fit their type, or their details could not be had any more."""
         return self._unreadable.count
 
     @property
@@ -127,7 +128,7 @@ class Subscription(Generic[T]):
             notification = await anext(self._entry.feed)
             try:
                 data = await self._read(notification)
-            except (ValueError, RoISError) as error:
+            except (ValueError, RoISError, ConnectionLost, TimeoutError) as error:
                 self._unreadable.note(str(error))
                 continue
             return Event(notification.event_id, notification.event_type, _date_time(notification.expire), data)

@@ -54,7 +54,8 @@ def example(payload: type[Payload], **values: Any) -> Payload:
         if code == "stream_status":
             chosen[name] = "STREAMING_RUNNING"
         else:
-            chosen[name] = _BY_NAME.get(name, _BY_CODE.get(code, "text"))
+            plain = _BY_CODE.get(code.removesuffix("[]"), "text")
+            chosen[name] = _BY_NAME.get(name, [plain] if code.endswith("[]") else plain)
     return payload.model_validate(chosen | values)
 
 

@@ -1,0 +1,157 @@
+"""Every operation of the four interfaces, on every kind of gateway."""
+
+import asyncio
+
+import pytest
+
+from openrois.client import Client, ConnectionLost, Fault, RpcError, where
+from openrois.errors import BadParameter, OutOfResources, RoISError, Unsupported
+from openrois.types.codes import CompletedStatus, ErrorType
+from openrois.types.messages import Argument, CommandUnit, ConcurrentCommands, Parameter
+from tests.support.grounds import Ground
+
+LAMP = "toys/lamp"
+
+
+def unit(command_type: str, command_id: str, **arguments: str) -> CommandUnit:
+    written = tuple(Argument(name=name, data_type_ref="string", value=value) for name, value in arguments.items())
+    return CommandUnit(component_ref=LAMP, command_type=command_type, command_id=command_id, arguments=written)
+
+
+async def test_what_the_gateway_speaks_beyond_rois_is_known(ground: Ground, client: Client) -> None:
+    assert client.extensions == (frozenset({"rois.stream", "signaling"}) if ground.extended else frozenset())
+
+
+async def test_the_profile_is_that_of_every_engine(client: Client) -> None:
+    answer = await client.get_profile()
+    assert answer.profile is not None
+    assert answer.profile.engine_ids() == ("gateway", "robot", "toys")
+    assert len(answer.component_profiles) == 19
+    assert list((await client.get_profile(where(component_ref=LAMP))).component_profiles) == [LAMP]
+
+
+async def test_search_is_by_condition(client: Client) -> None:
+    assert len(await client.search()) == 19
+    assert await client.search(where(component_ref=LAMP)) == (LAMP,)
+    assert await client.search(where(component_ref="toys/o'clock")) == ()
+    with pytest.raises(BadParameter, match="the condition cannot be read"):
+        await client.search("component_ref")
+
+
+async def test_a_component_belongs_to_who_bound_it_first(ground: Ground, client: Client) -> None:
+    async with ground.client() as other:
+        await client.bind(LAMP)
+        await client.bind(LAMP)
+        with pytest.raises(OutOfResources, match="another application has bound it"):
+            await other.bind(LAMP)
+        with pytest.raises(OutOfResources, match="bound first"):
+            await other.execute(unit("switch", "1"))
+        await client.release(LAMP)
+        await other.bind(LAMP)
+    with pytest.raises(Unsupported):
+        await client.bind("toys/nothing")
+
+
+async def test_whoever_leaves_gives_back_what_it_bound(ground: Ground, client: Client) -> None:
+    async with ground.client() as other:
+        await other.bind(LAMP)
+    await client.bind(LAMP)
+
+
+async def test_bind_any_returns_what_it_bound(ground: Ground, client: Client) -> None:
+    condition = where(component_type="urn:x-rois:def:component:OMG::Navigation")
+    assert await client.bind_any(condition) == "robot/navigation"
+    async with ground.client() as other:
+        with pytest.raises(OutOfResources):
+            await other.bind_any(condition)
+        with pytest.raises(Unsupported):
+            await other.bind_any(where(component_type="urn:x-rois:def:component:Test::Nothing"))
+
+
+async def test_parameters_are_set_and_read(client: Client) -> None:
+    await client.bind(LAMP)
+    command = await client.set_parameter(LAMP, [Parameter(name="level", data_type_ref="int", value="9")])
+    await command
+    assert command.status is CompletedStatus.OK
+    assert ("level", "9") in [(each.name, each.value) for each in await client.get_parameter(LAMP)]
+    with pytest.raises(BadParameter, match="unknown, or not of its type"):
+        await client.set_parameter(LAMP, [Parameter(name="level", data_type_ref="int", value="bright")])
+
+
+async def test_units_of_the_wire_are_executed_as_they_are(client: Client) -> None:
+    await client.bind(LAMP)
+    execution = await client.execute(
+        unit("switch", "one", times="2"),
+        ConcurrentCommands(command_list=(unit("switch", "two"), unit("switch", "three")), delay_time=5),
+    )
+    await execution
+    assert [command.command_id for command in execution.commands] == ["one", "two", "three"]
+    assert [each.value for each in await execution.commands[0]] == ["2"]
+    assert [each.value for each in await client.get_command_result("one")] == ["2"]
+    with pytest.raises(BadParameter):
+        await client.execute(unit("switch", "one"))
+    with pytest.raises(BadParameter):
+        await client.get_command_result("never")
+
+
+async def test_an_empty_sequence_is_refused_here(client: Client) -> None:
+    with pytest.raises(ValueError, match="no command in the sequence"):
+        await client.execute()
+
+
+async def test_a_query_is_answered_by_the_one_that_meets_the_condition(client: Client) -> None:
+    assert [each.value for each in await client.query("brightness")] == ["5"]
+    assert [each.value for each in await client.query("component_status", where(component_ref=LAMP))] == ["READY"]
+    with pytest.raises(BadParameter, match="several components answer this"):
+        await client.query("component_status")
+    with pytest.raises(Unsupported, match="no component that meets the condition answers this"):
+        await client.query("brightness", where(component_ref="toys/bell"))
+
+
+async def test_events_come_as_they_are_and_their_details_can_be_asked_for(ground: Ground, client: Client) -> None:
+    async with client.subscribe("rang") as events:
+        ground.bell.ring("a scale")
+        event = await anext(events)
+        assert event.event_type == "rang"
+        assert [each.value for each in await client.get_event_detail(event.event_id)] == ["a scale"]
+    with pytest.raises(BadParameter, match="too long ago"):
+        await client.get_event_detail("gateway/none")
+
+
+async def test_a_fault_is_told_and_asked_about(ground: Ground, client: Client) -> None:
+    await client.bind(LAMP)
+    faults = client.notices(Fault)
+    execution = await client.execute(unit("crash", "1"))
+    with pytest.raises(RoISError, match="crash of toys/lamp ended ERROR"):
+        await execution
+    fault = await anext(faults)
+    assert fault.error_type is ErrorType.COMPONENT_INTERNAL_ERROR
+    assert LAMP in [each.value for each in await client.get_error_detail(fault.error_id)]
+
+
+async def test_any_method_can_be_called(ground: Ground, client: Client) -> None:
+    assert await client.call("rois.system.connect") == {"return_code": "OK"}
+    with pytest.raises(Unsupported):
+        await client.call("rois.command.bind", component_ref="toys/nothing")
+    with pytest.raises(RpcError) as refusal:
+        await client.call("rois.command.bind", component="toys/lamp")
+    assert refusal.value.code == -32602
+    with pytest.raises(RpcError) as refusal:
+        await client.call("example.method")
+    assert refusal.value.code == -32601
+    if ground.extended:
+        assert (await client.call("signaling.ice_servers"))["ice_servers"] == []
+
+
+async def test_many_questions_at_once_are_answered_each(client: Client) -> None:
+    answers = await asyncio.gather(*(client.search(where(component_ref=LAMP)) for _ in range(500)))
+    assert set(answers) == {(LAMP,)}
+
+
+async def test_a_client_that_is_closed_says_so(ground: Ground) -> None:
+    async with ground.client() as client:
+        pass
+    with pytest.raises(ConnectionLost, match="the client is closed"):
+        await client.search()
+    with pytest.raises(ConnectionLost, match="the client is closed"):
+        await client.execute(unit("switch", "1"))
