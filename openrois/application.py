@@ -17,6 +17,7 @@ from openrois.contract import Client, Fault
 from openrois.engine import Engine
 from openrois.error_log import ErrorLog
 from openrois.event_log import EventLog
+from openrois.jsonrpc.protocol import Peer
 from openrois.lost_streams import lost_streams
 from openrois.ordering import ReplyFirst
 from openrois.reservations import Reservations
@@ -25,7 +26,7 @@ from openrois.tasks import TaskScope
 from openrois.types.codes import CompletedStatus, ErrorType, StreamStatus
 from openrois.types.messages import Completed, ErrorNotification
 from openrois.types.references import engine_of
-from openrois.types.streams import StreamStatusNotification, subject_of
+from openrois.types.streams import EventsDroppedNotification, StreamStatusNotification, subject_of
 
 __all__ = ["ApplicationSession", "EngineHost"]
 
@@ -113,6 +114,13 @@ class ApplicationSession:
     def completed(self, command_id: str, status: CompletedStatus) -> None:
         """Tell the application how a command ended."""
         self._notify("rois.command.completed", Completed(command_id=command_id, status=status).model_dump(mode="json"))
+
+    def gap(self, dropped: int) -> str | None:
+        """Return the message that stands where events were dropped, if the application would understand it."""
+        if not self.extended:
+            return None
+        told = EventsDroppedNotification(count=dropped)
+        return Peer.notification(told.method, told.model_dump(mode="json"))
 
     def crashed(self, what: str) -> None:
         """Report that something went wrong inside the engine, which is nobody else's fault."""

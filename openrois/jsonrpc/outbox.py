@@ -3,6 +3,7 @@
 import asyncio
 import logging
 from collections import deque
+from collections.abc import Callable
 from typing import Final
 
 from openrois.logs import Tally
@@ -23,8 +24,17 @@ class OutboxOverflow(Exception):
     """The other side does not read and its control messages no longer fit."""
 
 
+def _silence(_dropped: int) -> str | None:
+    """Say nothing about a gap."""
+    return None
+
+
 class Outbox:
-    """Messages on their way out, in the order they were put, within two budgets."""
+    """Messages on their way out, in the order they were put, within two budgets.
+
+    Attributes:
+        gap: returns the message that stands where some events were dropped, or None for nothing.
+    """
 
     def __init__(self, control_limit: int = CONTROL_LIMIT, event_limit: int = EVENT_LIMIT) -> None:
         self._control_limit = control_limit
@@ -34,6 +44,8 @@ class Outbox:
         self._ready = asyncio.Event()
         self._empty = asyncio.Event()
         self._empty.set()
+        self.gap: Callable[[int], str | None] = _silence
+        self._missing = 0
         self._dropped = Tally(_log, "events dropped because a reader is too slow", logging.WARNING)
 
     @property
@@ -68,6 +80,7 @@ class Outbox:
         oldest = next(index for index, (_, droppable) in enumerate(self._entries) if droppable)
         del self._entries[oldest]
         self._events -= 1
+        self._missing += 1
         self._dropped.note()
 
     async def get(self) -> str:
@@ -76,6 +89,10 @@ class Outbox:
             self._empty.set()
             self._ready.clear()
             await self._ready.wait()
+        if self._missing and self._entries[0][1]:
+            missing, self._missing = self._missing, 0
+            if (notice := self.gap(missing)) is not None:
+                return notice
         text, droppable = self._entries.popleft()
         self._events -= droppable
         return text

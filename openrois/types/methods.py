@@ -32,6 +32,7 @@ from openrois.types.messages import (
 from openrois.types.streams import (
     ConnectStreamParams,
     ConnectStreamResult,
+    EventsDroppedNotification,
     HelloParams,
     HelloResult,
     StreamParams,
@@ -113,6 +114,12 @@ NOTIFICATIONS: Final[tuple[NotificationType, ...]] = (
     NotificationType("rois.system.profile_changed", NoParams, "The engines or components are others now."),
     NotificationType("rois.command.completed", Completed, "A command has ended."),
     NotificationType("rois.event.notify_event", EventNotification, "An event happened."),
+    NotificationType(
+        EventsDroppedNotification.method,
+        EventsDroppedNotification,
+        "Here some events and errors were dropped: the application reads too slowly.",
+        "openrois",
+    ),
     NotificationType(
         StreamStatusNotification.method, StreamStatusNotification, "A stream does something else now.", "rois.stream"
     ),

@@ -19,6 +19,7 @@ __all__ = [
     "STREAM_METHODS",
     "ConnectStreamParams",
     "ConnectStreamResult",
+    "EventsDroppedNotification",
     "HelloParams",
     "HelloResult",
     "StreamParams",
@@ -93,6 +94,14 @@ class StreamStatusNotification(Model):
     component_ref: str
     status: Annotated[StreamStatus, Field(strict=False)]
     timestamp: str
+
+
+class EventsDroppedNotification(Model):
+    """Params of the notification `openrois.events_dropped`: how many events and errors should stand in its place."""
+
+    method: ClassVar[str] = "openrois.events_dropped"
+
+    count: Annotated[int, Field(gt=0)]
 
 
 def subject_of(params: Mapping[str, Any]) -> str:

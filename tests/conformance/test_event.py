@@ -1,11 +1,17 @@
 """The Event interface: subscriptions, notifications, details."""
 
+from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack
+from typing import Any
 
 import pytest
 
+from openrois.engine import Engine
 from openrois.gateway.server import Gateway
+from openrois.jsonrpc.outbox import EVENT_LIMIT
+from openrois.registry import LocalRegistry
 from tests.support import deployment
+from tests.support import wire as memory
 from tests.support.components import Bell
 from tests.support.deployment import Adapter, Application, Robot
 
@@ -161,3 +167,37 @@ async def test_a_late_subscription_is_ended_at_the_adapter(robot: Robot, monkeyp
                 await app.settled()
         robot.bell.ring("nobody hears it")
         assert await app.settled() == []
+
+
+class TestEventsThatAreDropped:
+    """An application reads too slowly: of the events that wait the oldest go."""
+
+    @pytest.fixture
+    async def bell(self) -> Bell:
+        return Bell()
+
+    @pytest.fixture
+    async def slow(self, bell: Bell) -> AsyncIterator[memory.Application]:
+        engine = Engine("gateway")
+        await engine.attach(LocalRegistry("robot", [bell]))
+        async with memory.hosted(engine) as host, memory.application(host) as app:
+            yield app
+
+    async def heard(self, app: memory.Application, count: int) -> list[Any]:
+        """Return the next notifications: the tune of an event, or how many are missing."""
+        async with deployment.patience():
+            told = [await app.told.get() for _ in range(count)]
+        return [params.get("count") or params["results"][0]["value"] for _, params in told]
+
+    async def test_who_said_hello_is_told_how_many(self, slow: memory.Application, bell: Bell) -> None:
+        await slow.ask("rois.event.subscribe", event_type="rang")
+        await slow.ask("openrois.hello", version="1")
+        for number in range(EVENT_LIMIT + 3):
+            bell.ring(str(number))
+        assert await self.heard(slow, 3) == [3, "3", "4"]
+
+    async def test_who_speaks_the_base_is_not(self, slow: memory.Application, bell: Bell) -> None:
+        await slow.ask("rois.event.subscribe", event_type="rang")
+        for number in range(EVENT_LIMIT + 3):
+            bell.ring(str(number))
+        assert await self.heard(slow, 2) == ["3", "4"]

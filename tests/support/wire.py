@@ -87,6 +87,7 @@ NOTIFICATIONS = (
     "rois.event.notify_event",
     "rois.system.profile_changed",
     "rois.system.notify_error",
+    "openrois.events_dropped",
     "rois.stream.notify_stream_status",
     "signaling.offer",
     "signaling.candidate",

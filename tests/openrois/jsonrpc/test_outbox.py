@@ -36,6 +36,27 @@ async def test_too_many_events_drop_the_oldest_event_and_nothing_else() -> None:
     assert await taken(outbox) == ["reply 1", "reply 2", "event 3", "event 4", "reply 3"]
 
 
+async def test_where_events_were_dropped_a_notice_may_stand() -> None:
+    outbox = Outbox(event_limit=2)
+    outbox.gap = lambda dropped: f"{dropped} missing"
+    for text in ("event 1", "reply 1", "event 2", "event 3", "event 4", "reply 2"):
+        outbox.put(text, droppable=text.startswith("event"))
+    assert [await outbox.get() for _ in range(5)] == ["reply 1", "2 missing", "event 3", "event 4", "reply 2"]
+    for number in range(5, 8):
+        outbox.put(f"event {number}", droppable=True)
+    assert [await outbox.get() for _ in range(3)] == ["1 missing", "event 6", "event 7"]
+
+
+async def test_what_went_missing_without_a_notice_is_not_told_later() -> None:
+    outbox = Outbox(event_limit=1)
+    for number in range(3):
+        outbox.put(str(number), droppable=True)
+    assert await outbox.get() == "2"
+    outbox.gap = lambda dropped: f"{dropped} missing"
+    outbox.put("3", droppable=True)
+    assert await outbox.get() == "3"
+
+
 async def test_one_control_message_too_many_overflows_and_is_not_kept() -> None:
     outbox = Outbox(control_limit=2, event_limit=5)
     outbox.put("event", droppable=True)

@@ -18,10 +18,11 @@ from openrois.types.streams import (
 
 def test_hello() -> None:
     assert HelloParams.model_validate({"version": "1"}).extensions == ()
-    assert HelloResult(client_id="c", extensions=EXTENSIONS).model_dump(mode="json") == {
+    assert HelloResult(client_id="c", extensions=EXTENSIONS, engines=("robot",)).model_dump(mode="json") == {
         "return_code": "OK",
         "version": "1",
         "extensions": list(EXTENSIONS),
+        "engines": ["robot"],
         "client_id": "c",
     }
     with pytest.raises(ValidationError):
