@@ -14,9 +14,14 @@ from pathlib import Path
 import atheris
 
 with atheris.instrument_imports(include=["openrois"]):
+    from openrois.catalog.streaming import VIDEO_STREAMING
     from openrois.condition import parse_condition
     from openrois.errors import BadParameter
     from openrois.jsonrpc.protocol import Notification, Peer, Request, Violation
+    from openrois.profile_xml.parse import MalformedProfile
+    from openrois.profile_xml.read import ComponentDocument, read_profile
+    from openrois.profile_xml.write import component_xml, engine_xml
+    from openrois.types.profiles import HRIEngineProfile, RoISIdentifier
     from openrois.types.values import check_value, decode_value, encode_value
 
 PROPERTIES = frozenset({"component_ref", "component_type"})
@@ -61,6 +66,17 @@ def values(data: bytes) -> None:
         assert decode_value(code, again) == read
 
 
+def profile_xml(data: bytes) -> None:
+    """One profile document: what is read can be written, and is then read as the same."""
+    with suppress(MalformedProfile):
+        document = read_profile(data)
+        if isinstance(document, ComponentDocument):
+            again = read_profile(component_xml(document.profile, document.component_ref))
+        else:
+            again = read_profile(engine_xml(document.profile))
+        assert again.profile == document.profile
+
+
 @dataclass(frozen=True)
 class Target:
     """What is tried, where it begins, and the words that its language has."""
@@ -99,6 +115,31 @@ TARGETS = {
             *(f"{chr(index)}{text}" for index in range(6, 10) for text in ("[1,2]", "[[1.5],[]]", '["a"]', "[true]")),
         ),
         ("true", "false", "READY", "[", "]", ",", "e", "-", ".", '\\"', "null", "1e400"),
+    ),
+    "profile_xml": Target(
+        profile_xml,
+        (
+            component_xml(VIDEO_STREAMING.profile()),
+            engine_xml(
+                HRIEngineProfile(
+                    identifier=RoISIdentifier(code="main"),
+                    sub_profiles=(HRIEngineProfile(identifier=RoISIdentifier(code="a")),),
+                    component_ids=("main/b c",),
+                )
+            ),
+        ),
+        (
+            "rois:",
+            "gml:id=",
+            "<rois:HRIComponent>",
+            "</",
+            "/>",
+            "xsi:type=",
+            "&#10;",
+            "&amp;",
+            "<!DOCTYPE",
+            "<![CDATA[",
+        ),
     ),
 }
 

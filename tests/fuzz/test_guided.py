@@ -14,11 +14,11 @@ CASES = 250_000
 @pytest.mark.skipif(importlib.util.find_spec("atheris") is None, reason="atheris has no wheel for this platform")
 @pytest.mark.long
 @pytest.mark.timeout(300)
-@pytest.mark.parametrize("target", ["protocol", "condition", "values"])
+@pytest.mark.parametrize("target", ["protocol", "condition", "values", "profile_xml"])
 def test_no_input_breaks(target: str, tmp_path: Path) -> None:
     folder = tmp_path / target
     fuzzer = subprocess.run(
-        [sys.executable, str(GUIDED), target, str(folder), f"-runs={CASES}", "-seed=1", "-max_len=512", "-timeout=5"],
+        [sys.executable, str(GUIDED), target, str(folder), f"-runs={CASES}", "-seed=1", "-max_len=8192", "-timeout=5"],
         capture_output=True,
         timeout=280,
         check=False,
