@@ -1,0 +1,68 @@
+"""The profiles of a running system, asked over its wire."""
+
+import asyncio
+from collections.abc import Mapping
+from typing import Any, Final
+
+from pydantic import ValidationError
+from websockets.exceptions import InvalidHandshake, InvalidURI
+
+from openrois.jsonrpc.session import RpcError, RpcSession, SessionClosed
+from openrois.transport.websocket import dial
+from openrois.types.codes import ReturnCode
+from openrois.types.messages import ProfileResult
+
+__all__ = ["NoProfile", "ask_profiles"]
+
+_NOTHING: Final[Mapping[str, Any]] = {}
+
+
+class NoProfile(Exception):
+    """The profiles cannot be had; the message is a sentence."""
+
+
+async def ask_profiles(url: str, component_ref: str = "") -> ProfileResult:
+    """Return what `get_profile` answers at `url`.
+
+    Args:
+        url: `ws://host:port/` of a gateway.
+        component_ref: the one component to ask for; empty for all.
+
+    Raises:
+        NoProfile: nobody answers there, or not as an HRI engine does, or it has no such component.
+    """
+    condition = "component_ref = '" + component_ref.replace("'", "''") + "'" if component_ref else ""
+    try:
+        async with dial(url) as stream:
+            session = RpcSession(stream)
+            running = asyncio.ensure_future(session.run())
+            try:
+                await session.call("rois.system.connect", _NOTHING)
+                answer = await session.call("rois.system.get_profile", {"condition": condition})
+                await session.call("rois.system.disconnect", _NOTHING)
+            finally:
+                await session.close()
+                await asyncio.wait({running})
+    except InvalidURI:
+        raise NoProfile(f"{url!r} is no address of a gateway, such as ws://127.0.0.1:8765/") from None
+    except TimeoutError:
+        raise NoProfile(f"{url} does not answer in time") from None
+    except OSError as error:
+        raise NoProfile(f"no gateway is reached at {url}: {error.strerror or error}") from None
+    except (InvalidHandshake, SessionClosed, RpcError) as error:
+        raise NoProfile(f"what answers at {url} is no gateway: {error}") from None
+    return _checked(url, component_ref, answer)
+
+
+def _checked(url: str, component_ref: str, answer: object) -> ProfileResult:
+    try:
+        result = ProfileResult.model_validate(answer)
+    except ValidationError as error:
+        first = error.errors(include_url=False, include_context=False, include_input=False)[0]
+        place = ".".join(str(part) for part in first["loc"])
+        raise NoProfile(f"{url} answers with a profile that is none: {place}: {first['msg']}") from None
+    if result.return_code is not ReturnCode.OK:
+        raise NoProfile(f"{url} answers {result.return_code} and no profile")
+    if component_ref and component_ref not in result.component_profiles:
+        raise NoProfile(f"there is no component {component_ref!r} at {url}")
+    return result
