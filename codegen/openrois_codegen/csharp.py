@@ -1,5 +1,6 @@
 """C#: the wire's types with Newtonsoft's attributes, typed method names, and names of the catalog; C# 6 for Unity."""
 
+import json
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from xml.sax.saxutils import escape
@@ -185,7 +186,8 @@ def _initial(document: Document, field: Field) -> str:
 
 
 def _quoted(default: object) -> str:
-    return f'"{default}"' if isinstance(default, str) else str(default)
+    """Return a text or a number as C# writes it, which is as JSON does."""
+    return json.dumps(default)
 
 
 def _is_value(document: Document, found: Type) -> bool:

@@ -1,6 +1,6 @@
 """What is generated from: types, methods, notifications and components as plain data, free of Pydantic."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -211,7 +211,3 @@ class Document:
     notifications: tuple[Notification, ...]
     components: tuple[Component, ...]
     payloads: Mapping[str, Structure]
-
-    def structures(self) -> Iterator[Structure]:
-        """Yield the structures among the definitions."""
-        return (found for found in self.definitions.values() if isinstance(found, Structure))

@@ -108,7 +108,8 @@ def _component(kind: ComponentType) -> str:
     sections = [f"class {kind.code}({base}, implements={constant}):\n{_docstring(kind.description, 4)}"]
     if kind.parameters is not None:
         sections.append("\n".join(_parameter(kind.parameters, name) for name in kind.parameters.model_fields))
-    sections += [_message(message) for message in (*kind.commands, *kind.queries)]
+    sections += [_message(command) for command in kind.commands]
+    sections += [_message(query) for query in kind.queries]
     sections += [_event(event) for event in kind.events]
     return "\n\n".join(sections)
 

@@ -8,8 +8,8 @@ from datetime import datetime
 from enum import Enum
 from typing import Annotated, Any, Final, Literal, get_args, get_origin
 
-from annotated_types import Ge, Le, MaxLen, MinLen
-from pydantic import BaseModel
+from annotated_types import Ge, Gt, Le, Lt, MaxLen, MinLen
+from pydantic import AfterValidator, BaseModel, BeforeValidator, Strict
 from pydantic.fields import FieldInfo
 from pydantic_core import to_jsonable_python
 
@@ -146,6 +146,18 @@ _KEYWORDS: Final = {
     "maxItems": "max_length",
 }
 
+_LIMITS: Final[Mapping[type, tuple[str, str, int]]] = {
+    Ge: ("minimum", "ge", 0),
+    Gt: ("minimum", "gt", 1),
+    Le: ("maximum", "le", 0),
+    Lt: ("maximum", "lt", -1),
+    MinLen: ("min_length", "min_length", 0),
+    MaxLen: ("max_length", "max_length", 0),
+}
+"""Which limit each kind is, where its number stands, and how far the first that fits is from it."""
+
+_NO_LIMITS: Final = (Strict, AfterValidator, BeforeValidator, Data)
+
 
 def _limits(metadata: list[Any]) -> dict[str, int]:
     return dict(pair for item in metadata for pair in _limits_of(item))
@@ -155,14 +167,11 @@ def _limits_of(item: Any) -> Iterator[tuple[str, int]]:
     if isinstance(item, FieldInfo):
         yield from _limits(item.metadata).items()
         yield from ((_KEYWORDS[keyword], limit) for keyword, limit in _extra(item).items())
-    for kind, name, attribute in (
-        (Ge, "minimum", "ge"),
-        (Le, "maximum", "le"),
-        (MinLen, "min_length", "min_length"),
-        (MaxLen, "max_length", "max_length"),
-    ):
-        if isinstance(item, kind):
-            yield name, int(getattr(item, attribute))
+    elif type(item) in _LIMITS:
+        name, attribute, beyond = _LIMITS[type(item)]
+        yield name, int(getattr(item, attribute)) + beyond
+    elif not isinstance(item, _NO_LIMITS):
+        raise TypeError(f"{item!r} is a limit that nothing is generated from yet")
 
 
 def _extra(owner: Any) -> Mapping[str, Any]:

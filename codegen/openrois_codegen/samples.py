@@ -68,23 +68,19 @@ class Samples:
         """Return what has to stand beside a field, apart from what is required."""
         return _COMPANIONS.get((structure, field), {})
 
-    def least(self, name: str) -> Any:
-        """Return a value with nothing but what is required, null where it may be."""
-        found = self._definitions[name]
-        if isinstance(found, Enumeration):
-            return found.members[0]
-        if isinstance(found, Union):
-            return self.least(found.members[0])
-        return {
-            field.name: None if field.nullable else self._first(field.type) for field in found.fields if field.required
-        }
+    def least(self, name: str) -> dict[str, Any]:
+        """Return an object with nothing but what is required, null where it may be."""
+        required = [field for field in self._structure(name).fields if field.required]
+        return {field.name: None if field.nullable else self._first(field.type) for field in required}
 
-    def full(self, name: str) -> Any:
-        """Return a value with every field; what is in them has what is required."""
+    def full(self, name: str) -> dict[str, Any]:
+        """Return an object with every field; what is in them has what is required."""
+        return {field.name: self._some(field.type) for field in self._structure(name).fields}
+
+    def _structure(self, name: str) -> Structure:
         found = self._definitions[name]
-        if not isinstance(found, Structure):
-            return self.least(name)
-        return {field.name: self._some(field.type) for field in found.fields}
+        assert isinstance(found, Structure), f"{name} is no structure"
+        return found
 
     def _first(self, kind: Type) -> Any:
         return next(self.good(kind))[1]

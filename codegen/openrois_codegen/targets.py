@@ -4,7 +4,7 @@ from typing import Final
 
 from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.schema import VERSION
-from openrois_codegen import corpus, csharp, json_schema, openrpc, python_proxies, typescript, values
+from openrois_codegen import corpus, csharp, json_schema, openrpc, python_bases, python_proxies, typescript, values
 from openrois_codegen.by_hand import by_hand
 from openrois_codegen.wire import document
 
@@ -29,6 +29,7 @@ def targets() -> dict[str, str]:
         f"tests/corpus/{found.version}/values/values.json": values.emit(),
         f"{folder}/rois.schema.json": json_schema.emit(found),
         f"{folder}/openrpc.json": openrpc.emit(found),
+        "openrois/adapter/components.py": python_bases.emit(BASIC_COMPONENTS),
         "openrois/client/components.py": python_proxies.emit(BASIC_COMPONENTS),
         "sdk/csharp/OpenRoIS/Generated/Types.cs": csharp.types(found),
         "sdk/csharp/OpenRoIS/Generated/Methods.cs": csharp.methods(found),

@@ -5,6 +5,8 @@ from typing import Any
 
 import jsonschema
 import pytest
+from openrois_codegen.corpus import cases
+from openrois_codegen.ir import Document, Field, Structure, Text
 from openrois_codegen.json_schema import emit
 from openrois_codegen.wire import document, sources
 from pydantic import TypeAdapter, ValidationError
@@ -41,8 +43,8 @@ def misjudged(name: str, judged: list[tuple[Case, bool]]) -> list[str]:
 
 def test_every_type_has_cases() -> None:
     assert set(corpus()) == set(document().definitions) == set(sources())
-    assert sum(len(cases) for cases in corpus().values()) > 3000
-    assert {case.kind for cases in corpus().values() for case in cases} == {
+    assert sum(len(found) for found in corpus().values()) > 3000
+    assert {case.kind for found in corpus().values() for case in found} == {
         "", "missing", "unknown", "null", "type", "name", "range", "rule",
     }  # fmt: skip
 
@@ -62,8 +64,8 @@ def test_the_models_judge_as_the_corpus_does(name: str) -> None:
 @pytest.mark.parametrize("name", TYPES)
 def test_the_schema_judges_as_the_corpus_does(name: str) -> None:
     validator = jsonschema.Draft202012Validator({"$ref": f"#/$defs/{name}", "$defs": SCHEMA["$defs"]})
-    cases = [case for case in corpus()[name] if case.kind != "rule"]
-    assert misjudged(name, [(case, validator.is_valid(case.message)) for case in cases]) == []
+    told = [case for case in corpus()[name] if case.kind != "rule"]
+    assert misjudged(name, [(case, validator.is_valid(case.message)) for case in told]) == []
 
 
 @pytest.mark.parametrize("name", TYPES)
@@ -90,3 +92,12 @@ def test_a_value_is_read(case: dict[str, Any]) -> None:
 def test_what_is_no_such_value_is_refused(case: dict[str, Any]) -> None:
     with pytest.raises(ValueError, match=r"JSON array|is not of type"):
         decode_value(case["type"], case["text"])
+
+
+def test_no_sample_is_longer_than_its_type_allows() -> None:
+    short = Structure("Short", "", (Field("text", Text(1, 5), required=True),))
+    made = cases(Document("", {"Short": short}, (), (), (), {}), "Short")
+    lengths = {case.name: len(case.message["text"]) for case in made if not case.kind}
+    assert max(lengths.values()) == 5
+    assert min(lengths.values()) == 1
+    assert "text: like a date" not in lengths

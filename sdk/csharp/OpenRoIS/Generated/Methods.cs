@@ -99,6 +99,9 @@ namespace OpenRoIS
         /// <summary>An event happened.</summary>
         public static readonly Notification<EventNotification> EventNotifyEvent =
             new Notification<EventNotification>("rois.event.notify_event");
+        /// <summary>Here some events and errors were dropped: the application reads too slowly.</summary>
+        public static readonly Notification<EventsDroppedNotification> EventsDropped =
+            new Notification<EventsDroppedNotification>("openrois.events_dropped");
         /// <summary>A stream does something else now.</summary>
         public static readonly Notification<StreamStatusNotification> StreamNotifyStreamStatus =
             new Notification<StreamStatusNotification>("rois.stream.notify_stream_status");

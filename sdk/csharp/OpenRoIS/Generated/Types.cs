@@ -297,6 +297,16 @@ namespace OpenRoIS
         public List<Result> Results { get; set; } = new List<Result>();
     }
 
+    /// <summary>
+    /// Params of the notification <c>openrois.events_dropped</c>: how many events and errors should stand
+    /// in its place.
+    /// </summary>
+    public sealed class EventsDroppedNotification
+    {
+        [JsonProperty("count", Required = Required.Always)]
+        public long Count { get; set; }
+    }
+
     /// <summary>Params of execute: a command unit sequence of at least one item.</summary>
     public sealed class ExecuteParams
     {

@@ -14,6 +14,7 @@ import type {
   ErrorDetailParams,
   ErrorNotification,
   EventNotification,
+  EventsDroppedNotification,
   ExecuteParams,
   HelloParams,
   HelloResult,
@@ -106,6 +107,8 @@ export interface Notifications {
   readonly "rois.command.completed": Completed;
   /** An event happened. */
   readonly "rois.event.notify_event": EventNotification;
+  /** Here some events and errors were dropped: the application reads too slowly. */
+  readonly "openrois.events_dropped": EventsDroppedNotification;
   /** A stream does something else now. */
   readonly "rois.stream.notify_stream_status": StreamStatusNotification;
   /** An engine offers a peer connection. */

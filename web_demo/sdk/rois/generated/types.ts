@@ -150,6 +150,14 @@ export interface EventNotification {
   readonly results?: readonly Result[];
 }
 
+/**
+ * Params of the notification `openrois.events_dropped`: how many events and errors should stand in its
+ * place.
+ */
+export interface EventsDroppedNotification {
+  readonly count: number;
+}
+
 /** Params of execute: a command unit sequence of at least one item. */
 export interface ExecuteParams {
   readonly command_unit_list: readonly SequenceItem[];
