@@ -51,17 +51,18 @@ class Ground:
         return Client(**{**self.options, **options})
 
 
-async def _furnish(engine: Engine) -> tuple[Robot, Lamp, Bell]:
+async def _furnish(engine: Engine) -> tuple[Robot, Lamp, Bell, LocalRegistry]:
     robot, lamp, bell = everything("robot"), Lamp(), Bell()
+    toys = LocalRegistry("toys", (lamp, bell))
     await engine.attach(robot.registry)
-    await engine.attach(LocalRegistry("toys", (lamp, bell)))
-    return robot, lamp, bell
+    await engine.attach(toys)
+    return robot, lamp, bell, toys
 
 
 @asynccontextmanager
 async def _ours() -> AsyncIterator[Ground]:
     async with run_gateway(GatewaySettings(port=0)) as gateway:
-        robot, lamp, bell = await _furnish(gateway.engine)
+        robot, lamp, bell, _ = await _furnish(gateway.engine)
         yield Ground(robot, lamp, bell, {"url": gateway.url}, True, gateway.engine)
 
 
@@ -75,7 +76,7 @@ async def _memory() -> AsyncIterator[Ground]:
 async def _plain() -> AsyncIterator[Ground]:
     async with TaskScope() as tasks:
         host = EngineHost(Engine("gateway"), tasks, sleep=no_wait)
-        robot, lamp, bell = await _furnish(host.engine)
+        robot, lamp, bell, _ = await _furnish(host.engine)
 
         async def handle(socket: ServerConnection) -> None:
             await serve_plain(host, WebSocketStream(cast(Any, socket)))
@@ -138,19 +139,23 @@ class Clock:
         try:
             await woken.wait()
         finally:
-            self._sleepers.remove(woken)
+            if woken in self._sleepers:
+                self._sleepers.remove(woken)
 
-    async def pass_time(self) -> float:
-        """Wait until somebody sleeps, let the time pass, and return how long that was."""
+    async def asleep(self) -> None:
+        """Wait until somebody sleeps."""
         async with asyncio.timeout(5):
             while not self._sleepers:
                 self._fell_asleep.clear()
                 await self._fell_asleep.wait()
+
+    async def pass_time(self) -> float:
+        """Wait until somebody sleeps, let the time pass, and return how long that was."""
+        await self.asleep()
         seconds = self.asked[-1]
         self.now += seconds
-        for woken in self._sleepers:
-            woken.set()
-        await asyncio.sleep(0)
+        while self._sleepers:
+            self._sleepers.pop().set()
         return seconds
 
     def reconnect(self, **options: Any) -> Reconnect:
@@ -173,6 +178,7 @@ class Line:
     robot: Robot
     lamp: Lamp
     bell: Bell
+    toys: LocalRegistry
     tasks: TaskScope
     dialled: int = 0
     busy: Exception | None = None
@@ -212,5 +218,4 @@ async def line() -> AsyncIterator[Line]:
         commands = await stack.enter_async_context(TaskScope())
         connections = await stack.enter_async_context(TaskScope())
         host = EngineHost(Engine("gateway"), commands, sleep=no_wait)
-        robot, lamp, bell = await _furnish(host.engine)
-        yield Line(host, robot, lamp, bell, connections)
+        yield Line(host, *(await _furnish(host.engine)), connections)
