@@ -6,6 +6,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
+from datetime import UTC
 from typing import Final
 
 from openrois.contract import Event, SubscriptionLost
@@ -16,7 +17,7 @@ from openrois.remembered import Remembered
 from openrois.types.messages import EventNotification, Result, SubscribeResult
 from openrois.types.references import new_id
 from openrois.types.streams import StreamStatusNotification
-from openrois.types.values import date_time
+from openrois.types.values import date_time, read_date_time
 
 __all__ = ["EventLog"]
 
@@ -42,6 +43,12 @@ class _Subscription:
     held: deque[Event] = field(default_factory=lambda: deque(maxlen=MAX_HELD))
 
 
+@dataclass(slots=True)
+class _Told:
+    event: Event
+    at: float
+
+
 class EventLog:
     """What one application has subscribed to and what it may ask details of."""
 
@@ -57,7 +64,7 @@ class EventLog:
         self._clock = clock
         self._wall_clock = wall_clock
         self._subscriptions: dict[str, _Subscription] = {}
-        self._details: Remembered[tuple[float, tuple[Result, ...]]] = Remembered(MAX_DETAILS)
+        self._details: Remembered[_Told] = Remembered(MAX_DETAILS)
 
     async def subscribe(self, component_ref: str, event_type: str, *, of_streams: bool) -> Reply:
         """Subscribe and return the reply, after which events flow.
@@ -122,10 +129,20 @@ class EventLog:
         Raises:
             BadParameter: it was never told, or too long ago.
         """
-        expires, results = self._details.get(event_id) or (0.0, ())
-        if self._clock() >= expires:
+        told = self._details.get(event_id)
+        if told is None or self._is_over(told):
             raise BadParameter(f"there are no details of an event {event_id[:200]!r}")
-        return results
+        return told.event.results
+
+    def _is_over(self, told: _Told) -> bool:
+        """Tell whether the details have expired: when the event says, or a while after it was told."""
+        try:
+            expire = read_date_time(told.event.expire)
+        except ValueError:
+            return self._clock() >= told.at + DETAIL_LIFETIME
+        if expire.tzinfo is None:
+            expire = expire.replace(tzinfo=UTC)
+        return self._wall_clock() >= expire.timestamp()
 
     def stream_status(self, notice: StreamStatusNotification) -> None:
         """Turn a status notification of an own stream into the event, for each subscription to it."""
@@ -155,7 +172,7 @@ class EventLog:
             subscription.held.append(item)
 
     def _tell(self, subscription: _Subscription, event: Event) -> None:
-        self._details.put(event.event_id, (self._clock() + DETAIL_LIFETIME, event.results), event.results)
+        self._details.put(event.event_id, _Told(event, self._clock()), event.results)
         notification = EventNotification(
             event_id=event.event_id,
             event_type=event.event_type,

@@ -1,16 +1,26 @@
 """What a remote engine says it is, and whether what it does is that."""
 
 import logging
+from collections.abc import Sequence
+from typing import Literal
 
 from openrois.contract import Directory
 from openrois.errors import ComponentFailed
 from openrois.logs import Tally
 from openrois.types.messages import Result
-from openrois.types.profiles import HRIComponentProfile, ParameterProfile
+from openrois.types.profiles import (
+    CommandMessageProfile,
+    EventMessageProfile,
+    HRIComponentProfile,
+    ParameterProfile,
+    QueryMessageProfile,
+)
 from openrois.types.references import engine_of
 from openrois.types.values import check_value
 
-__all__ = ["Claims", "first_misfit"]
+__all__ = ["Claims", "Kind", "first_misfit"]
+
+Kind = Literal["command", "query", "event", "parameters"]
 
 _log = logging.getLogger(__name__)
 
@@ -35,16 +45,16 @@ class Claims:
         """Return the profile of a component, or None where it has none."""
         return self.directory.component_profiles.get(component_ref) if self.directory is not None else None
 
-    def note(self, component_ref: str, message: str, results: tuple[Result, ...]) -> None:
+    def note(self, component_ref: str, kind: Kind, message: str, results: tuple[Result, ...]) -> None:
         """Count results of a message that are not what the component's profile promised."""
         profile = self.profile(component_ref)
-        if profile is not None and (misfit := first_misfit(profile, message, results)) is not None:
+        if profile is not None and (misfit := first_misfit(profile, kind, message, results)) is not None:
             self._misfits.note(f"{component_ref} {message}: {misfit}")
 
 
-def first_misfit(profile: HRIComponentProfile, message: str, results: tuple[Result, ...]) -> str | None:
+def first_misfit(profile: HRIComponentProfile, kind: Kind, message: str, results: tuple[Result, ...]) -> str | None:
     """Return what is wrong with the first of a message's results that does not fit, or None; one may be missing."""
-    types = {promised.name: promised.data_type_ref.code for promised in _promised(profile, message)}
+    types = {promised.name: promised.data_type_ref.code for promised in _promised(profile, kind, message)}
     for result in results:
         if result.name not in types:
             return f"a result {result.name[:80]!r} that the profile does not name"
@@ -55,9 +65,12 @@ def first_misfit(profile: HRIComponentProfile, message: str, results: tuple[Resu
     return None
 
 
-def _promised(profile: HRIComponentProfile, message: str) -> tuple[ParameterProfile, ...]:
-    for kind in (profile.command_profiles, profile.query_profiles, profile.event_profiles):
-        for entry in kind:
-            if entry.name == message:
-                return entry.results
-    return ()
+def _promised(profile: HRIComponentProfile, kind: Kind, message: str) -> tuple[ParameterProfile, ...]:
+    if kind == "parameters":
+        return profile.parameter_profiles
+    messages: dict[Kind, Sequence[CommandMessageProfile | QueryMessageProfile | EventMessageProfile]] = {
+        "command": profile.command_profiles,
+        "query": profile.query_profiles,
+        "event": profile.event_profiles,
+    }
+    return next((entry.results for entry in messages[kind] if entry.name == message), ())

@@ -134,10 +134,12 @@ class RemoteProxy:
         """Ask a component."""
         if query_type == "get_parameter":
             params: dict[str, Any] = {"component_ref": component_ref}
-            return (await self._asking.ask("rois.command.get_parameter", params, ParametersResult)).parameters
+            stored = (await self._asking.ask("rois.command.get_parameter", params, ParametersResult)).parameters
+            self._claims.note(component_ref, "parameters", query_type, stored)
+            return stored
         params = {"query_type": query_type, "condition": _only(component_ref)}
         results = (await self._asking.ask("rois.query.query", params, ResultsResult)).results
-        self._claims.note(component_ref, query_type, results)
+        self._claims.note(component_ref, "query", query_type, results)
         return results
 
     async def invoke(
@@ -193,7 +195,7 @@ class RemoteProxy:
             return ()
         params = {"command_id": command_id, "condition": ""}
         results = (await self._asking.ask("rois.command.get_command_result", params, ResultsResult)).results
-        self._claims.note(component_ref, command_type, results)
+        self._claims.note(component_ref, "command", command_type, results)
         return results
 
     async def subscribe(self, component_ref: str, event_type: str, sink: Sink) -> str:
@@ -255,7 +257,7 @@ class RemoteProxy:
         if told.event_type != event_type or not self._claims.is_own(told.event_id):
             self._strays.note(f"one of type {told.event_type[:80]!r} for a subscription to {event_type!r}")
             return
-        self._claims.note(component_ref, event_type, told.results)
+        self._claims.note(component_ref, "event", event_type, told.results)
         event = Event(told.event_id, event_type, component_ref, told.expire, told.results)
         self._subscriptions.emit(key, event)
 

@@ -17,8 +17,8 @@ from openrois.types.streams import StreamStatusNotification
 BELL = "robot/bell"
 
 
-def event(event_id: str) -> Event:
-    return Event(event_id, "rang", BELL, "later", (Result(name="tune", data_type_ref="string", value=event_id),))
+def event(event_id: str, expire: str = "later") -> Event:
+    return Event(event_id, "rang", BELL, expire, (Result(name="tune", data_type_ref="string", value=event_id),))
 
 
 class Bus(Engine):
@@ -53,10 +53,11 @@ class Bus(Engine):
 class Setting:
     def __init__(self) -> None:
         self.now = 100.0
+        self.wall = 0.0
         self.bus = Bus()
         self.told: list[tuple[str, str]] = []
         self.expire = ""
-        self.log = EventLog(self.bus, self._notify, lambda: self.now, lambda: 0.0)
+        self.log = EventLog(self.bus, self._notify, lambda: self.now, lambda: self.wall)
 
     def _notify(self, method: str, params: dict[str, Any], *, droppable: bool) -> None:
         assert (method, droppable) == ("rois.event.notify_event", True)
@@ -100,6 +101,19 @@ async def test_details_are_kept_for_a_while(setting: Setting) -> None:
     for event_id in ("a", "never told"):
         with pytest.raises(BadParameter):
             setting.log.details(event_id)
+
+
+@pytest.mark.parametrize("expire", ["1970-01-01T00:00:30+00:00", "1970-01-01T01:00:30+01:00", "1970-01-01T00:00:30"])
+async def test_details_expire_when_the_event_says(setting: Setting, expire: str) -> None:
+    _, reply_left = await setting.subscribe()
+    reply_left()
+    setting.bus.emit(event("a", expire))
+    setting.now += DETAIL_LIFETIME
+    setting.wall = 29.9
+    assert setting.log.details("a") == event("a").results
+    setting.wall = 30.0
+    with pytest.raises(BadParameter):
+        setting.log.details("a")
 
 
 async def test_details_are_bounded(setting: Setting) -> None:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from openrois.remote.claims import first_misfit
+from openrois.remote.claims import Kind, first_misfit
 from openrois.types.messages import Result
 from openrois.types.profiles import (
     CommandMessageProfile,
@@ -17,12 +17,19 @@ PROMISED = tuple(
     ParameterProfile(name=name, data_type_ref=RoISIdentifier(code=code))
     for name, code in (("level", "int"), ("note", "string"))
 )
+MESSAGES: tuple[tuple[Kind, str], ...] = (
+    ("command", "switch"),
+    ("query", "look"),
+    ("event", "switched"),
+    ("parameters", "get_parameter"),
+)
 PROFILE = HRIComponentProfile(
     identifier=RoISIdentifier(code="urn"),
     name="lamp",
     command_profiles=(CommandMessageProfile(name="switch", results=PROMISED),),
     query_profiles=(QueryMessageProfile(name="look", results=PROMISED),),
-    event_profiles=(EventMessageProfile(name="switched", results=PROMISED),),
+    event_profiles=(EventMessageProfile(name="switched", results=PROMISED), EventMessageProfile(name="look")),
+    parameter_profiles=PROMISED,
 )
 
 
@@ -34,8 +41,8 @@ def result(name: str, value: str) -> Result:
     "results", [(), (result("level", "5"),), (result("note", "x"), result("level", "-1"), result("note", ""))]
 )
 def test_what_fits(results: tuple[Result, ...]) -> None:
-    for message in ("switch", "look", "switched"):
-        assert first_misfit(PROFILE, message, results) is None
+    for kind, message in MESSAGES:
+        assert first_misfit(PROFILE, kind, message, results) is None
 
 
 @pytest.mark.parametrize(
@@ -46,10 +53,15 @@ def test_what_fits(results: tuple[Result, ...]) -> None:
     ],
 )
 def test_what_does_not(results: tuple[Result, ...], words: str) -> None:
-    for message in ("switch", "look", "switched"):
-        assert words in (first_misfit(PROFILE, message, results) or "")
+    for kind, message in MESSAGES:
+        assert words in (first_misfit(PROFILE, kind, message, results) or "")
 
 
 def test_a_message_that_was_never_promised() -> None:
-    assert first_misfit(PROFILE, "explode", ()) is None
-    assert first_misfit(PROFILE, "explode", (result("level", "5"),)) is not None
+    assert first_misfit(PROFILE, "command", "explode", ()) is None
+    assert first_misfit(PROFILE, "command", "explode", (result("level", "5"),)) is not None
+
+
+def test_messages_of_one_name_and_two_kinds() -> None:
+    assert first_misfit(PROFILE, "query", "look", (result("level", "5"),)) is None
+    assert first_misfit(PROFILE, "event", "look", (result("level", "5"),)) is not None
