@@ -1,5 +1,9 @@
-/** Builds the page and the SDK; with --preview serves the page with an avatar that lives in the browser itself. */
+/**
+ * Builds the page, and the SDK as a package in dist/openrois, ready for `npm pack`. With `--package FOLDER` it builds
+ * the package alone, there; with `--preview` it serves the page with an avatar that lives in the browser itself.
+ */
 
+import { execFileSync } from "node:child_process";
 import { copyFile, readFile, readdir, rm } from "node:fs/promises";
 import path from "node:path";
 import { fileURLToPath } from "node:url";
@@ -48,7 +52,25 @@ const options = (main) => ({
 });
 
 if (process.argv.includes("--preview")) await preview();
-else await buildPage();
+else if (process.argv.includes("--package")) await buildPackage(process.argv.at(-1));
+else {
+  await buildPage();
+  await buildPackage(path.join(root, "dist", "openrois"));
+}
+
+/**
+ * Modules as they are, since whoever bundles them takes what he needs; and their types.
+ *
+ * @param {string} folder is made anew
+ */
+async function buildPackage(folder) {
+  await rm(folder, { recursive: true, force: true });
+  const compiler = path.join(root, "node_modules", ".bin", "tsc");
+  execFileSync(compiler, ["-p", "sdk", "--outDir", folder], { cwd: root, stdio: "inherit" });
+  for (const file of ["sdk/package.json", "sdk/README.md", "../LICENSE", "../NOTICE"]) {
+    await copyFile(path.join(root, file), path.join(folder, path.basename(file)));
+  }
+}
 
 async function buildPage() {
   await rm(out, { recursive: true, force: true });

@@ -4,7 +4,17 @@ from typing import Final
 
 from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.schema import VERSION
-from openrois_codegen import corpus, csharp, json_schema, openrpc, python_bases, python_proxies, typescript, values
+from openrois_codegen import (
+    corpus,
+    csharp,
+    json_schema,
+    openrpc,
+    python_bases,
+    python_proxies,
+    typescript,
+    typescript_checks,
+    values,
+)
 from openrois_codegen.by_hand import by_hand
 from openrois_codegen.wire import document
 
@@ -37,4 +47,5 @@ def targets() -> dict[str, str]:
         "web_demo/sdk/rois/generated/types.ts": typescript.types(found),
         "web_demo/sdk/rois/generated/methods.ts": typescript.methods(found),
         "web_demo/sdk/rois/generated/components.ts": typescript.components(found),
+        "web_demo/sdk/rois/generated/checks.ts": typescript_checks.emit(found),
     }

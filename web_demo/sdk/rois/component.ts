@@ -99,9 +99,9 @@ export class ComponentProxy<Parameters extends object = object> {
    * @param onStart is called when the engine has accepted it
    * @throws CommandFailed (ABORT: it was stopped) | RoISError (OUT_OF_RESOURCES: another application has it)
    */
-  perform(values: Partial<Parameters>, onStart: () => void = () => undefined): Promise<void> {
+  async perform(values: Partial<Parameters>, onStart: () => void = () => undefined): Promise<void> {
     const parameters = encode(this.parameterTypes, values);
-    return this.bound(async () => {
+    await this.bound(async () => {
       const { componentRef: component_ref } = this;
       const ids = await this.#client.execute([
         { component_ref, command_type: "set_parameter", arguments: parameters },

@@ -1,6 +1,7 @@
 /** What a message carries: an object on one side, named texts on the wire on the other. */
 
 import { ValueError } from "./errors.ts";
+import { StreamStatus } from "./generated/types.ts";
 import type { Result } from "./generated/types.ts";
 import { decodeValue, encodeValue } from "./values.ts";
 import type { Writable } from "./values.ts";
@@ -57,15 +58,28 @@ const code = (type: string): string => (type.endsWith("?") ? type.slice(0, -1) :
 
 function read(dataTypeRef: string, text: string): unknown {
   const value = decodeValue(dataTypeRef, text);
+  if (dataTypeRef.toLowerCase() === "stream_status" && !StreamStatus.some((name) => name === value)) {
+    throw new ValueError(`${JSON.stringify(value)} is not of type ${dataTypeRef}`);
+  }
   return dataTypeRef.toLowerCase().startsWith("datetime") ? dated(value) : value;
 }
 
 function dated(value: unknown): unknown {
   if (Array.isArray(value)) return value.map(dated);
-  const date = new Date(String(value));
+  const date = new Date(MOMENT.test(String(value)) ? standardForm(String(value)) : "");
   if (Number.isNaN(date.getTime())) throw new ValueError(`${JSON.stringify(value)} is not of type DateTime`);
   return date;
 }
+
+/** A date and a time of ISO 8601. What else `Date` reads differs from one platform to the next. */
+const MOMENT = /^\d{4}-\d\d-\d\d[T ]\d\d:\d\d(:\d\d([.,]\d+)?)?(Z|[+-]\d\d(:?\d\d)?)?$/;
+
+/** The one form that every platform has to read: milliseconds, and a colon in the offset. */
+const standardForm = (text: string): string =>
+  text
+    .replace(" ", "T")
+    .replace(/[.,](\d{1,3})\d*/, ".$1")
+    .replace(/([+-]\d\d):?(\d\d)?$/, (_, hours: string, minutes = "00") => `${hours}:${minutes}`);
 
 /** The name of the value stands before what is wrong with it. */
 function named<T>(name: string, step: () => T): T {

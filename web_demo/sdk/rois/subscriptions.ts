@@ -24,6 +24,8 @@ interface Entry {
   subscribeId: string | null;
   /** That it could not be made again was told. */
   lost: boolean;
+  /** While it is made again: the events that came by the old one, and may come by the new one too. */
+  overlap: Set<string> | null;
 }
 
 /**
@@ -45,7 +47,15 @@ export class Subscriptions {
     listener: Listener,
     onEnd: () => void = () => undefined,
   ): Promise<Subscription> {
-    const entry: Entry = { eventType, condition, listener, onEnd, subscribeId: null, lost: false };
+    const entry: Entry = {
+      eventType,
+      condition,
+      listener,
+      onEnd,
+      subscribeId: null,
+      lost: false,
+      overlap: null,
+    };
     this.#entries.add(entry);
     try {
       await this.#subscribe(call, entry);
@@ -61,6 +71,7 @@ export class Subscriptions {
     for (const entry of this.#entries) {
       if (entry.subscribeId !== event.subscribe_id) continue;
       known = true;
+      entry.overlap?.add(event.event_id);
       entry.listener(event);
     }
     if (known || this.#asking === 0) return;
@@ -107,12 +118,14 @@ export class Subscriptions {
 
   async #subscribe(call: Call, entry: Entry): Promise<void> {
     this.#asking += 1;
+    entry.overlap = new Set();
     try {
       const { eventType: event_type, condition } = entry;
       const { subscribe_id } = await call("rois.event.subscribe", { event_type, condition });
       entry.subscribeId = subscribe_id ?? "";
       if (this.#entries.has(entry)) this.#catchUp(entry);
     } finally {
+      entry.overlap = null;
       this.#asking -= 1;
       if (this.#asking === 0) this.#early = [];
     }
@@ -121,7 +134,7 @@ export class Subscriptions {
   #catchUp(entry: Entry): void {
     const mine = this.#early.filter((event) => event.subscribe_id === entry.subscribeId);
     this.#early = this.#early.filter((event) => !mine.includes(event));
-    for (const event of mine) entry.listener(event);
+    for (const event of mine) if (!entry.overlap?.has(event.event_id)) entry.listener(event);
   }
 
   async #cancel(call: Call, entry: Entry): Promise<void> {

@@ -1,7 +1,7 @@
 /** Values: text in every Result, Parameter and Argument, read by the `data_type_ref` of the profile. */
 
 import { ValueError } from "./errors.ts";
-import { ComponentStatus } from "./generated/types.ts";
+import { ComponentStatus, StreamStatus } from "./generated/types.ts";
 
 /** A value that was read: text, number, truth value, or a list of them. A DateTime stays text. */
 export type Value = string | number | boolean | readonly Value[];
@@ -41,28 +41,41 @@ export function decodeValue(dataTypeRef: string, text: string): Value {
   const code = dataTypeRef.toLowerCase();
   if (isList(code)) return decodeList(code, text);
   const value = decodeScalar(kindOf(code), text);
-  if (value === undefined)
-    throw new ValueError(`${JSON.stringify(text.slice(0, 80))} is not of type ${dataTypeRef}`);
+  if (value === undefined) throw new ValueError(`${shown(text)} is not of type ${dataTypeRef}`);
   return value;
 }
 
 /**
  * Writes a value as the text of its type.
  *
- * @throws ValueError when it does not fit its type
+ * @throws ValueError when it does not fit its type: it is of another one, no finite number, too large, or no enumerator
  */
 export function encodeValue(dataTypeRef: string, value: Writable): string {
-  const text = isList(dataTypeRef) || typeof value === "object" ? written(value) : String(value);
-  decodeValue(dataTypeRef, text);
-  return text;
+  const code = dataTypeRef.toLowerCase();
+  const plain = plainly(value);
+  if (isList(code)) {
+    checkItems(code, plain, 0);
+    return JSON.stringify(plain);
+  }
+  if (!fits(kindOf(code), plain) || !isEnumerator(code, plain)) {
+    throw new ValueError(`${shown(plain)} is not of type ${dataTypeRef}`);
+  }
+  return typeof plain === "string" ? plain : JSON.stringify(plain);
 }
 
-/** A Date becomes ISO 8601 in both forms; it needs no quotes where it stands alone. */
-function written(value: Writable): string {
-  if (!(value instanceof Date)) return JSON.stringify(value);
+/** A Date becomes ISO 8601. */
+function plainly(value: Writable): Value {
+  if (Array.isArray(value)) return value.map(plainly);
+  if (!(value instanceof Date)) return value as Value;
   if (Number.isNaN(value.getTime())) throw new ValueError("an invalid Date is no DateTime");
   return value.toISOString();
 }
+
+/** Of a Stream_Status the wire takes any text, but we send what there is. */
+const isEnumerator = (code: string, plain: Value): boolean =>
+  code !== "stream_status" || StreamStatus.some((name) => name === plain);
+
+const shown = (value: unknown): string => JSON.stringify(String(value).slice(0, 80));
 
 function decodeScalar(kind: Kind, text: string): Value | undefined {
   switch (kind) {
@@ -84,7 +97,7 @@ function decodeList(code: string, text: string): Value {
   try {
     parsed = JSON.parse(text);
   } catch {
-    throw new ValueError(`${JSON.stringify(text.slice(0, 80))} is not a JSON array`);
+    throw new ValueError(`${shown(text)} is not a JSON array`);
   }
   checkItems(code, parsed, 0);
   return parsed as Value;
@@ -116,6 +129,6 @@ function fits(kind: Kind, item: unknown): boolean {
   }
 }
 
-/** Better refused than changed without a word. */
-const exact = (value: number): number | undefined => (Number.isSafeInteger(value) ? value : undefined);
+/** Better refused than changed without a word; and -0 is no integer of its own. */
+const exact = (value: number): number | undefined => (Number.isSafeInteger(value) ? value || 0 : undefined);
 const finite = (value: number): number | undefined => (Number.isFinite(value) ? value : undefined);

@@ -353,6 +353,13 @@ describe("perform", () => {
     await speech.perform({});
   });
 
+  it("refuses what does not fit before anything is done", async () => {
+    await expect(new SpeechSynthesis(client, "a/speech").perform({ volume: 0.5 })).rejects.toThrow(
+      ValueError,
+    );
+    expect(steps()).toEqual([]);
+  });
+
   it("gives back what the work of `bound` gives", async () => {
     const navigation = new Navigation(client, "robot/navigation");
     await expect(navigation.bound(() => Promise.resolve(7))).resolves.toBe(7);

@@ -186,6 +186,21 @@ describe("subscriptions", () => {
     expect(early).toHaveBeenCalledOnce();
   });
 
+  it("hear an event once that comes by the old and by the new one", async () => {
+    gateway.on("rois.event.subscribe", () => ({ subscribe_id: "s/8" }));
+    const socket = gateway.socket;
+    const deliver = socket.deliver.bind(socket);
+    socket.deliver = (data: unknown) => {
+      deliver(data);
+      if (!String(data).includes("s/8") || !String(data).includes("result")) return;
+      for (const id of ["s/1", "s/8"]) {
+        deliver(JSON.stringify({ jsonrpc: "2.0", method: "rois.event.notify_event", params: event(id) }));
+      }
+    };
+    await engineChanged();
+    expect(heard).toHaveBeenCalledOnce();
+  });
+
   it("that are cancelled while they are made again end on the gateway too", async () => {
     let letIn = (): void => undefined;
     gateway.on(

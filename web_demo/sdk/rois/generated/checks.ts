@@ -1,0 +1,254 @@
+/** What is checked of each message that comes in. Written by `make generate`; edits are lost. */
+
+import { integer, itself, list, map, object, oneOf, optional, orNull, text } from "../check.ts";
+import type { Check } from "../check.ts";
+import type { MethodName, NotificationName } from "./methods.ts";
+import { CompletedStatus, ComponentFunction, Direction, ErrorType, MediaKind, ReturnCode, StreamStatus } from "./types.ts";
+
+const isReturnCode: Check = oneOf(ReturnCode);
+
+const isReturnResult: Check = object({
+  return_code: isReturnCode,
+});
+
+const isRoISIdentifier: Check = object({
+  code: text,
+  authority: optional(text),
+  codebook_ref: optional(text),
+  version: optional(text),
+});
+
+const isParameterProfile: Check = object({
+  name: text,
+  data_type_ref: isRoISIdentifier,
+  default_value: optional(text),
+  description: optional(text),
+});
+
+const isHRIEngineProfile: Check = object({
+  identifier: isRoISIdentifier,
+  sub_profiles: optional(list(itself(() => isHRIEngineProfile))),
+  component_ids: optional(list(text)),
+  parameter_profiles: optional(list(isParameterProfile)),
+});
+
+const isComponentFunction: Check = oneOf(ComponentFunction);
+
+const isCommandMessageProfile: Check = object({
+  name: text,
+  results: optional(list(isParameterProfile)),
+  arguments: optional(list(isParameterProfile)),
+  timeout: optional(orNull(integer)),
+});
+
+const isQueryMessageProfile: Check = object({
+  name: text,
+  results: optional(list(isParameterProfile)),
+});
+
+const isEventMessageProfile: Check = object({
+  name: text,
+  results: optional(list(isParameterProfile)),
+});
+
+const isHRIComponentProfile: Check = object({
+  identifier: isRoISIdentifier,
+  name: text,
+  function: optional(orNull(isComponentFunction)),
+  sub_component_profiles: optional(list(text)),
+  command_profiles: optional(list(isCommandMessageProfile)),
+  query_profiles: optional(list(isQueryMessageProfile)),
+  event_profiles: optional(list(isEventMessageProfile)),
+  parameter_profiles: optional(list(isParameterProfile)),
+});
+
+const isProfileResult: Check = object({
+  return_code: isReturnCode,
+  profile: optional(orNull(isHRIEngineProfile)),
+  component_profiles: optional(map(isHRIComponentProfile)),
+});
+
+const isResult: Check = object({
+  name: text,
+  data_type_ref: text,
+  value: text,
+});
+
+const isResultsResult: Check = object({
+  return_code: isReturnCode,
+  results: optional(list(isResult)),
+});
+
+const isSearchResult: Check = object({
+  return_code: isReturnCode,
+  component_ref_list: optional(list(text)),
+});
+
+const isReferenceResult: Check = object({
+  return_code: isReturnCode,
+  component_ref: optional(text),
+});
+
+const isParameter: Check = object({
+  name: text,
+  data_type_ref: text,
+  value: text,
+});
+
+const isParametersResult: Check = object({
+  return_code: isReturnCode,
+  parameters: optional(list(isParameter)),
+});
+
+const isSetParameterResult: Check = object({
+  return_code: isReturnCode,
+  command_id: optional(text),
+});
+
+const isSubscribeResult: Check = object({
+  return_code: isReturnCode,
+  subscribe_id: optional(text),
+});
+
+const isHelloResult: Check = object({
+  return_code: isReturnCode,
+  version: optional(text),
+  extensions: optional(list(text)),
+  engines: optional(list(text)),
+  client_id: optional(text),
+});
+
+const isConnectStreamResult: Check = object({
+  return_code: isReturnCode,
+  stream_id: optional(text),
+});
+
+const isStreamStatus: Check = oneOf(StreamStatus);
+
+const isStreamStatusResult: Check = object({
+  return_code: isReturnCode,
+  status: optional(isStreamStatus),
+});
+
+const isIceServer: Check = object({
+  urls: list(text),
+  username: optional(orNull(text)),
+  credential: optional(orNull(text)),
+});
+
+const isIceServersResult: Check = object({
+  return_code: isReturnCode,
+  ice_servers: optional(list(isIceServer)),
+  ttl: optional(integer),
+});
+
+const isErrorType: Check = oneOf(ErrorType);
+
+const isErrorNotification: Check = object({
+  error_id: text,
+  error_type: isErrorType,
+});
+
+const isNoParams: Check = object({});
+
+const isCompletedStatus: Check = oneOf(CompletedStatus);
+
+const isCompleted: Check = object({
+  command_id: text,
+  status: isCompletedStatus,
+});
+
+const isEventNotification: Check = object({
+  event_id: text,
+  event_type: text,
+  subscribe_id: text,
+  expire: optional(text),
+  results: optional(list(isResult)),
+});
+
+const isEventsDroppedNotification: Check = object({
+  count: integer,
+});
+
+const isStreamStatusNotification: Check = object({
+  stream_id: text,
+  component_ref: text,
+  status: isStreamStatus,
+  timestamp: text,
+});
+
+const isMediaKind: Check = oneOf(MediaKind);
+
+const isDirection: Check = oneOf(Direction);
+
+const isStreamSection: Check = object({
+  mid: text,
+  stream_id: text,
+  component_ref: text,
+  kind: isMediaKind,
+  direction: isDirection,
+});
+
+const isOffer: Check = object({
+  peer_id: text,
+  generation: integer,
+  sdp: text,
+  streams: list(isStreamSection),
+  replaces: optional(orNull(text)),
+});
+
+const isCandidate: Check = object({
+  peer_id: text,
+  generation: integer,
+  candidate: orNull(text),
+  sdp_mid: optional(orNull(text)),
+  sdp_m_line_index: optional(orNull(integer)),
+});
+
+const isBye: Check = object({
+  peer_id: text,
+  reason: text,
+});
+
+/** The result of each method. */
+export const RESULTS: { readonly [Name in MethodName]: Check } = {
+  "rois.system.connect": isReturnResult,
+  "rois.system.disconnect": isReturnResult,
+  "rois.system.get_profile": isProfileResult,
+  "rois.system.get_error_detail": isResultsResult,
+  "rois.command.search": isSearchResult,
+  "rois.command.bind": isReturnResult,
+  "rois.command.bind_any": isReferenceResult,
+  "rois.command.release": isReturnResult,
+  "rois.command.get_parameter": isParametersResult,
+  "rois.command.set_parameter": isSetParameterResult,
+  "rois.command.execute": isReturnResult,
+  "rois.command.get_command_result": isResultsResult,
+  "rois.query.query": isResultsResult,
+  "rois.event.subscribe": isSubscribeResult,
+  "rois.event.unsubscribe": isReturnResult,
+  "rois.event.get_event_detail": isResultsResult,
+  "openrois.hello": isHelloResult,
+  "rois.stream.connect_stream": isConnectStreamResult,
+  "rois.stream.disconnect_stream": isReturnResult,
+  "rois.stream.suspend_stream": isReturnResult,
+  "rois.stream.resume_stream": isReturnResult,
+  "rois.stream.query_stream_status": isStreamStatusResult,
+  "signaling.answer": isReturnResult,
+  "signaling.candidate": isReturnResult,
+  "signaling.restart": isReturnResult,
+  "signaling.ice_servers": isIceServersResult,
+};
+
+/** The params of each notification. */
+export const NOTIFICATIONS: { readonly [Name in NotificationName]: Check } = {
+  "rois.system.notify_error": isErrorNotification,
+  "rois.system.profile_changed": isNoParams,
+  "rois.command.completed": isCompleted,
+  "rois.event.notify_event": isEventNotification,
+  "openrois.events_dropped": isEventsDroppedNotification,
+  "rois.stream.notify_stream_status": isStreamStatusNotification,
+  "signaling.offer": isOffer,
+  "signaling.candidate": isCandidate,
+  "signaling.bye": isBye,
+};

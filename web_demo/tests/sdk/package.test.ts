@@ -1,0 +1,181 @@
+/** The package as somebody gets it: packed, installed in an empty folder, imported, compiled against, bundled. */
+
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { fileURLToPath } from "node:url";
+import { gzipSync } from "node:zlib";
+import { build } from "esbuild";
+import { afterAll, beforeAll, describe, expect, it } from "vitest";
+
+const ROOT = fileURLToPath(new URL("../../", import.meta.url));
+const folder = mkdtempSync(`${tmpdir()}/openrois-package-`);
+
+const run = (program: string, ...parameters: string[]): string =>
+  execFileSync(program, parameters, { cwd: folder, encoding: "utf8", stdio: "pipe" });
+
+/** What a bundler makes of a module that uses the package. */
+async function bundle(source: string): Promise<string> {
+  const { outputFiles } = await build({
+    stdin: { contents: source, resolveDir: folder },
+    bundle: true,
+    format: "esm",
+    minify: true,
+    write: false,
+  });
+  return outputFiles[0]?.text ?? "";
+}
+
+beforeAll(() => {
+  execFileSync("node", ["build.mjs", "--package", `${folder}/built`], { cwd: ROOT, encoding: "utf8" });
+  run("npm", "pack", "./built", "--silent");
+  writeFileSync(`${folder}/package.json`, '{ "private": true, "type": "module" }');
+  run("npm", "install", "--offline", "--no-audit", "--no-fund", "--silent", "./openrois-0.1.0.tgz");
+}, 60_000);
+
+afterAll(() => {
+  rmSync(folder, { recursive: true });
+});
+
+describe("the installed package", { timeout: 60_000 }, () => {
+  it("has what is needed and nothing else", () => {
+    const [{ files }] = JSON.parse(run("npm", "pack", "./built", "--dry-run", "--json")) as [
+      { files: { path: string }[] },
+    ];
+    const names = files.map(({ path }) => path);
+    const parts = ["LICENSE", "NOTICE", "README.md", "package.json"];
+    expect(names).toEqual(expect.arrayContaining([...parts, "index.js", "index.d.ts", "media/index.d.ts"]));
+    expect(names.filter((name) => !parts.includes(name) && !/\.(js|d\.ts)$/.test(name))).toEqual([]);
+  });
+
+  it("is imported in Node, the control plane without the media", () => {
+    const program = `
+      import * as sdk from "openrois";
+      import { MediaReceiver } from "openrois/media";
+      const client = new sdk.Client("http://robot:8765", { webSocket: () => { throw new Error(); } });
+      const navigation = new sdk.Navigation(client, "robot/navigation");
+      console.log(client.state.name, navigation.reachedTarget.eventType, typeof MediaReceiver, "MediaReceiver" in sdk);
+    `;
+    writeFileSync(`${folder}/user.js`, program);
+    expect(run("node", "user.js").trim()).toBe("closed reached_target function false");
+  });
+
+  it("says what an older Node lacks", () => {
+    const program = `
+      delete globalThis.WebSocket;
+      const { Client } = await import("openrois");
+      try { new Client("ws://robot"); } catch (error) { console.log(error.message); }
+    `;
+    writeFileSync(`${folder}/old.js`, program);
+    expect(run("node", "old.js")).toMatch(/there is no WebSocket here: give the option webSocket/);
+  });
+
+  it("is compiled against, strictly", () => {
+    writeFileSync(
+      `${folder}/user.ts`,
+      `
+      import { Client, CommandFailed, Navigation, PersonDetection, RoISCommon, onlyComponent, where } from "openrois";
+      import type { ComponentStatus, ReachedTarget, Result } from "openrois";
+      import { MediaReceiver } from "openrois/media";
+
+      class Lamp extends RoISCommon<{ readonly brightness?: number }> {
+        static readonly componentType = "urn:x-rois:def:component:Example::Lamp";
+        protected override readonly parameterTypes = { brightness: "int" };
+        readonly switched = this.event<{ readonly on: boolean }>("switched", { on: "bool" });
+      }
+
+      export async function use(): Promise<void> {
+        const client = new Client("ws://127.0.0.1:8765/", { webSocket: (url, protocols) => new WebSocket(url, protocols) });
+        await client.connect({ signal: AbortSignal.timeout(1000) });
+        const { component_ref_list: refs } = await client.call("rois.command.search", { condition: "" });
+        const first: string | undefined = refs?.[0];
+        const results: readonly Result[] = await client.query("component_status", onlyComponent(first ?? ""));
+        const navigation = await client.find(Navigation, where({ component_ref: "robot/navigation" }));
+        await navigation.bound(async () => {
+          await navigation.setParameter({ target_positions: ["lobby"], time_limit: 60_000 });
+          await navigation.start();
+        });
+        const { status }: { status: ComponentStatus } = await navigation.componentStatus();
+        for await (const reached of navigation.reachedTarget) {
+          const target: ReachedTarget = reached;
+          console.log(target.target, status, results);
+        }
+        const persons = new PersonDetection(client, "robot/persons");
+        const heard = await persons.personDetected.subscribe(({ number, timestamp }) => {
+          const at: number = timestamp.getTime() + number;
+          console.log(at);
+        });
+        await heard.cancel();
+        const lamp = await client.find(Lamp);
+        await lamp.perform({ brightness: 80 }).catch((error: unknown) => {
+          if (error instanceof CommandFailed) console.log(error.status);
+        });
+        client.on("lost", (claim) => console.log(claim.kind === "binding" ? claim.componentRef : claim.eventType, claim.error));
+        new MediaReceiver(client).stream("avatar/video", "video");
+
+        // @ts-expect-error a position is text
+        await navigation.setParameter({ target_positions: [1] });
+        // @ts-expect-error there is no such parameter
+        await navigation.setParameter({ colour: "red" });
+        // @ts-expect-error a method's params are known
+        await client.call("rois.command.bind", { component: "robot/navigation" });
+        // @ts-expect-error so is its result
+        (await client.call("rois.command.search")).results;
+        // @ts-expect-error a lamp's event tells on
+        await lamp.switched.subscribe(({ off }) => off);
+        await client.close();
+      }
+    `,
+    );
+    const options = ["--noEmit", "--strict", "--exactOptionalPropertyTypes", "--noUncheckedIndexedAccess"];
+    for (const module of ["nodenext", "esnext"]) {
+      const resolution = module === "esnext" ? "bundler" : "nodenext";
+      const settings = ["--module", module, "--moduleResolution", resolution, "--target", "es2022"];
+      run(
+        `${ROOT}node_modules/.bin/tsc`,
+        ...options,
+        ...settings,
+        "--lib",
+        "es2022,dom,dom.asynciterable",
+        "user.ts",
+      );
+    }
+  });
+
+  it("leaves out what is not used", async () => {
+    const text = await bundle(
+      'import { Client, Navigation } from "openrois"; globalThis.start = () => new Client().find(Navigation);',
+    );
+    const navigation = ["component:OMG::Navigation", "reached_target", "target_positions"];
+    expect(navigation.filter((word) => !text.includes(word))).toEqual([]);
+    const others = [
+      "PersonDetection",
+      "person_detected",
+      "VideoStreaming",
+      "encoding_parameters",
+      "languages",
+    ];
+    const media = ["RTCPeerConnection", "getStats"];
+    expect([...others, ...media].filter((word) => text.includes(word))).toEqual([]);
+  });
+
+  it("stays small", async () => {
+    const sizes = {
+      "Client and one component": 'export { Client, Navigation } from "openrois";',
+      "all of the control plane": 'export * from "openrois";',
+      "with the media": 'export * from "openrois"; export * from "openrois/media";',
+    };
+    const zipped = await Promise.all(
+      Object.values(sizes).map(
+        async (source) => gzipSync(new TextEncoder().encode(await bundle(source))).length,
+      ),
+    );
+    console.log(
+      Object.keys(sizes)
+        .map((name, index) => `${name}: ${zipped[index]} bytes gzipped`)
+        .join("\n"),
+    );
+    expect(zipped[1]).toBeLessThanOrEqual(25_000);
+    expect(zipped[0]).toBeLessThan(zipped[1] ?? 0);
+  });
+});
