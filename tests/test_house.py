@@ -17,6 +17,7 @@ PACKAGES = (
     "web_demo/openrois_web_demo/",
     "codegen/openrois_codegen/",
 )
+GENERATED = ("openrois/adapter/components.py", "openrois/client/components.py")
 MODULE_LINES, CLASS_LINES, METHODS, MAKEFILE_LINES = 400, 300, 20, 40
 
 # Each in two halves, so that this file does not hold them.
@@ -90,7 +91,8 @@ class TestArchitecture:
 
 class TestSizes:
     def test_modules(self) -> None:
-        long = {path: lines for path in modules() if (lines := len(source(path).splitlines())) > MODULE_LINES}
+        written = [path for path in modules() if path not in GENERATED]
+        long = {path: lines for path in written if (lines := len(source(path).splitlines())) > MODULE_LINES}
         assert not long, f"more than {MODULE_LINES} lines"
 
     def test_classes(self) -> None:

@@ -12,6 +12,7 @@ from openrois.gateway.server import Gateway
 from openrois.jsonrpc.session import RpcSession
 from openrois.schema import openrpc
 from openrois.transport.stream import StreamClosed
+from tests.support.corpus import corpus
 from tests.support.deployment import application, gateway
 from tests.support.schema import NOTIFICATIONS, RESULTS
 
@@ -45,6 +46,20 @@ async def test_every_method_that_is_there_is_listed(monkeypatch: pytest.MonkeyPa
     async with gateway() as running, application(running) as app:
         await app.ask("rois.system.connect")
         assert {method["name"] for method in (await fetched(running))["methods"]} == served
+
+
+async def test_it_takes_the_params_that_it_says_and_refuses_all_others() -> None:
+    async with gateway() as running, application(running) as app:
+        for method in (await fetched(running))["methods"]:
+            for case in corpus()[method["x-params"]["$ref"].rpartition("/")[2]]:
+                if not isinstance(case.message, dict) or case.kind == "rule":
+                    continue
+                response = await app.answer(await app.begin(method["name"], **case.message))
+                if method["name"].startswith("signaling.") and case.name.endswith("too long"):
+                    assert response["result"] == {"return_code": "BAD_PARAMETER"}
+                else:
+                    assert ("result" in response) is case.is_valid, (method["name"], case.name)
+                    assert case.is_valid or response["error"]["code"] == -32602
 
 
 def test_it_is_what_a_strict_application_wrote_down() -> None:
