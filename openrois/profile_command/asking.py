@@ -7,7 +7,8 @@ from typing import Any, Final
 from pydantic import ValidationError
 from websockets.exceptions import InvalidHandshake, InvalidURI
 
-from openrois.jsonrpc.session import RpcError, RpcSession, SessionClosed
+from openrois.jsonrpc.session import CALL_TIMEOUT, RpcError, RpcSession, SessionClosed
+from openrois.profile_command.problems import problem
 from openrois.transport.websocket import dial
 from openrois.types.codes import ReturnCode
 from openrois.types.messages import ProfileResult
@@ -21,12 +22,13 @@ class NoProfile(Exception):
     """The profiles cannot be had; the message is a sentence."""
 
 
-async def ask_profiles(url: str, component_ref: str = "") -> ProfileResult:
+async def ask_profiles(url: str, component_ref: str = "", *, timeout: float = CALL_TIMEOUT) -> ProfileResult:
     """Return what `get_profile` answers at `url`.
 
     Args:
         url: `ws://host:port/` of a gateway.
         component_ref: the one component to ask for; empty for all.
+        timeout: seconds to wait for each answer.
 
     Raises:
         NoProfile: nobody answers there, or not as an HRI engine does, or it has no such component.
@@ -34,7 +36,7 @@ async def ask_profiles(url: str, component_ref: str = "") -> ProfileResult:
     condition = "component_ref = '" + component_ref.replace("'", "''") + "'" if component_ref else ""
     try:
         async with dial(url) as stream:
-            session = RpcSession(stream)
+            session = RpcSession(stream, call_timeout=timeout)
             running = asyncio.ensure_future(session.run())
             try:
                 await session.call("rois.system.connect", _NOTHING)
@@ -47,6 +49,8 @@ async def ask_profiles(url: str, component_ref: str = "") -> ProfileResult:
         raise NoProfile(f"{url!r} is no address of a gateway, such as ws://127.0.0.1:8765/") from None
     except TimeoutError:
         raise NoProfile(f"{url} does not answer in time") from None
+    except ConnectionRefusedError:
+        raise NoProfile(f"no gateway is reached at {url}: nothing listens there") from None
     except OSError as error:
         raise NoProfile(f"no gateway is reached at {url}: {error.strerror or error}") from None
     except (InvalidHandshake, SessionClosed, RpcError) as error:
@@ -58,9 +62,7 @@ def _checked(url: str, component_ref: str, answer: object) -> ProfileResult:
     try:
         result = ProfileResult.model_validate(answer)
     except ValidationError as error:
-        first = error.errors(include_url=False, include_context=False, include_input=False)[0]
-        place = ".".join(str(part) for part in first["loc"])
-        raise NoProfile(f"{url} answers with a profile that is none: {place}: {first['msg']}") from None
+        raise NoProfile(f"{url} answers with a profile that is none: {problem(error)}") from None
     if result.return_code is not ReturnCode.OK:
         raise NoProfile(f"{url} answers {result.return_code} and no profile")
     if component_ref and component_ref not in result.component_profiles:

@@ -132,7 +132,7 @@ def _read_all(paths: Sequence[Path]) -> list[EngineDocument | ComponentDocument]
                 _say(f"{file}: {remark}")
             documents += found
     if wrong:
-        raise _Failed(f"nothing is imported: {wrong} of {files} files cannot be used")
+        raise _Failed("nothing is imported" + (f": {wrong} of {files} files cannot be used" if files > 1 else ""))
     return documents
 
 

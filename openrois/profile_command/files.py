@@ -7,6 +7,7 @@ from typing import Any, Final
 
 from pydantic import BaseModel, ValidationError
 
+from openrois.profile_command.problems import problem
 from openrois.profile_xml.documents import Profiles
 from openrois.profile_xml.parse import MAX_SIZE
 from openrois.profile_xml.read import ComponentDocument, EngineDocument, read_profile
@@ -48,8 +49,7 @@ def documents_in(path: Path) -> list[EngineDocument | ComponentDocument]:
     try:
         return list(_from_json(json.loads(data)))
     except ValidationError as error:
-        first = error.errors(include_url=False, include_context=False, include_input=False)[0]
-        raise ValueError(": ".join([".".join(str(part) for part in first["loc"]), first["msg"]])) from None
+        raise ValueError(problem(error)) from None
     except json.JSONDecodeError as error:
         raise ValueError(f"line {error.lineno}: this is no JSON: {error.msg}") from None
     except UnicodeDecodeError:
