@@ -26,7 +26,6 @@ export class ListEditor {
     this.#type = itemType(code);
     this.#onChange = onChange;
     this.#add = button("Add item", () => this.#insert(this.#items.length));
-    this.#add.id = id;
     const attributes = { class: "list-editor", role: "group", "aria-labelledby": `${id}-label` };
     this.element = make("div", attributes, this.#list, this.#add);
   }

@@ -27,9 +27,7 @@ export class Group {
       this.body,
     );
     this.jump = make("button", { type: "button", class: "jump" }, drawing(icon), title, inJump);
-    this.jump.addEventListener("click", () =>
-      this.element.scrollIntoView({ block: "start", behavior: "smooth" }),
-    );
+    this.jump.addEventListener("click", () => this.element.scrollIntoView({ behavior: "smooth" }));
     this.count = 0;
   }
 

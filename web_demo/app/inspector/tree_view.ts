@@ -51,7 +51,10 @@ export class TreeView {
       "aria-label": "Search",
     };
     this.search = make("input", { ...attributes, "data-testid": "inspector-search" });
-    this.search.addEventListener("input", () => this.#render());
+    this.search.addEventListener("input", () => {
+      this.#render();
+      if (this.search.value === "") this.reveal();
+    });
     this.search.addEventListener("keydown", (event) => this.#searchKey(event));
     this.#list.addEventListener("keydown", (event) => this.#key(event));
     this.#list.addEventListener("click", (event) => this.#click(event));
@@ -270,7 +273,6 @@ function componentParts(row: Row, { profile }: ComponentNode, marks: Marks): Nod
   if (held) parts.push(make("span", { class: "row-mark row-held" }, "bound"));
   const unusual = away ? "away" : status !== null && status !== "READY" ? status : (profile.function ?? "");
   parts.push(make("span", { class: "row-note" }, unusual));
-  if (status === "READY") parts.push(hidden(statusWords(status)));
   return parts;
 }
 

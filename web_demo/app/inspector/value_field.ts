@@ -38,7 +38,10 @@ export class ValueField {
     const about = make(
       "div",
       { class: "field-about" },
-      make("label", { for: id, id: `${id}-label` }, name),
+      // A list has many fields and is a group with this name.
+      fieldKind(data_type_ref.code) === "list"
+        ? make("span", { class: "label", id: `${id}-label` }, name)
+        : make("label", { class: "label", for: id }, name),
       make("span", { class: "type" }, data_type_ref.code),
     );
     const note = make("p", { class: "hint field-note" }, make("span", {}, description), this.#default);
