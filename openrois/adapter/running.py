@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+import os
 import signal
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
@@ -20,12 +21,15 @@ from openrois.logs import set_up_logging
 from openrois.registry import LocalRegistry
 from openrois.tasks import TaskScope
 
-__all__ = ["GATEWAY", "hosted", "run", "serve"]
+__all__ = ["GATEWAY", "GATEWAY_VARIABLE", "hosted", "run", "serve"]
 
 _log = logging.getLogger(__name__)
 
 GATEWAY: Final = "ws://127.0.0.1:8765/adapter"
 """Where a gateway of this machine takes adapters unless it is told otherwise."""
+
+GATEWAY_VARIABLE: Final = "OPENROIS_GATEWAY"
+"""The environment's word for where the gateway is: one program for every place."""
 
 
 @asynccontextmanager
@@ -51,28 +55,30 @@ async def hosted(
 
 
 @asynccontextmanager
-async def serve(*components: Component, engine_id: str, gateway: str = GATEWAY) -> AsyncIterator[EngineHost]:
+async def serve(*components: Component, engine_id: str, gateway: str | None = None) -> AsyncIterator[EngineHost]:
     """Serve components to a gateway while the block runs; a connection that ends is made again.
 
     Args:
         components: each with a name of its own.
         engine_id: unique behind its gateway; leads every component_ref.
-        gateway: its address, `ws://host:port/adapter`.
+        gateway: its address, `ws://host:port/adapter`; unless given that of the environment (`OPENROIS_GATEWAY`), or
+            else `ws://127.0.0.1:8765/adapter`.
 
     Raises:
         BadParameter: `engine_id` or a component's name cannot be part of a reference, or a name stands twice.
         ValueError: `gateway` is no WebSocket address.
     """
+    address = gateway or os.environ.get(GATEWAY_VARIABLE) or GATEWAY
     try:
-        parse_uri(gateway)
+        parse_uri(address)
     except InvalidURI:
-        raise ValueError(f"{gateway!r} is no address of a gateway; one looks like {GATEWAY}") from None
+        raise ValueError(f"{address!r} is no address of a gateway; one looks like {GATEWAY}") from None
     async with hosted(engine_id, *components) as host, TaskScope() as tasks:
-        tasks.start(serve_parent(host, gateway))
+        tasks.start(serve_parent(host, address))
         yield host
 
 
-def run(*components: Component, engine_id: str, gateway: str = GATEWAY, verbose: bool = False) -> None:
+def run(*components: Component, engine_id: str, gateway: str | None = None, verbose: bool = False) -> None:
     """Serve components to a gateway until the process is told to stop (Ctrl-C, SIGTERM): the main of an adapter.
 
     The gateway need not be there yet, and may go and come back: the log, on standard error, says how things stand.
@@ -80,7 +86,8 @@ def run(*components: Component, engine_id: str, gateway: str = GATEWAY, verbose:
     Args:
         components: each with a name of its own.
         engine_id: unique behind its gateway; leads every component_ref.
-        gateway: its address, `ws://host:port/adapter`.
+        gateway: its address, `ws://host:port/adapter`; unless given that of the environment (`OPENROIS_GATEWAY`), or
+            else `ws://127.0.0.1:8765/adapter`.
         verbose: log more.
 
     Raises:
@@ -92,7 +99,7 @@ def run(*components: Component, engine_id: str, gateway: str = GATEWAY, verbose:
         asyncio.run(_serve_until_stopped(components, engine_id, gateway))
 
 
-async def _serve_until_stopped(components: tuple[Component, ...], engine_id: str, gateway: str) -> None:
+async def _serve_until_stopped(components: tuple[Component, ...], engine_id: str, gateway: str | None) -> None:
     stopped = asyncio.Event()
     loop = asyncio.get_running_loop()
     for name in (signal.SIGINT, signal.SIGTERM):

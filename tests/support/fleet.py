@@ -9,6 +9,7 @@ from datetime import UTC, datetime
 from typing import Any, Final, cast
 
 from openrois.application import EngineHost
+from openrois.arguments import check_arguments
 from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.catalog.component_type import ComponentType
 from openrois.catalog.payload import Payload
@@ -20,8 +21,6 @@ from openrois.registry import LocalRegistry
 from openrois.tasks import TaskScope
 from openrois.types.codes import ComponentStatus, ErrorType, StreamStatus
 from openrois.types.messages import Argument, Parameter, Result
-from openrois.types.profiles import ParameterProfile
-from openrois.types.values import check_value
 
 __all__ = ["NOON", "Part", "Robot", "everything", "example", "fleet"]
 
@@ -128,12 +127,12 @@ class Part:
     async def run(self, command_type: str, arguments: tuple[Argument, ...]) -> tuple[Result, ...]:
         """Run a command to its end."""
         if command_type == "set_parameter":
-            self.parameters.update(_texts(self.profile.parameter_profiles, arguments))
+            self.parameters.update(check_arguments(self.profile.parameter_profiles, arguments))
             return ()
         command = self.profile.command(command_type)
         if command is None:
             raise Unsupported(f"{self.profile.name} has no command {command_type!r}")
-        texts = _texts(command.arguments, arguments)
+        texts = check_arguments(command.arguments, arguments)
         self._require_usable()
         self._running += 1
         try:
@@ -210,18 +209,6 @@ class Part:
     def _require_usable(self) -> None:
         if self.status not in (ComponentStatus.READY, ComponentStatus.BUSY):
             raise ComponentFailed(f"{self.profile.name} is in status {self.status}")
-
-
-def _texts(profiles: tuple[ParameterProfile, ...], arguments: tuple[Argument, ...]) -> dict[str, str]:
-    codes = {each.name: each.data_type_ref.code for each in profiles}
-    for argument in arguments:
-        if argument.name not in codes:
-            raise BadParameter(f"there is no argument {argument.name!r}")
-        try:
-            check_value(codes[argument.name], argument.value)
-        except ValueError as error:
-            raise BadParameter(str(error)) from None
-    return {argument.name: argument.value for argument in arguments}
 
 
 @dataclass(frozen=True)

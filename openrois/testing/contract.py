@@ -1,0 +1,196 @@
+"""The contract that every component keeps, tried on one component, or on all that are behind a bus."""
+
+import asyncio
+from collections.abc import Awaitable, Callable, Mapping
+from dataclasses import dataclass
+from typing import ClassVar, Final
+
+from openrois.component import Component
+from openrois.contract import ComponentBus
+from openrois.errors import Unsupported
+from openrois.registry import LocalRegistry
+from openrois.testing import event_rules, life_rules, message_rules, parameter_rules, profile_rules
+from openrois.testing.subject import Broken, Ears, LocalSubject, Subject
+from openrois.types.references import reference
+
+__all__ = ["ComponentContract", "Finding", "findings"]
+
+Rule = Callable[[Subject], Awaitable[None]]
+LocalRule = Callable[[LocalSubject], Awaitable[None]]
+
+RULES: Final[tuple[Rule, ...]] = (
+    profile_rules.it_has_an_identity,
+    profile_rules.its_profile_can_be_read,
+    profile_rules.its_profile_keeps_to_its_type,
+    message_rules.it_tells_its_status,
+    message_rules.its_queries_answer,
+    message_rules.it_refuses_unknown_messages,
+    message_rules.it_refuses_arguments_that_it_does_not_take,
+    message_rules.stop_ends_start,
+    message_rules.a_new_start_ends_the_former,
+    message_rules.it_pauses_and_goes_on,
+    parameter_rules.its_parameters_are_told,
+    parameter_rules.what_is_set_is_told,
+    parameter_rules.it_refuses_parameters_that_do_not_fit,
+    event_rules.its_events_can_be_subscribed,
+)
+"""What can be tried on any component, wherever it is."""
+
+LOCAL_RULES: Final[tuple[LocalRule, ...]] = (
+    life_rules.events_are_heard_until_unsubscribed,
+    life_rules.without_connection_it_only_keeps_parameters,
+    life_rules.it_lets_go,
+    life_rules.it_comes_up_again,
+)
+"""What can be tried on a component in this process."""
+
+
+class ComponentContract:
+    """The contract as test methods, each on a component of its own:
+
+        class TestLamp(ComponentContract):
+            async def component(self) -> Lamp:
+                return Lamp("lamp")
+
+    Attributes:
+        parameters: what has to be set before `start`, as texts by name.
+        refuses: messages that the component always refuses, and why.
+        patience: seconds that an answer may take.
+    """  # noqa: D415 - the sentence ends in the example
+
+    parameters: ClassVar[Mapping[str, str]] = {}
+    refuses: ClassVar[Mapping[str, str]] = {}
+    patience: ClassVar[float] = 5.0
+
+    async def component(self) -> Component:
+        """Return a new component, as an adapter would be given it, before it is connected."""
+        raise NotImplementedError(f"{type(self).__name__} says in `async def component(self)` what is tried")
+
+    async def try_rule(self, rule: LocalRule) -> None:
+        """Try one rule on a new component.
+
+        Raises:
+            AssertionError: it is broken; the text says how.
+        """
+        component = await self.component()
+        registry = LocalRegistry("engine", [component])
+        subject = LocalSubject(
+            bus=registry,
+            component_ref=reference("engine", component.profile.name),
+            profile=component.profile,
+            parameters=self.parameters,
+            refuses=self.refuses,
+            patience=self.patience,
+            component=component,
+        )
+        try:
+            if not await subject.within("connect", component.bring_up()):
+                raise Broken("connect failed; the log says why")
+            await rule(subject)
+        finally:
+            await component.take_down()
+
+
+def _test(rule: LocalRule) -> Callable[[ComponentContract], None]:
+    def test(self: ComponentContract) -> None:
+        asyncio.run(self.try_rule(rule))
+
+    test.__doc__ = rule.__doc__
+    return test
+
+
+def _add_tests(rules: tuple[LocalRule, ...]) -> None:
+    for rule in rules:
+        setattr(ComponentContract, f"test_{_name(rule)}", _test(rule))
+
+
+def _name(rule: LocalRule) -> str:
+    return str(getattr(rule, "__name__", rule))
+
+
+_add_tests((*RULES, *LOCAL_RULES))
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """Where the contract is broken.
+
+    Attributes:
+        component_ref: whose it is; empty for the engine's.
+        rule: the name of what was tried.
+        sentence: what happened.
+    """
+
+    component_ref: str
+    rule: str
+    sentence: str
+
+
+async def findings(
+    bus: ComponentBus,
+    *,
+    parameters: Mapping[str, Mapping[str, str]] | None = None,
+    refuses: Mapping[str, Mapping[str, str]] | None = None,
+    patience: float = 5.0,
+) -> list[Finding]:
+    """Try every component behind a bus, and return what is broken.
+
+    A bus is, for one, the engine of a gateway with a whole adapter behind it. The components are started and stopped:
+    what they move has to be free to move.
+
+    Args:
+        bus: what is tried.
+        parameters: what has to be set before `start`, as texts by name, by component_ref.
+        refuses: messages that a component always refuses, and why, by component_ref.
+        patience: seconds that an answer may take.
+
+    Raises:
+        RoISError: the bus cannot say what is behind it.
+    """
+    directory = await bus.discover()
+    found = [Finding("", "it_refuses_unknown_components", sentence) for sentence in await _strangers(bus, patience)]
+    for component_ref in directory.profile.component_refs():
+        profile = directory.component_profiles.get(component_ref)
+        if profile is None:
+            found.append(Finding(component_ref, "it_has_an_identity", "it is listed and has no profile"))
+            continue
+        needs = (parameters or {}).get(component_ref, {})
+        subject = Subject(
+            bus=bus,
+            component_ref=component_ref,
+            profile=profile,
+            parameters=needs,
+            refuses=(refuses or {}).get(component_ref, {}),
+            patience=patience,
+        )
+        for rule in RULES:
+            try:
+                await rule(subject)
+            except Broken as error:
+                found.append(Finding(component_ref, _name(rule), str(error)))
+            except Exception as error:
+                # Whatever the bus raises, the others are still to be tried.
+                found.append(Finding(component_ref, _name(rule), f"{type(error).__name__}: {error}"))
+    return found
+
+
+async def _strangers(bus: ComponentBus, patience: float) -> list[str]:
+    """Return what is wrong with how a bus refuses components that it does not have."""
+    directory = await bus.discover()
+    engine_id = directory.profile.identifier.code
+    profile = next(iter(directory.component_profiles.values()), None)
+    if profile is None:
+        return []
+    wrong: list[str] = []
+    for ref in (reference(engine_id, "no such component"), "no such engine/lamp", ""):
+        subject = Subject(bus=bus, component_ref=ref, profile=profile, patience=patience)
+        for doing, work in (
+            (f"a query of {ref!r}", bus.query(ref, "component_status")),
+            (f"a command of {ref!r}", bus.invoke(ref, "start")),
+            (f"a subscription to {ref!r}", bus.subscribe(ref, "event", Ears())),
+        ):
+            try:
+                await subject.refused(doing, work, Unsupported)
+            except Broken as error:
+                wrong.append(str(error))
+    return wrong

@@ -1,0 +1,58 @@
+"""The contract suite on components that keep it, here and behind a gateway."""
+
+import pytest
+
+from openrois.component import Component
+from openrois.registry import LocalRegistry
+from openrois.testing import ComponentContract, findings, memory_gateway
+from openrois.testing.contract import LOCAL_RULES, RULES, LocalRule
+from tests.support.basics import BASICS
+from tests.support.components import Bell, Lamp
+from tests.support.fleet import everything
+
+NEEDS = {"speech_text": "hello"}
+
+
+class TestLamp(ComponentContract):
+    async def component(self) -> Lamp:
+        return Lamp()
+
+
+class TestBell(ComponentContract):
+    async def component(self) -> Bell:
+        return Bell("other")
+
+
+@pytest.mark.parametrize("rule", [*RULES, *LOCAL_RULES], ids=lambda rule: rule.__name__)
+@pytest.mark.parametrize("kind", BASICS)
+async def test_each_basic_component(kind: type[Component], rule: LocalRule) -> None:
+    class Contract(ComponentContract):
+        parameters = NEEDS if kind.__name__ == "SpeechSynthesis" else {}
+
+        async def component(self) -> Component:
+            return kind()
+
+    await Contract().try_rule(rule)
+
+
+def test_every_rule_is_a_test_of_its_own() -> None:
+    tests = {name for name in dir(ComponentContract) if name.startswith("test_")}
+    assert len(tests) == len(RULES) + len(LOCAL_RULES) == 18
+
+
+async def test_who_does_not_say_what_is_tried_is_told() -> None:
+    with pytest.raises(NotImplementedError, match="async def component"):
+        await ComponentContract().try_rule(RULES[0])
+
+
+async def test_a_whole_adapter_behind_a_gateway() -> None:
+    async with memory_gateway(*(kind() for kind in BASICS)) as gateway:
+        assert await findings(gateway.engine, parameters={"robot/speech_synthesizer": NEEDS}) == []
+
+
+async def test_a_robot_of_somebody_else() -> None:
+    assert await findings(everything().registry) == []
+
+
+async def test_nothing_is_nothing_to_find() -> None:
+    assert await findings(LocalRegistry("robot", [])) == []
