@@ -3,7 +3,7 @@
 import asyncio
 import json
 from collections.abc import AsyncIterator, Awaitable, Callable
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from typing import Any
 
 import pytest
@@ -193,17 +193,63 @@ async def test_renewing_loses_no_event_and_repeats_none(line: Line, client: Clie
     async with client.component("toys/bell").event("rang", buffer=1000) as rang:
         for number in range(300):
             line.bell.ring(str(number))
-            if number % 5 == 0:
+            if number % 15 == 0:
                 # Whatever changes in the tree, every subscription is made again beside the old one.
                 await line.host.engine.attach(everything(f"robot_{number}").registry)
             await asyncio.sleep(0)
-        for _ in range(60):
+        for _ in range(20):
             await anext(changes)
         assert [(await anext(rang))["tune"] for _ in range(300)] == [str(number) for number in range(300)]
         line.bell.ring("the end")
         assert await anext(rang) == {"tune": "the end"}
         assert [rang.dropped, rang.interruptions] == [0, 0]
         await eventually(client, lambda: len(line.host.engine._subscriptions) == 1)
+
+
+async def test_an_event_that_comes_by_the_old_and_the_new_subscription_is_heard_once(line: Line) -> None:
+    unsubscribed: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
+
+    async def speak(_host: Any, stream: MessageStream) -> None:
+        async def tell(method: str, **params: Any) -> None:
+            await stream.send(json.dumps({"jsonrpc": "2.0", "method": method, "params": params}))
+
+        async def ring(event_id: str, subscribe_id: str) -> None:
+            tune = [{"name": "tune", "data_type_ref": "string", "value": event_id}]
+            about = {"event_id": event_id, "event_type": "rang", "subscribe_id": subscribe_id}
+            await tell("rois.event.notify_event", **about, results=tune)
+
+        subscribe_ids = iter(("old", "new"))
+        with suppress(StreamClosed):
+            while True:
+                request = json.loads(await stream.receive())
+                result = {"return_code": "OK"}
+                if request["method"] == "rois.event.unsubscribe" and not unsubscribed.done():
+                    unsubscribed.set_result(request["params"])
+                if request["method"] != "rois.event.subscribe":
+                    await stream.send(json.dumps({"jsonrpc": "2.0", "id": request["id"], "result": result}))
+                    continue
+                subscribe_id = next(subscribe_ids)
+                if subscribe_id == "new":
+                    await ring("while it is renewed", "old")
+                result["subscribe_id"] = subscribe_id
+                await stream.send(json.dumps({"jsonrpc": "2.0", "id": request["id"], "result": result}))
+                if subscribe_id == "old":
+                    await ring("before", "old")
+                    await tell("rois.system.profile_changed")
+                else:
+                    await ring("while it is renewed", "new")
+                    await ring("afterwards", "old")
+                    await ring("afterwards", "new")
+
+    line.speaks = speak
+    async with (
+        asyncio.timeout(5),
+        Client(dial=line.dial) as client,
+        client.component("toys/bell").event("rang") as rang,
+    ):
+        tunes = [(await anext(rang))["tune"] for _ in range(3)]
+        assert tunes == ["before", "while it is renewed", "afterwards"]
+        assert await unsubscribed == {"subscribe_id": "old"}
 
 
 async def test_a_subscription_that_nobody_wants_any_more_is_not_made_again(
