@@ -1,16 +1,26 @@
 """A fleet of robots that have every basic component: they work, and their profiles fit the limits of the wire."""
 
 import asyncio
+import json
+from typing import Any
 
 import pytest
+from websockets.asyncio.client import ClientConnection, connect
 
+from openrois.application import EngineHost
+from openrois.catalog.actuation import NAVIGATION
 from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.contract import Event, SubscriptionLost
+from openrois.dialer import serve_parent
+from openrois.engine import Engine
 from openrois.errors import Aborted, BadParameter, ComponentFailed, Unsupported
+from openrois.gateway.server import Gateway
+from openrois.gateway.socket import ADAPTER
+from openrois.tasks import TaskScope
 from openrois.types.codes import ComponentStatus
 from openrois.types.messages import Argument
-from tests.support.deployment import application, gateway, until
-from tests.support.fleet import Robot, everything, fleet
+from tests.support.deployment import gateway, until
+from tests.support.fleet import everything, fleet
 
 
 def argument(name: str, value: str) -> Argument:
@@ -92,18 +102,54 @@ class TestARobot:
         assert [each.value for each in await navigation.ask("component_status")] == ["ERROR"]
 
 
-def robots(count: int) -> tuple[Robot, ...]:
-    return tuple(everything(f"robot_{number}") for number in range(1, count + 1))
+class TestTwentyRobots:
+    """Each with all seventeen components; 340 component profiles travel in one message."""
+
+    async def test_an_application_gets_all_profiles(self) -> None:
+        robots = [everything(f"avatar_{number}") for number in range(1, 21)]
+        async with gateway() as main, fleet(f"{address(main)}adapter", *robots):
+            await until(main.engine, lambda ids: len(ids) == 21)
+            # The library takes a mebibyte at most, unless it is told otherwise: so do other people's applications.
+            async with connect(address(main)) as socket:
+                size, result = await asked(socket, "rois.system.get_profile")
+                assert len(result["component_profiles"]) == 340
+                assert result["component_profiles"]["avatar_20/navigation"] == NAVIGATION.profile().model_dump(
+                    mode="json"
+                )
+                assert size < ADAPTER.max_message
+                # What is found among all of them still answers.
+                condition = "component_ref LIKE 'avatar_20/%'"
+                _, found = await asked(socket, "rois.query.query", query_type="engine_status", condition=condition)
+                assert found["return_code"] == "OK"
+                _, found = await asked(socket, "rois.command.search", condition=f"component_type = '{NAVIGATION.urn}'")
+                assert len(found["component_ref_list"]) == 20
+
+    async def test_a_parent_gateway_takes_them_from_one_below(self) -> None:
+        site = Engine("site")
+        for number in range(1, 21):
+            await site.attach(await everything(f"avatar_{number}").engine())
+        async with gateway() as parent, TaskScope() as tasks:
+            dialling = asyncio.ensure_future(serve_parent(EngineHost(site, tasks), f"{address(parent)}adapter"))
+            await until(parent.engine, lambda ids: len(ids) == 22)
+            assert parent.engine.directory.component_profiles == site.directory.component_profiles
+            async with connect(address(parent)) as socket:
+                size, result = await asked(socket, "rois.system.get_profile")
+            assert len(result["component_profiles"]) == 340
+            # An adapter's answer may have as many bytes as the parent's own, a little more than its child's.
+            assert size < ADAPTER.max_message
+            dialling.cancel()
+            await asyncio.wait({dialling})
 
 
-async def test_robots_behind_a_gateway() -> None:
-    pair = robots(2)
-    async with gateway() as main, fleet(main.url.replace("http", "ws") + "adapter", *pair):
-        await until(main.engine, lambda ids: set(ids) >= {"robot_1", "robot_2"})
-        async with application(main) as app:
-            profile = await app.ask("rois.system.get_profile")
-            assert len(profile["component_profiles"]) == 34
-            asked = await app.ask(
-                "rois.query.query", query_type="engine_status", condition="component_ref LIKE 'robot_2/%'"
-            )
-            assert [each["name"] for each in asked["results"]] == ["status", "operable_time"]
+def address(main: Gateway) -> str:
+    return main.url.replace("http", "ws")
+
+
+async def asked(socket: ClientConnection, method: str, **params: str) -> tuple[int, dict[str, Any]]:
+    """Ask and return how many bytes the answer has, and its result."""
+    await socket.send(json.dumps({"jsonrpc": "2.0", "id": method, "method": method, "params": params}))
+    while True:
+        text = await socket.recv()
+        message = json.loads(text)
+        if message.get("id") == method:
+            return len(text.encode() if isinstance(text, str) else text), message["result"]
