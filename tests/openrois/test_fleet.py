@@ -135,7 +135,7 @@ class TestTwentyRobots:
             async with connect(address(parent)) as socket:
                 size, result = await asked(socket, "rois.system.get_profile")
             assert len(result["component_profiles"]) == 340
-            # An adapter's answer may have as many bytes as the parent's own, a little more than its child's.
+            # What the parent was told has fewer bytes than what it tells itself.
             assert size < ADAPTER.max_message
             dialling.cancel()
             await asyncio.wait({dialling})
