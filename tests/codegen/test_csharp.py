@@ -48,6 +48,32 @@ def test_it_refuses_what_is_no_such_message(told: dict[tuple[str, bool, str], di
     assert [case.name for case in wrong if "refused" not in told[name, False, case.name]] == []
 
 
+NULLS = """
+public static class Nulls
+{
+    public static void Main()
+    {
+        var bare = new OpenRoIS.RoISIdentifier { Code = "x", Authority = null, CodebookRef = null, Version = null };
+        System.Console.WriteLine(OpenRoIS.RoISJson.Write(bare));
+        try
+        {
+            OpenRoIS.RoISJson.Write(new OpenRoIS.RoISIdentifier());
+        }
+        catch (Newtonsoft.Json.JsonException)
+        {
+            System.Console.WriteLine("refused");
+        }
+    }
+}
+"""
+
+
+def test_null_is_never_written_where_the_wire_has_none(mono: Mono, tmp_path: Path) -> None:
+    source = tmp_path / "Nulls.cs"
+    source.write_text(NULLS, encoding="utf-8")
+    assert mono.run(mono.compile([source], tmp_path)).splitlines() == ['{"code":"x"}', "refused"]
+
+
 def test_the_readme_tells_the_truth(mono: Mono, tmp_path: Path) -> None:
     text = (SDK / "README.md").read_text(encoding="utf-8")
     source = tmp_path / "Example.cs"

@@ -84,52 +84,21 @@ namespace OpenRoIS
         }
 
         // Contracts are cached by the resolver; one per call would reflect on every message anew.
-        private static readonly StrictResolver Resolver = new StrictResolver();
+        private static readonly OmittingResolver Resolver = new OmittingResolver();
     }
 
-    /// <summary>Refuses null where the wire has none, and never writes one there.</summary>
-    internal sealed class StrictResolver : DefaultContractResolver
+    /// <summary>What need not stand is not written when it is null: on the wire it would be wrong.</summary>
+    internal sealed class OmittingResolver : DefaultContractResolver
     {
         protected override JsonProperty CreateProperty(MemberInfo member, MemberSerialization serialization)
         {
             JsonProperty property = base.CreateProperty(member, serialization);
-            bool mayBeNull = property.Required == Required.AllowNull || property.NullValueHandling != null;
-            if (!mayBeNull)
+            if (property.Required == Required.Default)
             {
                 IValueProvider values = property.ValueProvider;
-                property.ValueProvider = new NeverNull(values, property.PropertyName);
-                if (property.Required == Required.Default)
-                {
-                    property.ShouldSerialize = target => values.GetValue(target) != null;
-                }
+                property.ShouldSerialize = target => values.GetValue(target) != null;
             }
             return property;
-        }
-
-        private sealed class NeverNull : IValueProvider
-        {
-            private readonly IValueProvider _inner;
-            private readonly string _name;
-
-            public NeverNull(IValueProvider inner, string name)
-            {
-                _inner = inner;
-                _name = name;
-            }
-
-            public object GetValue(object target)
-            {
-                return _inner.GetValue(target);
-            }
-
-            public void SetValue(object target, object value)
-            {
-                if (value == null)
-                {
-                    throw new JsonSerializationException(_name + " is null");
-                }
-                _inner.SetValue(target, value);
-            }
         }
     }
 
