@@ -31,7 +31,7 @@ class TestHello:
             "stream_id": stream_id,
             "component_ref": CAMERA,
             "status": "STREAMING_SUSPENDED",
-            "timestamp": "now",
+            "timestamp": "2026-06-01T12:00:00+00:00",
         }
 
     @pytest.mark.parametrize(

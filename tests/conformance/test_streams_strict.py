@@ -43,7 +43,7 @@ class TestStrictForm:
         assert event["event_type"] == "notify_stream_status"
         (stream_id,) = robot.streams.streams
         assert {result["name"]: result["value"] for result in event["results"]} == {
-            "timestamp": "now",
+            "timestamp": "2026-06-01T12:00:00+00:00",
             "status": "STREAMING_NOT_RUNNING",
             "stream_id": stream_id,
         }

@@ -140,7 +140,10 @@ class FakeStreams:
             if status is not StreamStatus.STREAMING_RESUMED:
                 stream.status = status
             notice = StreamStatusNotification(
-                stream_id=stream_id, component_ref=stream.component_ref, status=status, timestamp="now"
+                stream_id=stream_id,
+                component_ref=stream.component_ref,
+                status=status,
+                timestamp="2026-06-01T12:00:00+00:00",
             )
             stream.client.notify(notice.method, notice.model_dump(mode="json"))
 

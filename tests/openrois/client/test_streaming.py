@@ -1,0 +1,130 @@
+"""Streams: the verbs over the extension and in strict RoIS, and the notifications that negotiate media."""
+
+import asyncio
+
+import pytest
+
+from openrois.client import Client
+from openrois.client.components import AudioStreaming, VideoStreaming
+from openrois.errors import ComponentFailed, RoISError, Unsupported
+from openrois.registry import LocalRegistry
+from openrois.types.codes import StreamStatus
+from openrois.types.streams import StreamStatusNotification
+from tests.support.grounds import Ground, Line, serve_plain
+from tests.support.streams import Camera, FakeStreams
+
+pytestmark = pytest.mark.timeout(10)
+
+
+@pytest.fixture
+async def streams(line: Line) -> FakeStreams:
+    """An engine `cameras` whose streams belong to the application that connected them."""
+    streams = FakeStreams("cameras")
+    await line.host.engine.attach(LocalRegistry("cameras", (Camera(),), extension=streams))
+    return streams
+
+
+async def test_a_stream_of_an_engine_that_has_strict_rois_alone(ground: Ground, client: Client) -> None:
+    camera = client.component(VideoStreaming, "robot/video_streaming")
+    async with camera.notify_stream_status() as statuses:
+        stream_id = await camera.connect_stream()
+        assert stream_id == "video_streaming-1"
+        assert await camera.get_stream_status(stream_id) is StreamStatus.STREAMING_RUNNING
+        await camera.suspend_stream(stream_id)
+        assert await camera.get_stream_status(stream_id) is StreamStatus.STREAMING_SUSPENDED
+        await camera.resume_stream(stream_id)
+        await camera.disconnect_stream(stream_id)
+        told = [await anext(statuses) for _ in range(5)]
+    assert {each.stream_id for each in told} == {stream_id}
+    assert [each.status for each in told] == [
+        "STREAMING_RUNNING",
+        "STREAMING_SUSPENDED",
+        "STREAMING_RESUMED",
+        "STREAMING_RUNNING",
+        "STREAMING_NOT_CONNECTED",
+    ]
+    with pytest.raises(ComponentFailed):
+        await camera.disconnect_stream(stream_id)
+
+
+async def test_in_strict_rois_parameters_are_the_components(ground: Ground, client: Client) -> None:
+    microphone = client.component(AudioStreaming, "robot/audio_streaming")
+    if ground.extended:
+        # The gateway has the extension and the engine behind it has not: what to do about that is the application's.
+        with pytest.raises(Unsupported, match="has no stream with these parameters"):
+            await microphone.connect_stream(encoding={"codecs": ["audio/opus"]})
+    else:
+        await microphone.connect_stream(encoding={"codecs": ["audio/opus"]})
+        assert (await microphone.parameters()).encoding_parameters == '{"codecs": ["audio/opus"]}'
+
+
+async def test_a_stream_over_the_extension(line: Line, streams: FakeStreams) -> None:
+    async with Client(dial=line.dial) as client:
+        offers = client.notifications("signaling.offer")
+        statuses = client.notifications(StreamStatusNotification.method)
+        camera = await client.find(VideoStreaming, "component_ref LIKE 'cameras/%'")
+        async with camera.notify_stream_status() as events:
+            stream_id = await camera.connect_stream(
+                encoding={"codecs": ["video/VP8"]}, transport={"direction": "recvonly"}
+            )
+            method, params, _ = streams.calls[-1]
+            assert method == "rois.stream.connect_stream"
+            assert [(each["name"], each["value"]) for each in params["parameters"]] == [
+                ("encoding_parameters", '{"codecs": ["video/VP8"]}'),
+                ("transport_parameters", '{"direction": "recvonly"}'),
+            ]
+            offer = await anext(offers)
+            assert offer.method == "signaling.offer"
+            assert offer.params["streams"][0]["stream_id"] == stream_id
+            assert (await anext(statuses)).params["stream_id"] == stream_id
+            assert (await anext(events)).stream_id == stream_id
+            await camera.suspend_stream(stream_id)
+            await camera.resume_stream(stream_id)
+            assert await camera.get_stream_status(stream_id) is StreamStatus.STREAMING_RUNNING
+            await camera.disconnect_stream(stream_id)
+        assert [name.rpartition(".")[2] for name, _, _ in streams.calls] == [
+            "connect_stream",
+            "suspend_stream",
+            "resume_stream",
+            "query_stream_status",
+            "disconnect_stream",
+        ]
+
+
+async def test_a_stream_of_another_application_is_none(line: Line, streams: FakeStreams) -> None:
+    async with Client(dial=line.dial) as one, Client(dial=line.dial) as other:
+        stream_id = await one.component(VideoStreaming, "cameras/camera").connect_stream()
+        camera = other.component(VideoStreaming, "cameras/camera")
+        for refused in (camera.get_stream_status(stream_id), camera.disconnect_stream(stream_id)):
+            with pytest.raises(RoISError):
+                await refused
+        assert stream_id in streams.streams
+
+
+async def test_the_streams_of_an_application_end_with_it(line: Line, streams: FakeStreams) -> None:
+    async with Client(dial=line.dial) as client:
+        await client.component(VideoStreaming, "cameras/camera").connect_stream()
+        assert not streams.forgotten
+    async with asyncio.timeout(5):
+        await streams.gone.wait()
+
+
+async def test_whoever_reads_notifications_hears_those_it_named(line: Line) -> None:
+    async with Client(dial=line.dial) as client:
+        named, everything = client.notifications("rois.event.notify_event"), client.notifications()
+        async with client.subscribe("rang"):
+            line.host.engine.detach(line.robot.registry)
+            line.bell.ring("a scale")
+            await client.search()
+        assert (await anext(named)).params["results"][0]["value"] == "a scale"
+        assert (await anext(everything)).method == "rois.system.profile_changed"
+        assert (await anext(everything)).method == "rois.event.notify_event"
+        named.end()
+        assert [each async for each in named] == []
+
+
+async def test_a_plain_gateway_knows_no_extension(line: Line) -> None:
+    line.speaks = serve_plain
+    async with Client(dial=line.dial) as client:
+        assert client.extensions == frozenset()
+        assert await client.component(VideoStreaming, "robot/video_streaming").connect_stream()
