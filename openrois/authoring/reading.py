@@ -269,10 +269,10 @@ def _annotation(base: type, name: str, place: str) -> Any:
 def _fitted(place: str, read: Message, standard: CommandType | QueryType | EventType) -> Message:
     """Return a message as the standard has it, with the author's method behind it."""
     if isinstance(standard, EventType):
-        _check_fields(place, "takes", read.arguments.payload, standard.results)
+        _check_fields(place, standard.name, read.arguments.payload, standard.results)
         return replace(read, arguments=replace(read.arguments, payload=standard.results))
     arguments = standard.arguments if isinstance(standard, CommandType) else None
-    _check_fields(place, "takes", read.arguments.payload, arguments)
+    _check_fields(place, standard.name, read.arguments.payload, arguments)
     results = Results(standard.results)
     if read.results.single and standard.results is not None:
         names = tuple(standard.results.model_fields)
@@ -295,12 +295,12 @@ def _fitted(place: str, read: Message, standard: CommandType | QueryType | Event
     )
 
 
-def _check_fields(place: str, verb: str, found: type[Payload] | None, expected: type[Payload] | None) -> None:
+def _check_fields(place: str, name: str, found: type[Payload] | None, expected: type[Payload] | None) -> None:
     codes = _codes(found)
     wanted = _codes(expected)
     if codes != wanted:
         shown = ", ".join(f"{name}: {code}" for name, code in wanted.items()) or "nothing"
-        raise TypeError(f"{place}: the standard's {verb} {shown}")
+        raise TypeError(f"{place}: the standard's {name} takes {shown}")
 
 
 def _codes(payload: type[Payload] | None) -> dict[str, str]:
