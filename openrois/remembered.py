@@ -38,7 +38,9 @@ class Remembered(Generic[Entry]):
 
     def put(self, key: str, entry: Entry, results: tuple[Result, ...]) -> None:
         """Remember an entry, which weighs as much as the text of `results`; one that is known is replaced."""
-        text = sum(len(result.value) for result in results)
+        text = 0
+        for result in results:
+            text += len(result.value)
         former = self._entries.get(key)
         self._text += text if former is None else text - former[1]
         self._entries[key] = entry, text

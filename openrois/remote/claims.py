@@ -1,7 +1,6 @@
 """What a remote engine says it is, and whether what it does is that."""
 
 import logging
-from collections.abc import Sequence
 from typing import Literal
 
 from openrois.contract import Directory
@@ -66,11 +65,17 @@ def first_misfit(profile: HRIComponentProfile, kind: Kind, message: str, results
 
 
 def _promised(profile: HRIComponentProfile, kind: Kind, message: str) -> tuple[ParameterProfile, ...]:
-    if kind == "parameters":
-        return profile.parameter_profiles
-    messages: dict[Kind, Sequence[CommandMessageProfile | QueryMessageProfile | EventMessageProfile]] = {
-        "command": profile.command_profiles,
-        "query": profile.query_profiles,
-        "event": profile.event_profiles,
-    }
-    return next((entry.results for entry in messages[kind] if entry.name == message), ())
+    entries: tuple[CommandMessageProfile | QueryMessageProfile | EventMessageProfile, ...]
+    match kind:
+        case "parameters":
+            return profile.parameter_profiles
+        case "command":
+            entries = profile.command_profiles
+        case "query":
+            entries = profile.query_profiles
+        case "event":
+            entries = profile.event_profiles
+    for entry in entries:
+        if entry.name == message:
+            return entry.results
+    return ()
