@@ -14,6 +14,8 @@ import pytest
 
 from tests.support.mono import Mono
 
+WEB_DEMO = Path(__file__).parents[1] / "web_demo"
+
 _lacking: set[str] = set()
 """What this machine has not, as `Skipped` has it."""
 
@@ -37,6 +39,15 @@ def mono() -> Mono:
             f"no Mono with Newtonsoft.Json is found; install it to run the tests in C# (Debian: apt install {packages})"
         )
     return found
+
+
+@pytest.fixture(scope="session")
+def node() -> Path:
+    """The program of Node, where the tools of the page are installed as well."""
+    found = shutil.which("node")
+    if found is None or not (WEB_DEMO / "node_modules").is_dir():
+        _lack("no Node with the page's tools is found; `make page` installs them")
+    return Path(found)
 
 
 @pytest.fixture(scope="session")

@@ -50,8 +50,8 @@ export class Client extends Link {
   readonly #subscriptions = new Subscriptions();
   readonly #bindings = new Bindings();
   readonly #renewal: Renewal = {
-    lost: (claim) => this.emitter.emit("lost", claim),
-    restored: (claim) => this.emitter.emit("restored", claim),
+    lost: (claim) => this.onceConnected(() => this.emitter.emit("lost", claim)),
+    restored: (claim) => this.onceConnected(() => this.emitter.emit("restored", claim)),
   };
 
   /**

@@ -73,6 +73,7 @@ export abstract class Link {
   readonly #idleProbe: number;
   #probe: ReturnType<typeof setInterval> | undefined;
   #extensions: readonly string[] | null = null;
+  #postponed: (() => void)[] = [];
 
   /**
    * @param url the gateway, `ws://`, `wss://` or what it prints, `http://`; read relative to the page
@@ -153,6 +154,12 @@ export abstract class Link {
     this.emitter.emit("invalid", what);
   }
 
+  /** Tells something when whoever hears it can act upon it. */
+  protected onceConnected(tell: () => void): void {
+    if (this.state.name === "connected") tell();
+    else this.#postponed.push(tell);
+  }
+
   /** There is a session: what is held at the gateway is made again, before anybody is told. */
   protected abstract began(call: Call): Promise<void>;
 
@@ -181,6 +188,7 @@ export abstract class Link {
     if (state.name === "connected") this.#probe = setInterval(() => this.#probeIdle(), this.#idleProbe / 4);
     else this.ended(state.name === "closed");
     this.emitter.emit("state", state);
+    if (state.name === "connected") for (const tell of this.#postponed.splice(0)) tell();
   }
 
   /** A browser cannot ping: only an unanswered request shows that a silent connection is dead. */

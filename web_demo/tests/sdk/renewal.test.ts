@@ -52,12 +52,14 @@ afterEach(() => {
 describe("bindings", () => {
   it("come back before the connection is said to be there", async () => {
     await client.bind(NAVIGATION);
-    const bound: number[] = [];
+    const seen: unknown[] = [];
     client.on("state", ({ name }) => {
-      if (name === "connected") bound.push(count("rois.command.bind"));
+      if (name === "connected") seen.push(name, count("rois.command.bind"));
     });
+    client.on("restored", ({ kind }) => seen.push(kind, client.state.name));
     await reconnect();
-    expect(bound).toEqual([2]);
+    // Whoever is told that it is there can use it.
+    expect(seen).toEqual(["connected", 2, "binding", "connected"]);
     expect(told).toEqual([["restored", binding]]);
   });
 

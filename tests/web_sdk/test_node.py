@@ -1,0 +1,112 @@
+"""The TypeScript SDK in Node, as a package, against a real gateway with a real adapter behind it."""
+
+import re
+import subprocess
+from collections.abc import AsyncIterator
+from contextlib import AsyncExitStack, asynccontextmanager
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import pytest
+
+from openrois.gateway.server import Gateway, run_gateway
+from openrois.gateway.settings import GatewaySettings
+from openrois.types.codes import ErrorType
+from tests.support.deployment import gateway, until
+from tests.support.fleet import NOON, Robot, everything, fleet
+from tests.web_sdk.conftest import Application, Start
+
+pytestmark = [pytest.mark.long, pytest.mark.timeout(90)]
+
+
+@asynccontextmanager
+async def attached(running: Gateway, robot: Robot) -> AsyncIterator[None]:
+    """A robot at a gateway; both have learned of the other when the block begins."""
+    async with fleet(running.url.replace("http", "ws") + "adapter", robot):
+        await until(running.engine, lambda ids: robot.engine_id in ids)
+        yield
+    await until(running.engine, lambda ids: robot.engine_id not in ids)
+
+
+def own_websocket(node: Path) -> list[str]:
+    """Return the flags with which Node has a WebSocket of its own."""
+    version = subprocess.run([node, "--version"], capture_output=True, text=True, check=True, timeout=10).stdout
+    found = re.match(r"v(\d+)", version)
+    assert found is not None
+    return ["--experimental-websocket"] if int(found[1]) < 22 else []
+
+
+@pytest.mark.parametrize("websocket", ["ws", "own"])
+async def test_a_tour_of_all_operations(start: Start, node: Path, websocket: str) -> None:
+    robot = everything()
+    flags = own_websocket(node) if websocket == "own" else []
+    async with gateway() as running, attached(running, robot), start("tour.mjs", running.url, *flags) as app:
+        connected = await app.says("connected")
+        assert connected["extensions"] == ["rois.stream", "signaling"]
+        assert connected["websocket"] is (websocket == "own") or not own_websocket(node)
+        assert await app.says("profile") == [["robot"], 17]
+        assert await app.says("found") == [robot.ref("SpeechSynthesis")]
+        assert await app.says("nobody") == "UNSUPPORTED"
+        assert await app.says("unbound") == "OUT_OF_RESOURCES"
+        parameters = {"target_positions": ["lobby", "café 'n'"], "time_limit": 60000, "routing_policy": "time"}
+        assert await app.says("parameters") == parameters
+        assert await app.says("passed") == "lobby"
+        assert await app.says("travelled") == ["lobby", "café 'n'"]
+        assert await app.says("status") == {"status": "READY"}
+        assert await app.says("detected") == {"number": 1, "timestamp": NOON.strftime("%Y-%m-%dT%H:%M:%S.000Z")}
+        assert await app.says("detail") == ["number", "timestamp"]
+        assert await app.says("languages") == {"languages": ["en", "ja"]}
+        assert await app.says("robot") == ["position_data", "robot_ref", "timestamp"]
+        assert await app.says("stream") == ["audio_streaming-1", {"status": "STREAMING_SUSPENDED"}]
+        assert await app.says("followed") == ["CommandFailed", "ABORT"]
+        assert await app.says("sequence") == ["OK", "OK", "OK"]
+        assert await app.says("result") == ["stream_id"]
+        await app.says("ready")
+        robot.parts["PersonDetection"].report(ErrorType.COMPONENT_INTERNAL_ERROR, "the lens is dirty")
+        assert await app.says("fault") == ["COMPONENT_INTERNAL_ERROR", "the lens is dirty"]
+        assert await app.says("unknown") == ["RpcError", -32601]
+        assert await app.says("wrong") == ["RpcError", -32602]
+        assert await app.says("reader") == "ended"
+        await app.ends()
+    assert robot.parts["SpeechSynthesis"].parameters["speech_text"] == "Hello!"
+    assert robot.parts["SpeechSynthesis"].parameters["volume"] == "70"
+
+
+async def comes_back(app: Application) -> list[tuple[str, object]]:
+    """Return all that it says until both its binding and its subscription are there again."""
+    said: list[tuple[str, object]] = []
+    while [about for about, _ in said].count("restored") < 2:
+        said.append(await app.says_something())
+    assert ("restored", ["binding"]) in said
+    assert ("restored", ["subscription"]) in said
+    return said
+
+
+async def test_what_is_bound_and_subscribed_comes_back(start: Start) -> None:
+    robot = everything()
+    async with AsyncExitStack() as stack:
+        async with gateway() as running:
+            async with attached(running, robot):
+                app = await stack.enter_async_context(start("keeper.mjs", running.url))
+                await app.says("ready")
+                await app.go_on()
+                assert await app.says("reached") == "place 0"
+            # The engine is gone: both are lost, which is told once.
+            lost = [await app.says("lost"), await app.says("lost")]
+            assert sorted(lost) == [["binding", "UNSUPPORTED"], ["subscription", "UNSUPPORTED"]]
+            async with attached(running, robot):
+                await comes_back(app)
+                await app.go_on()
+                assert await app.says("reached") == "place 1"
+            await app.says("lost")
+            await app.says("lost")
+        # The gateway is gone, too. The robot's name for its component is all that they have in common.
+        port = urlsplit(running.url).port
+        assert port is not None
+        async with run_gateway(GatewaySettings(port=port)) as another, attached(another, robot):
+            said = await comes_back(app)
+            assert ("connected", None) in said
+            await app.go_on()
+            assert await app.says("reached") == "place 2"
+            await app.go_on()
+            await app.ends()
