@@ -113,17 +113,18 @@ _INTEGER: Final = re.compile(r"[+-]?[0-9]{1,20}", re.ASCII)
 
 
 class _Engines:
-    """Reads an engine and those below it; an XML id stands once in a document."""
+    """Reads an engine and those below it; XML ids, engine ids and components stand once in a document."""
 
     def __init__(self, remarks: list[str]) -> None:
         self._remarks = remarks
-        self._ids: set[str] = set()
+        self._taken: set[tuple[str, str]] = set()
 
     def read(self, element: Element) -> HRIEngineProfile:
         _attributes(element, identified=True)
-        self._take_id(element, _id(element))
+        self._take(element, "XML id", _id(element))
         children = _children(element, _ENGINE)
         identifier, _, extra = _identity(children, self._remarks)
+        self._take(element, "engine id", identifier.code)
         if "function" in extra:
             raise element.wrong("is an engine, which has no function")
         if not children["HRIComponent"]:
@@ -138,14 +139,18 @@ class _Engines:
     def _component_ids(self, elements: list[Element]) -> Iterator[str]:
         for element in elements:
             xml_id = _checked_id(element, _text(element))
-            self._take_id(element, xml_id)
+            self._take(element, "XML id", xml_id)
             if not stands_for_no_component(xml_id):
-                yield read_id(xml_id)
+                component_ref = read_id(xml_id)
+                self._take(element, "component", component_ref)
+                yield component_ref
 
-    def _take_id(self, element: Element, xml_id: str) -> None:
-        if xml_id in self._ids:
-            raise element.wrong(f"has the XML id {xml_id[:80]!r}, which stands twice")
-        self._ids.add(xml_id)
+    def _take(self, element: Element, what: str, text: str) -> None:
+        if not text:
+            raise element.wrong(f"has an empty {what}")
+        if (what, text) in self._taken:
+            raise element.wrong(f"has the {what} {text[:80]!r}, which stands twice")
+        self._taken.add((what, text))
 
 
 def _component(element: Element, remarks: list[str]) -> HRIComponentProfile:

@@ -18,6 +18,7 @@ NAMESPACES = (
     ' xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"'
 )
 IDENTITY = '<gml:identifier codeSpace="urn:ietf:rfc:2141">urn:x-rois:def:component:Test::Lamp</gml:identifier>'
+OTHER = '<gml:identifier codeSpace="urn:x-openrois:id">robot</gml:identifier>'
 VALUE = 'rois:name="level"><rois:data_type_ref rois:code="int"/>'
 
 
@@ -131,7 +132,7 @@ class TestWhatOthersWrite:
             engine(
                 "<gml:name>Main HRI</gml:name>",
                 '<rois:SubProfile gml:id="s">',
-                f"{IDENTITY}<rois:HRIComponent> c1 </rois:HRIComponent></rois:SubProfile>",
+                f"{OTHER}<rois:HRIComponent> c1 </rois:HRIComponent></rois:SubProfile>",
                 "<rois:HRIComponent>c2</rois:HRIComponent><rois:HRIComponent>none.x</rois:HRIComponent>",
                 f"<rois:ParameterProfile {VALUE}</rois:ParameterProfile>",
             )
@@ -142,7 +143,7 @@ class TestWhatOthersWrite:
         assert read.remarks == ()
 
     def test_an_engine_without_components(self) -> None:
-        read = read_profile(engine(f'<rois:SubProfile gml:id="s">{IDENTITY}</rois:SubProfile>'))
+        read = read_profile(engine(f'<rois:SubProfile gml:id="s">{OTHER}</rois:SubProfile>'))
         assert isinstance(read, EngineDocument)
         assert read.profile.component_refs() == ()
         assert read.remarks == (
@@ -235,6 +236,14 @@ def malformed() -> Iterable[tuple[str, str]]:
         engine(one.replace("c<", "robot/arm<")),
     )
     yield "line 3: rois:HRIComponent has '' where an XML id is expected", engine("<rois:HRIComponent/>")
+    yield (
+        "line 4: rois:HRIComponent has the component 'c', which stands twice",
+        engine(one, one.replace(">c", ">_x0063_")),
+    )
+    below = '<rois:SubProfile gml:id="s">{}</rois:SubProfile>'
+    yield "line 3: rois:SubProfile has the engine id 'urn:x-rois:def:comp", engine(below.format(IDENTITY))
+    nameless = '<gml:identifier codeSpace="a:b"/>'
+    yield "line 3: rois:SubProfile has an empty engine id", engine(below.format(nameless))
     yield "line 3: rois:SubProfile has no gml:id", engine(f"<rois:SubProfile>{IDENTITY}{one}</rois:SubProfile>")
     yield "line 1: rois:Parameter is no profile", f"<rois:Parameter {NAMESPACES}/>"
     yield "line 1: html is no profile", "<html/>"
