@@ -1,0 +1,80 @@
+"""Bounded queues, and conditions: the small parts."""
+
+import asyncio
+import gc
+
+import pytest
+
+from openrois.client import Client, where
+from openrois.client.feed import Feed
+from openrois.condition import parse_condition
+from tests.support.grounds import Line
+
+PROPERTIES = frozenset({"component_ref", "component_type"})
+
+
+async def test_the_oldest_makes_room_for_the_newest_and_is_counted() -> None:
+    feed = Feed[int](buffer=2)
+    for number in range(5):
+        feed.offer(number)
+    feed.end()
+    assert [number async for number in feed] == [3, 4]
+    assert feed.dropped == 3
+
+
+async def test_a_reader_waits_for_what_is_wanted() -> None:
+    feed = Feed[int](wants=lambda number: number % 2 == 0)
+    reading = asyncio.ensure_future(anext(feed))
+    await asyncio.sleep(0)
+    feed.offer(1)
+    feed.offer(2)
+    assert await reading == 2
+    assert feed.dropped == 0
+
+
+async def test_an_end_with_an_error_comes_after_what_waits_and_stays() -> None:
+    feed = Feed[int]()
+    feed.offer(1)
+    feed.end(ConnectionError("gone"))
+    feed.end()
+    feed.offer(2)
+    assert await anext(feed) == 1
+    for _ in range(2):
+        with pytest.raises(ConnectionError, match="gone"):
+            await anext(feed)
+
+
+async def test_several_readers_share_a_feed() -> None:
+    feed = Feed[int]()
+    reading = [asyncio.ensure_future(anext(feed)) for _ in range(3)]
+    await asyncio.sleep(0)
+    for number in range(3):
+        feed.offer(number)
+    assert sorted(await asyncio.gather(*reading)) == [0, 1, 2]
+
+
+def test_a_buffer_holds_something() -> None:
+    with pytest.raises(ValueError, match="at least one"):
+        Feed[int](buffer=0)
+
+
+async def test_a_feed_that_nobody_reads_any_more_is_forgotten(line: Line) -> None:
+    async with Client(dial=line.dial) as client:
+        client.notices()
+        feed = client.notifications()
+        gc.collect()
+        assert len(client._application.notices) == 0
+        assert list(client._application.listeners) == [feed]
+
+
+@pytest.mark.parametrize("text", ["robot/navigation", "o'clock", "''", "' OR component_ref LIKE '%", ""])
+def test_a_text_in_a_condition_is_a_text(text: str) -> None:
+    condition = parse_condition(where(component_ref=text), PROPERTIES)
+    assert len(condition.comparisons) == 1
+    assert condition.value_of("component_ref") == text
+
+
+def test_conditions_are_joined() -> None:
+    written = where(component_type="urn:x", component_ref="a/b")
+    assert written == "component_type = 'urn:x' AND component_ref = 'a/b'"
+    assert where() == ""

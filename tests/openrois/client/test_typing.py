@@ -1,0 +1,80 @@
+"""What a type checker sees of an application: every wrong name and type, and nothing that is right."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+from typing import Final
+
+import pytest
+
+ROOT: Final = Path(__file__).parents[3]
+
+APPLICATION: Final = """
+from collections.abc import AsyncIterator
+from typing import assert_type
+
+from openrois.catalog.actuation import NavigationParameters, ReachedTarget
+from openrois.catalog.sensing import PersonDetected
+from openrois.catalog.system_information import EngineStatusResult
+from openrois.client import Client, Command, ComponentProxy, Event, Fault, Feed, Notice, Step, Subscription, concurrent
+from openrois.client.components import Move, Navigation, PersonDetection, SpeechSynthesis, SystemInformation
+from openrois.client.components import VideoStreaming
+from openrois.types.codes import ComponentStatus, StreamStatus
+
+
+async def right(client: Client) -> None:
+    navigation = client.component(Navigation, "robot/navigation")
+    assert_type(navigation, Navigation)
+    assert_type(await client.find(PersonDetection), PersonDetection)
+    assert_type(await client.find_all(Move), list[Move])
+    assert_type(client.component("x/lamp"), ComponentProxy)
+    assert_type(navigation.set(target_positions=["lobby"], time_limit=5), Step[None])
+    assert_type(await navigation.start().execute(), Command[None])
+    assert_type(await navigation.component_status(), ComponentStatus)
+    assert_type(await navigation.parameters(), NavigationParameters)
+    async for reached in navigation.reached_target():
+        assert_type(reached, ReachedTarget)
+    async for event in client.component(PersonDetection, "robot/persons").person_detected().events():
+        assert_type(event, Event[PersonDetected])
+    assert_type(await client.component(SpeechSynthesis, "x/y").available_voices(), tuple[str, ...])
+    assert_type(await client.component(SystemInformation, "x/y").engine_status(), EngineStatusResult)
+    assert_type(await client.component(VideoStreaming, "x/y").get_stream_status("s"), StreamStatus)
+    assert_type(client.notices(Fault), Feed[Fault])
+    assert_type(client.notices(), Feed[Notice])
+    await client.run(navigation.set(target_positions=("hall",)), concurrent(navigation.start()).after(1.5))
+    async with navigation.bound():
+        await client.component(Move, "robot/move").set(line=[100, 0], time=2000)
+
+
+async def wrong(client: Client) -> None:
+    navigation = client.component(Navigation, "robot/navigation")
+    await navigation.set(target_position=["lobby"])  # error: call-arg
+    await navigation.set(target_positions="lobby")  # error: arg-type
+    await navigation.set(target_positions=[1])  # error: list-item
+    await navigation.set(time_limit="soon")  # error: arg-type
+    await navigation.set(["lobby"])  # error: call-arg
+    await navigation.begin()  # error: attr-defined
+    await navigation.start(at_once=True)  # error: call-arg
+    navigation.person_detected()  # error: attr-defined
+    async for person in client.component(PersonDetection, "robot/persons").person_detected():
+        print(person.count)  # error: attr-defined
+    (await navigation.component_status()).upside_down  # error: attr-defined
+    await client.find("Navigation")  # error: call-overload
+    await client.execute("start")  # error: arg-type
+    await client.bind(navigation)  # error: arg-type
+    Client(retries=3)  # error: call-arg
+"""
+
+
+@pytest.mark.timeout(300)
+def test_a_type_checker_finds_what_is_wrong_and_nothing_else(tmp_path: Path) -> None:
+    (tmp_path / "application.py").write_text(APPLICATION)
+    command = [sys.executable, "-m", "mypy", "--strict", "--config-file=", "--no-error-summary", "--hide-error-context"]
+    checked = subprocess.run(
+        [*command, str(tmp_path / "application.py")], cwd=ROOT, capture_output=True, check=False, text=True, timeout=280
+    )
+    found = re.findall(r"^.*application\.py:(\d+): error: .*\[([\w-]+)\]$", checked.stdout, re.MULTILINE)
+    lines = APPLICATION.splitlines()
+    expected = [(str(n), line.partition("# error: ")[2]) for n, line in enumerate(lines, 1) if "# error: " in line]
+    assert found == expected, checked.stdout + checked.stderr
