@@ -10,6 +10,7 @@ from websockets.exceptions import InvalidHandshake
 from openrois.application import EngineHost
 from openrois.backoff import Backoff
 from openrois.remote.serve import serve_engine
+from openrois.transport.stream import POLICY_VIOLATION
 from openrois.transport.websocket import dial
 
 __all__ = ["serve_parent"]
@@ -43,9 +44,14 @@ async def serve_parent(
                 _log.info("connected to %s", url)
                 started = clock()
                 closed = await serve_engine(host, stream)
-                _log.info("the gateway is gone: %s", closed)
-        except (OSError, TimeoutError, InvalidHandshake) as error:
-            _log.info("no gateway at %s: %s", url, error)
+                if closed.code == POLICY_VIOLATION:
+                    _log.warning("the gateway refuses this adapter: %s", closed.reason)
+                else:
+                    _log.info("the gateway is gone: %s", closed)
+        except InvalidHandshake as error:
+            _log.warning("what answers at %s takes no adapters: %s", url, error)
+        except (OSError, TimeoutError) as error:
+            _log.info("no gateway at %s (`openrois gateway` starts one here): %s", url, error)
         delay = backoff.after(clock() - started)
         _log.info("trying again in %.1f s", delay)
         await sleep(delay)

@@ -7,13 +7,11 @@ from openrois.application import EngineHost
 from openrois.errors import BadParameter, RoISError
 from openrois.jsonrpc.session import CALL_TIMEOUT, RpcSession
 from openrois.remote.proxy import RemoteProxy
-from openrois.transport.stream import MessageStream, StreamClosed
+from openrois.transport.stream import POLICY_VIOLATION, MessageStream, StreamClosed
 
 __all__ = ["serve_adapter"]
 
 _log = logging.getLogger(__name__)
-
-POLICY_VIOLATION = 1008
 
 
 async def serve_adapter(host: EngineHost, stream: MessageStream, answer_timeout: float = CALL_TIMEOUT) -> StreamClosed:

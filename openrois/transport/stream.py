@@ -1,8 +1,11 @@
 """The contract of a message stream: what a session needs of a connection."""
 
-from typing import Protocol
+from typing import Final, Protocol
 
-__all__ = ["MessageStream", "StreamClosed", "close_reason"]
+__all__ = ["POLICY_VIOLATION", "MessageStream", "StreamClosed", "close_reason"]
+
+POLICY_VIOLATION: Final = 1008
+"""The close code (RFC 6455, 7.4.1) of who does not take what the other side is."""
 
 _MAX_REASON = 123
 

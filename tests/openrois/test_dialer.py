@@ -1,6 +1,7 @@
 """Dialling a gateway, again and again, on a clock that the test turns."""
 
 import asyncio
+import logging
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
@@ -53,7 +54,9 @@ async def host() -> AsyncIterator[EngineHost]:
         yield made
 
 
-async def test_nobody_listens(host: EngineHost) -> None:
+async def test_nobody_listens(host: EngineHost, caplog: pytest.LogCaptureFixture) -> None:
+    caplog.set_level(logging.INFO)
+
     async def never(_far: ServerConnection) -> None:
         raise AssertionError
 
@@ -62,9 +65,10 @@ async def test_nobody_listens(host: EngineHost) -> None:
     time = Time(enough=4)
     async with dialling(host, f"ws://127.0.0.1:{port}/adapter", time):
         assert time.delays == [1, 1.5, 2.25, 3.375]
+    assert f"no gateway at ws://127.0.0.1:{port}/adapter (`openrois gateway` starts one here)" in caplog.text
 
 
-async def test_something_else_listens(host: EngineHost) -> None:
+async def test_something_else_listens(host: EngineHost, caplog: pytest.LogCaptureFixture) -> None:
     async def not_a_websocket(_reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         writer.write(b"nonsense\r\n\r\n")
         writer.close()
@@ -73,9 +77,12 @@ async def test_something_else_listens(host: EngineHost) -> None:
         time = Time(enough=2)
         async with dialling(host, f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}/adapter", time):
             assert time.delays == [1, 1.5]
+    assert "takes no adapters" in caplog.text
 
 
-async def test_a_refusal_counts_as_a_failure_and_a_lasting_connection_as_success(host: EngineHost) -> None:
+async def test_a_refusal_counts_as_a_failure_and_a_lasting_connection_as_success(
+    host: EngineHost, caplog: pytest.LogCaptureFixture
+) -> None:
     time = Time(enough=4)
     lasts = iter([0, 0, 10, 0])
 
@@ -83,12 +90,13 @@ async def test_a_refusal_counts_as_a_failure_and_a_lasting_connection_as_success
         await far.send('{"jsonrpc":"2.0","id":1,"method":"rois.system.connect"}')
         await far.recv()
         time.now += next(lasts)
-        await far.close(1008, "no")
+        await far.close(1008, "the engine id is taken")
 
     async with serve(refuse, "127.0.0.1", 0) as server:
         url = f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}/adapter"
         async with dialling(host, url, time):
             assert time.delays == [1, 1.5, 1, 1.5]
+    assert caplog.messages.count("the gateway refuses this adapter: the engine id is taken") == 4
 
 
 async def test_an_address_that_is_none_is_a_mistake(host: EngineHost) -> None:
