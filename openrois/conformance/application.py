@@ -10,6 +10,7 @@ from websockets.exceptions import ConnectionClosed
 from openrois.conformance.deviation import Deviation, expect, shown
 from openrois.conformance.strictness import check_envelope, is_extension, read_notification, read_result
 from openrois.conformance.transcript import Transcript
+from openrois.types.profiles import HRIEngineProfile
 
 __all__ = ["Application"]
 
@@ -145,6 +146,13 @@ class Application:
         result = await self.ask(method, **params)
         expect(f"the return_code of {method}", result["return_code"], "OK")
         return result
+
+    async def tree(self) -> HRIEngineProfile:
+        """Ask for the gateway's profile and return the tree of engines."""
+        profile = (await self.granted("rois.system.get_profile"))["profile"]
+        if profile is None:
+            raise Deviation("a profile of the engine", "null")
+        return HRIEngineProfile.model_validate(profile)
 
     async def refused(self, method: str, *codes: str, **params: Any) -> dict[str, Any]:
         """Ask what has to be answered with one of `codes`, and with nothing in the other fields; return the result."""

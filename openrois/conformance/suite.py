@@ -15,7 +15,6 @@ from openrois.conformance.probe_engine import ProbeEngine
 from openrois.conformance.probe_profiles import component_profiles
 from openrois.conformance.stage import Check, Needs, Setting, Stage, adapter_url
 from openrois.conformance.transcript import Frame, Transcript
-from openrois.types.profiles import HRIEngineProfile
 
 __all__ = ["Outcome", "Verdict", "Visit", "run_checks", "visit"]
 
@@ -103,12 +102,10 @@ async def _look(setting: Setting) -> tuple[tuple[str, ...], tuple[str, ...]]:
     async with AsyncExitStack() as stack:
         app = await Stage(setting, stack).application()
         await app.granted("rois.system.connect")
-        profile = (await app.granted("rois.system.get_profile"))["profile"]
-        if profile is None:
-            raise Deviation("a profile", "null")
+        tree = await app.tree()
         answer = await app.response(await app.begin("openrois.hello", version="1", extensions=[]))
         extensions = answer["result"].get("extensions", ()) if "result" in answer else ()
-        return HRIEngineProfile.model_validate(profile).engine_ids(), tuple(extensions)
+        return tree.engine_ids(), tuple(extensions)
 
 
 async def _attach(setting: Setting, stack: AsyncExitStack) -> Probe:
@@ -157,6 +154,8 @@ async def _run(place: Visit, check: Check) -> Verdict:
             verdict = Verdict(check, Outcome.FAILED, deviation.expected, deviation.came)
         except TimeoutError:
             verdict = Verdict(check, Outcome.FAILED, f"an end within {_CHECK_TIMEOUT:g} s", "none")
+        except (KeyError, IndexError, TypeError, ValueError) as error:
+            verdict = Verdict(check, Outcome.FAILED, "an answer that the check can follow", repr(error))
         except WebSocketException as error:
             verdict = Verdict(check, Outcome.FAILED, "a connection that lasts", str(error))
         else:

@@ -115,7 +115,7 @@ async def _adapter_bad_id(stage: Stage) -> None:
 async def _adapter_taken_id(stage: Stage) -> None:
     """An adapter with an engine id that the tree has already is closed with 1008, and the first one stays."""
     app = await stage.application()
-    gateway = (await app.granted(PROFILE))["profile"]["identifier"]["code"]
+    gateway = (await app.tree()).identifier.code
     mine = stage.probe.engine.engine_id
     for engine_id in (mine, f"{mine}-below", gateway):
         await _rejected(stage, ProbeEngine(engine_id, {}), f"the taken engine id {engine_id}")

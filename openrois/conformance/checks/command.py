@@ -7,7 +7,6 @@ from openrois.conformance.checks.system import REFUSED_CONDITIONS
 from openrois.conformance.deviation import Deviation, expect, shown
 from openrois.conformance.probe_profiles import PARAMETERS, URN, sample
 from openrois.conformance.stage import Checks, Needs, Stage
-from openrois.types.profiles import HRIEngineProfile
 
 __all__ = ["CHECKS"]
 
@@ -220,8 +219,8 @@ async def _set_parameter(stage: Stage) -> None:
     eye = stage.ref("eye")
     command_id, status = await _set(app, eye, _value("label", "red"), _value("count", "7"))
     expect("how set_parameter completed", status, "OK")
-    tree = HRIEngineProfile.model_validate((await app.granted("rois.system.get_profile"))["profile"])
-    expect(f"the engine id that leads the command_id {command_id}", command_id.partition("/")[0], *tree.engine_ids())
+    engine_ids = (await app.tree()).engine_ids()
+    expect(f"the engine id that leads the command_id {command_id}", command_id.partition("/")[0], *engine_ids)
     stored = {each["name"]: each["value"] for each in (await app.granted(GET, component_ref=eye))["parameters"]}
     expect("the stored values", (stored["label"], stored["count"]), ("red", "7"))
     asked = stage.probe.params_of(SET)

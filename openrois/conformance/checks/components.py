@@ -6,20 +6,16 @@ from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.catalog.component_type import ComponentType
 from openrois.conformance.application import EVENT, Application
 from openrois.conformance.deviation import Deviation, expect, shown
+from openrois.conformance.manifest import check_of_type
 from openrois.conformance.probe_profiles import sample
 from openrois.conformance.stage import Checks, Needs, Stage
 from openrois.types.codes import ComponentFunction
 from openrois.types.profiles import HRIComponentProfile, ParameterProfile
 from openrois.types.values import check_value
 
-__all__ = ["CHECKS", "of_type"]
+__all__ = ["CHECKS"]
 
 CHECKS: Final = Checks()
-
-
-def of_type(kind: ComponentType) -> str:
-    """Return the id of the check of a type of the standard."""
-    return f"type-{kind.code.lower()}"
 
 
 def _values(profiles: tuple[ParameterProfile, ...]) -> list[dict[str, str]]:
@@ -85,7 +81,7 @@ def _add(kind: ComponentType) -> None:
         await _events(stage, app, ref, profile)
 
     play.__doc__ = f"Every command, query, event and parameter of {kind.code} gets through as it is."
-    CHECKS(of_type(kind), Needs.ADAPTER)(play)
+    CHECKS(check_of_type(kind), Needs.ADAPTER)(play)
 
 
 for _kind in BASIC_COMPONENTS:

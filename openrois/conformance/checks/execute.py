@@ -190,7 +190,7 @@ async def _execute_ids(stage: Stage) -> None:
     """A command_id that is empty, repeated, in use, remembered, or led by an engine's id is answered BAD_PARAMETER."""
     app = await stage.application()
     eye, engine_id = stage.ref("eye"), stage.probe.engine.engine_id
-    gateway = (await app.granted("rois.system.get_profile"))["profile"]["identifier"]["code"]
+    gateway = (await app.tree()).identifier.code
     for units in (
         [_unit("", eye)],
         [_unit("a", eye), _unit("a", eye)],

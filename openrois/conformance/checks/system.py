@@ -1,6 +1,6 @@
 """The System interface: connect, disconnect, get_profile, errors."""
 
-from typing import Any, Final
+from typing import Final
 
 from openrois.conformance.deviation import Deviation, expect, shown
 from openrois.conformance.probe_profiles import URN
@@ -52,18 +52,12 @@ async def _disconnect_gives_back(stage: Stage) -> None:
     await stage.settle(app)
 
 
-def _tree(profile: dict[str, Any]) -> HRIEngineProfile:
-    return HRIEngineProfile.model_validate(profile)
-
-
 @CHECKS("profile")
 async def _profile(stage: Stage) -> None:
     """`get_profile` gives the tree of engines and the profile of every component in it, and of no other."""
     app = await stage.application()
     result = await app.granted("rois.system.get_profile")
-    if result["profile"] is None:
-        raise Deviation("a profile", "null")
-    refs = _tree(result["profile"]).component_refs()
+    refs = (await app.tree()).component_refs()
     expect("the components that have a profile", sorted(result["component_profiles"]), sorted(refs))
     found = (await app.granted("rois.command.search"))["component_ref_list"]
     expect("the components that search finds", sorted(found), sorted(refs))
@@ -73,7 +67,7 @@ async def _profile(stage: Stage) -> None:
 async def _profile_ids(stage: Stage) -> None:
     """Engine ids are unique and have no slash, and each leads the components of its engine."""
     app = await stage.application()
-    tree = _tree((await app.granted("rois.system.get_profile"))["profile"])
+    tree = await app.tree()
     ids = tree.engine_ids()
     expect("every engine id once", sorted(ids), sorted(set(ids)))
     if wrong := [engine_id for engine_id in ids if not engine_id or "/" in engine_id]:
@@ -106,21 +100,22 @@ async def _profile_unchanged(stage: Stage) -> None:
     for ref, profile in stage.probe.engine.profiles.items():
         expect(f"the profile of {ref}", result["component_profiles"].get(ref), profile.model_dump(mode="json"))
     engine_id = stage.probe.engine.engine_id
-    below = [sub for sub in result["profile"]["sub_profiles"] if sub["identifier"]["code"] == engine_id]
-    expect(f"how often {engine_id} stands below the gateway", len(below), 1)
-    expect("the engine below it", below[0]["sub_profiles"][0]["identifier"]["code"], f"{engine_id}-below")
+    tree = await app.tree()
+    below = [sub.engine_ids() for sub in tree.sub_profiles if sub.identifier.code == engine_id]
+    expect("the engines of the adapter", below, [(engine_id, f"{engine_id}-below")])
 
 
 @CHECKS("profile-condition", Needs.ADAPTER)
 async def _profile_condition(stage: Stage) -> None:
     """A condition chooses components and leaves the tree of engines whole."""
     app = await stage.application()
-    everything = await app.granted("rois.system.get_profile")
+    everything = await app.tree()
     arm = stage.ref("arm")
     chosen = await app.granted("rois.system.get_profile", condition=f"component_ref = '{arm}'")
     expect("the components chosen by reference", list(chosen["component_profiles"]), [arm])
-    expect("the components listed", _tree(chosen["profile"]).component_refs(), (arm,))
-    expect("the engines", _tree(chosen["profile"]).engine_ids(), _tree(everything["profile"]).engine_ids())
+    tree = HRIEngineProfile.model_validate(chosen["profile"])
+    expect("the components listed", tree.component_refs(), (arm,))
+    expect("the engines", tree.engine_ids(), everything.engine_ids())
     by_type = await app.granted("rois.system.get_profile", condition=f"component_type = '{URN}'")
     mine = sorted(ref for ref in by_type["component_profiles"] if ref.startswith(stage.probe.engine.engine_id))
     wanted = sorted(ref for ref, profile in stage.probe.engine.profiles.items() if profile.identifier.code == URN)
