@@ -3,7 +3,7 @@
 import asyncio
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass
-from typing import ClassVar, Final
+from typing import Final
 
 from openrois.component import Component
 from openrois.contract import ComponentBus
@@ -58,9 +58,9 @@ class ComponentContract:
         patience: seconds that an answer may take.
     """  # noqa: D415 - the sentence ends in the example
 
-    parameters: ClassVar[Mapping[str, str]] = {}
-    refuses: ClassVar[Mapping[str, str]] = {}
-    patience: ClassVar[float] = 5.0
+    parameters: Mapping[str, str] = {}
+    refuses: Mapping[str, str] = {}
+    patience: float = 5.0
 
     async def component(self) -> Component:
         """Return a new component, as an adapter would be given it, before it is connected."""

@@ -1,0 +1,64 @@
+"""The avatar's components keep the contract of every component."""
+
+from collections.abc import Mapping
+
+from openrois_avatar.body import Body
+from openrois_avatar.components.gaze import Gaze
+from openrois_avatar.components.reaction import Reaction, reaction_ref
+from openrois_avatar.components.speech_synthesis import SpeechSynthesis
+from openrois_avatar.components.streaming import AudioStreaming, VideoStreaming
+from openrois_avatar.components.system_information import SystemInformation
+from openrois_avatar.sound import AvatarSound
+from openrois_avatar.voice import Voice
+
+from openrois.component import Component
+from openrois.testing import ComponentContract
+from openrois.types.codes import ComponentStatus
+from tests.support.streaming import VirtualClock
+from tests.support.voice import ScriptedSynthesizer
+
+
+def ready() -> ComponentStatus:
+    return ComponentStatus.READY
+
+
+class TestSystemInformation(ComponentContract):
+    async def component(self) -> Component:
+        return SystemInformation("avatar", ready)
+
+
+class TestSpeechSynthesis(ComponentContract):
+    parameters: Mapping[str, str] = {"speech_text": "Hello"}
+
+    async def component(self) -> Component:
+        clock = VirtualClock()
+        return SpeechSynthesis(Voice(ScriptedSynthesizer(), AvatarSound(clock), Body(lambda _command: None)))
+
+
+class TestReaction(ComponentContract):
+    parameters: Mapping[str, str] = {"reaction_ref": reaction_ref("nod")}
+
+    async def component(self) -> Component:
+        return Reaction(Body(lambda _command: None), lambda: ("nod", "wave"), ready)
+
+
+class TestGaze(ComponentContract):
+    async def component(self) -> Component:
+        return Gaze(Body(lambda _command: None), ready)
+
+
+STREAMS = "a stream belongs to the application that connects it, and a component is not told which one that is"
+
+
+class TestVideoStreaming(ComponentContract):
+    refuses: Mapping[str, str] = {"get_stream_status": STREAMS}
+
+    async def component(self) -> Component:
+        return VideoStreaming(("video/VP8",), ready)
+
+
+class TestAudioStreaming(ComponentContract):
+    refuses: Mapping[str, str] = {"get_stream_status": STREAMS}
+
+    async def component(self) -> Component:
+        return AudioStreaming(("audio/opus",), ready)

@@ -1,0 +1,154 @@
+"""An adapter that runs: within a program that has a loop already, and as a program of its own."""
+
+import asyncio
+import os
+import re
+import signal
+import sys
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import pytest
+
+from openrois.adapter import serve
+from openrois.client import Client
+from openrois.gateway.server import Gateway
+from openrois.testing import findings, launched
+from tests.support.components import Lamp
+from tests.support.deployment import gateway, until
+
+EXAMPLE = Path(__file__).parents[3] / "docs" / "examples" / "lamp_adapter.py"
+
+
+def address(running: Gateway) -> str:
+    return running.url.replace("http", "ws", 1) + "adapter"
+
+
+@asynccontextmanager
+async def program(gateway_url: str, *source: str) -> AsyncIterator[asyncio.subprocess.Process]:
+    """Run the example, or a program's text, with its log to be read."""
+    process = await asyncio.create_subprocess_exec(
+        sys.executable,
+        *(source or (str(EXAMPLE),)),
+        env={**os.environ, "OPENROIS_GATEWAY": gateway_url},
+        stderr=asyncio.subprocess.PIPE,
+    )
+    try:
+        yield process
+    finally:
+        if process.returncode is None:
+            process.kill()
+        await process.communicate()
+
+
+async def said(process: asyncio.subprocess.Process, pattern: str) -> str:
+    """Wait until the program has logged a line with `pattern`; return that line."""
+    assert process.stderr is not None
+    heard = ""
+    async with asyncio.timeout(20):
+        while not re.search(pattern, heard):
+            line = await process.stderr.readline()
+            assert line, f"the program ended: {heard}"
+            heard = line.decode()
+    return heard
+
+
+async def ended(process: asyncio.subprocess.Process) -> int:
+    async with asyncio.timeout(20):
+        return await process.wait()
+
+
+class TestServe:
+    async def test_components_are_behind_the_gateway_while_the_block_runs(self) -> None:
+        lamp = Lamp()
+        async with gateway() as running:
+            async with serve(lamp, engine_id="robot", gateway=address(running)) as host:
+                await until(running.engine, lambda ids: "robot" in ids)
+                await running.engine.invoke("robot/lamp", "switch")
+                assert lamp.total == 1
+                assert host.engine.engine_id == "robot"
+            await until(running.engine, lambda ids: "robot" not in ids)
+
+    async def test_the_environment_says_where_the_gateway_is(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        async with gateway() as running:
+            monkeypatch.setenv("OPENROIS_GATEWAY", address(running))
+            async with serve(Lamp(), engine_id="robot"):
+                await until(running.engine, lambda ids: "robot" in ids)
+
+    @pytest.mark.parametrize("wrong", ["http://127.0.0.1:8765/adapter", "127.0.0.1", "ws://"])
+    async def test_an_address_that_is_none(self, wrong: str) -> None:
+        with pytest.raises(ValueError, match="no address of a gateway"):
+            async with serve(Lamp(), engine_id="robot", gateway=wrong):
+                pass
+
+
+class TestExample:
+    """The README's adapter, as it stands there."""
+
+    def test_it_is_short(self) -> None:
+        assert len(EXAMPLE.read_text(encoding="utf-8").splitlines()) < 30
+
+    async def test_an_application_uses_it(self) -> None:
+        async with (
+            launched(sys.executable, str(EXAMPLE)) as running,
+            Client(running.url) as client,
+            asyncio.timeout(10),
+        ):
+            (lamp_ref,) = await client.search("component_type = 'urn:x-rois:def:component:Example::Lamp'")
+            assert lamp_ref == "lamp_1/lamp"
+            lamp = client.component(lamp_ref)
+            async with lamp.bound():
+                await lamp.set_parameter(brightness=50)
+                async with lamp.event("switched") as switched:
+                    await lamp.command("switch", on=True)
+                    assert await anext(aiter(switched)) == {"on": True}
+                assert await lamp.query("power") == {"power": 3.0}
+                assert await lamp.get_parameter() == {"brightness": 50}
+
+    async def test_it_keeps_the_contract(self) -> None:
+        async with launched(sys.executable, str(EXAMPLE)) as running:
+            assert await findings(running.engine) == []
+
+
+class TestRun:
+    @pytest.mark.parametrize("word", [signal.SIGINT, signal.SIGTERM])
+    async def test_it_stops_when_it_is_told_to(self, word: signal.Signals) -> None:
+        async with gateway() as running, program(address(running)) as process:
+            await until(running.engine, lambda ids: "lamp_1" in ids)
+            process.send_signal(word)
+            await said(process, "lamp_1 has stopped")
+            assert await ended(process) == 0
+            await until(running.engine, lambda ids: "lamp_1" not in ids)
+
+    async def test_it_waits_for_a_gateway_that_is_not_there_and_comes_back(self) -> None:
+        async with gateway() as running:
+            port = int(running.url.rpartition(":")[2].rstrip("/"))
+        async with program(f"ws://127.0.0.1:{port}/adapter") as process:
+            line = await said(process, "no gateway")
+            assert f"no gateway at ws://127.0.0.1:{port}/adapter (`openrois gateway` starts one here)" in line
+            assert " I openrois.dialer: " in line
+            await said(process, "trying again in")
+            process.send_signal(signal.SIGINT)
+            assert await ended(process) == 0
+
+    async def test_a_gateway_that_refuses_it_says_why(self) -> None:
+        async with gateway() as running, program(address(running)) as first:
+            await until(running.engine, lambda ids: "lamp_1" in ids)
+            async with program(address(running)) as second:
+                assert "the engine id 'lamp_1' is taken in this tree" in await said(second, "refuses this adapter")
+            assert first.returncode is None
+
+    async def test_a_component_that_cannot_be_reached_is_there_and_says_so(self) -> None:
+        source = (
+            "from openrois.adapter import Component, run\n"
+            "class Arm(Component):\n"
+            "    async def connect(self) -> None:\n"
+            "        raise OSError('the arm is unplugged')\n"
+            "run(Arm(), engine_id='robot')\n"
+        )
+        async with gateway() as running, program(address(running), "-c", source) as process:
+            await said(process, "arm is not connected: .*the arm is unplugged")
+            await until(running.engine, lambda ids: "robot" in ids)
+            (status,) = await running.engine.query("robot/arm", "component_status")
+            assert status.value == "ERROR"
