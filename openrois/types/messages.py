@@ -5,7 +5,7 @@ failure in RoIS terms is a result whose `return_code` is not OK and whose other 
 """
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Final, Self
 
 from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
 
@@ -44,6 +44,12 @@ __all__ = [
     "UnsubscribeParams",
 ]
 
+MAX_DELAY: Final = 86_400_000
+"""Milliseconds of a delay: a day."""
+
+MAX_ITEMS: Final = 256
+"""Items of a command unit sequence."""
+
 Code = Annotated[ReturnCode, Field(strict=False)]
 
 
@@ -70,14 +76,14 @@ class CommandUnit(Model):
     command_type: str
     command_id: str
     arguments: tuple[Argument, ...] = Field(default=(), strict=False)
-    delay_time: Annotated[int, Field(ge=0, le=86_400_000)] | None = None
+    delay_time: Annotated[int, Field(ge=0, le=MAX_DELAY)] | None = None
 
 
 class ConcurrentCommands(Model):
     """Commands that run at the same time; the next item of the sequence waits for all of them."""
 
     command_list: tuple[CommandUnit, ...] = Field(strict=False)
-    delay_time: Annotated[int, Field(ge=0, le=86_400_000)] | None = None
+    delay_time: Annotated[int, Field(ge=0, le=MAX_DELAY)] | None = None
 
 
 def _read_item(item: Any) -> CommandUnit | ConcurrentCommands:
@@ -125,7 +131,7 @@ class ExecuteParams(Model):
 
     command_unit_list: Annotated[
         tuple[SequenceItem, ...],
-        Field(max_length=256, strict=False, json_schema_extra={"minItems": 1}),
+        Field(max_length=MAX_ITEMS, strict=False, json_schema_extra={"minItems": 1}),
         AfterValidator(_not_empty),
     ]
 

@@ -1,13 +1,18 @@
 """References and ids: `<engine_id>/<rest>`, from the adapter to the application, never rewritten on the way."""
 
 import secrets
+from typing import Final
 
 __all__ = ["engine_of", "is_engine_id", "new_id", "reference"]
 
 
+MAX_ID: Final = 128
+"""Characters of an engine's id, or of a component's name."""
+
+
 def is_engine_id(text: str) -> bool:
-    """Tell whether `text` can name an engine: not empty, without a slash, at most 128 characters."""
-    return 0 < len(text) <= 128 and "/" not in text
+    """Tell whether `text` can name an engine: not empty, without a slash, at most `MAX_ID` characters."""
+    return 0 < len(text) <= MAX_ID and "/" not in text
 
 
 def engine_of(reference: str) -> str:

@@ -5,7 +5,7 @@ and its sub-engine they carry `client_id` as well, because there one connection 
 """
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Final
 
 from pydantic import Field
 
@@ -28,6 +28,12 @@ __all__ = [
     "subject_of",
 ]
 
+MAX_EXTENSIONS: Final = 64
+"""Names in one hello."""
+
+MAX_PARAMETERS: Final = 16
+"""Parameters of one connect_stream."""
+
 EXTENSION_VERSION = "1"
 EXTENSIONS = ("rois.stream", "signaling")
 
@@ -44,7 +50,7 @@ class HelloParams(Model):
     """Params of `openrois.hello`: what the asking side speaks beyond the base wire."""
 
     version: str
-    extensions: tuple[str, ...] = Field(default=(), max_length=64, strict=False)
+    extensions: tuple[str, ...] = Field(default=(), max_length=MAX_EXTENSIONS, strict=False)
 
 
 class HelloResult(ReturnResult):
@@ -64,7 +70,7 @@ class ConnectStreamParams(Model):
     """Params of connect_stream; parameters are `encoding_parameters` and `transport_parameters`, JSON text each."""
 
     component_ref: str
-    parameters: tuple[Parameter, ...] = Field(default=(), max_length=16, strict=False)
+    parameters: tuple[Parameter, ...] = Field(default=(), max_length=MAX_PARAMETERS, strict=False)
 
 
 class StreamParams(Model):

@@ -12,13 +12,18 @@ from openrois.types.codes import ComponentStatus, StreamStatus
 
 __all__ = ["check_value", "date_time", "decode_value", "encode_list", "encode_value", "read_date_time"]
 
-_INTEGER: Final = re.compile(r"-?[0-9]{1,20}", re.ASCII)
+MAX_DIGITS: Final = 20
+"""Digits of an integer."""
+
+MAX_DEPTH: Final = 8
+"""How deep lists may be nested."""
+
+_INTEGER: Final = re.compile(rf"-?[0-9]{{1,{MAX_DIGITS}}}", re.ASCII)
 _NUMBER: Final = re.compile(r"-?[0-9]{1,40}(\.[0-9]{1,40})?([eE][+-]?[0-9]{1,4})?", re.ASCII)
 _INTEGERS: Final = {"int", "integer", "long", "short"}
 _NUMBERS: Final = {"float", "double"}
 _TRUTHS: Final = {"bool", "boolean"}
-_INTEGER_LIMIT: Final = 10**20
-_MAX_DEPTH: Final = 8
+_INTEGER_LIMIT: Final = 10**MAX_DIGITS
 _DATE_TIME: Final = re.compile(r"[0-9W-]{7,10}[T ][0-9:.,]{2,20}(Z|[+-][0-9:.]{2,15})?", re.ASCII)
 
 
@@ -61,8 +66,8 @@ def _check_list(code: str, value: str) -> None:
 
 
 def _check_items(code: str, parsed: Any, depth: int) -> None:
-    if not isinstance(parsed, list) or depth >= _MAX_DEPTH:
-        raise ValueError(f"a value of type {code} is a JSON array, nested at most {_MAX_DEPTH} deep")
+    if not isinstance(parsed, list) or depth >= MAX_DEPTH:
+        raise ValueError(f"a value of type {code} is a JSON array, nested at most {MAX_DEPTH} deep")
     item_code = code.removesuffix("[]")
     for item in parsed:
         if item_code.endswith("[]"):

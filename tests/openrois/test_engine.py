@@ -271,6 +271,16 @@ class TestRouting:
         assert a.asked == ["query q of below/lamp", "invoke c of a/lamp"]
         assert b.asked == ["subscribe e of b/lamp", "unsubscribe an id"]
 
+    async def test_a_subscription_to_a_component_that_went_is_forgotten(self, engine: Engine) -> None:
+        """The bus has told its sink already; what is noted here may not grow with every coming and going."""
+        far = Far(tree("a", refs=("a/lamp", "a/bell")))
+        await engine.attach(far)
+        await engine.subscribe("a/lamp", "e", lambda _item: None)
+        far.directory = Directory(tree("a", refs=("a/bell",)), {"a/bell": LAMP})
+        await engine.refresh(far)
+        await engine.unsubscribe("an id")
+        assert far.asked == ["subscribe e of a/lamp"]
+
     @pytest.mark.parametrize("ref", ["", "a", "/lamp", "nobody/lamp", "x" * 1000])
     async def test_a_reference_that_leads_nowhere(self, engine: Engine, ref: str) -> None:
         await engine.attach(Far(tree("a")))

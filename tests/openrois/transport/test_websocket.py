@@ -9,7 +9,7 @@ from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import InvalidHandshake, InvalidURI
 
 from openrois.transport.stream import StreamClosed
-from openrois.transport.websocket import dial
+from openrois.transport.websocket import MAX_MESSAGE, dial
 
 
 @asynccontextmanager
@@ -108,3 +108,18 @@ async def test_what_cannot_be_dialled() -> None:
         with pytest.raises(InvalidHandshake):
             async with dial(f"ws://127.0.0.1:{port}/"):
                 raise AssertionError("no WebSocket server")
+
+
+@pytest.mark.parametrize("size", [MAX_MESSAGE, MAX_MESSAGE + 1])
+async def test_a_message_may_be_so_long(size: int) -> None:
+    async def say(far: ServerConnection) -> None:
+        await far.send("x" * size)
+        await far.wait_closed()
+
+    async with serving(say) as url, dial(url) as near:
+        if size == MAX_MESSAGE:
+            assert len(await near.receive()) == size
+        else:
+            with pytest.raises(StreamClosed) as raised:
+                await near.receive()
+            assert raised.value.code == 1009

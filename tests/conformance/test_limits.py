@@ -1,0 +1,411 @@
+"""Every limit that docs/wire.md promises: its number is the constant's, and a test goes to it and beyond."""
+
+import asyncio
+import re
+from collections.abc import AsyncIterator
+from contextlib import AsyncExitStack
+from pathlib import Path
+from typing import Any
+
+import pytest
+from openrois_avatar.speech import markup
+from openrois_signaling import messages as signaling
+from openrois_signaling import relay
+from openrois_streaming.sessions import SESSIONS_LIMIT
+
+from openrois import command_log, condition, engine, error_log, event_log, faults, remembered
+from openrois.application import EngineHost
+from openrois.errors import OutOfResources
+from openrois.gateway import server
+from openrois.gateway.settings import GatewaySettings
+from openrois.gateway.socket import ADAPTER, APPLICATION
+from openrois.interfaces import stream
+from openrois.jsonrpc import calls, outbox, session
+from openrois.registry import LocalRegistry
+from openrois.transport import websocket
+from openrois.types import messages, references, streams, values
+from tests.support import deployment, wire
+from tests.support.components import Bell
+from tests.support.deployment import Door
+from tests.support.session import settle
+
+ROOT = Path(__file__).parents[2]
+KIB, MIB = 1024, 1024 * 1024
+DOOR = "robot/door"
+
+HERE = "tests/conformance/test_limits.py"
+TRANSPORT = "tests/conformance/test_transport.py"
+
+LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
+    "connections of a gateway": ((server.MAX_CONNECTIONS, 503), (f"{TRANSPORT}::test_only_so_many_at_a_time",)),
+    "message from an application / an adapter": (
+        (APPLICATION.max_message / KIB, ADAPTER.max_message / MIB, 1009, 1003),
+        (
+            f"{TRANSPORT}::test_the_limit_is_exact",
+            f"{TRANSPORT}::test_an_adapter_may_say_more",
+            f"{TRANSPORT}::test_binary_frames_are_refused",
+        ),
+    ),
+    "message that an adapter takes from its gateway": (
+        (websocket.MAX_MESSAGE / MIB,),
+        ("tests/openrois/transport/test_websocket.py::test_a_message_may_be_so_long",),
+    ),
+    "pings to applications / adapters": (
+        (APPLICATION.ping_interval, APPLICATION.ping_timeout, ADAPTER.ping_interval, ADAPTER.ping_timeout),
+        (f"{TRANSPORT}::test_a_silent_side_is_cut", f"{TRANSPORT}::test_the_default_bounds"),
+    ),
+    "messages waiting to be sent on one connection, events aside": (
+        (outbox.CONTROL_LIMIT,),
+        (f"{HERE}::test_messages_that_wait", f"{TRANSPORT}::test_is_cut_off_and_costs_nobody_anything"),
+    ),
+    "`notify_event` and `notify_error` waiting on one connection": (
+        (outbox.EVENT_LIMIT,),
+        (
+            "tests/conformance/test_event.py::test_who_said_hello_is_told_how_many",
+            f"{TRANSPORT}::test_loses_events_and_delays_nobody",
+        ),
+    ),
+    "events that wait for the reply to their subscription": (
+        (event_log.MAX_HELD,),
+        ("tests/openrois/test_event_log.py::test_of_too_many_that_wait_the_oldest_go",),
+    ),
+    "requests of one connection that run at a time": (
+        (session.MAX_RUNNING_REQUESTS,),
+        (
+            f"{HERE}::test_requests_that_run",
+            f"{TRANSPORT}::test_one_whose_answers_wait_behind_its_own_requests_stays",
+        ),
+    ),
+    "problems that one -32602 lists": (
+        (session.MAX_PROBLEMS,),
+        ("tests/conformance/test_envelope.py::test_a_refusal_is_small_however_much_is_wrong", f"{HERE}::test_problems"),
+    ),
+    "commands of one application, running / finished and remembered": (
+        (command_log.MAX_RUNNING, command_log.MAX_FINISHED),
+        (f"{HERE}::test_commands_that_run", f"{HERE}::test_finished_commands"),
+    ),
+    "unfinished commands of all applications, those that are gone included": (
+        (command_log.MAX_UNFINISHED,),
+        (f"{HERE}::test_unfinished_commands_of_all", f"{HERE}::test_those_of_applications_that_are_gone_count"),
+    ),
+    "subscriptions of one application; remembered events": (
+        (event_log.MAX_SUBSCRIPTIONS, event_log.MAX_DETAILS, event_log.DETAIL_LIFETIME),
+        (
+            f"{HERE}::test_subscriptions",
+            f"{HERE}::test_remembered_events",
+            "tests/openrois/test_event_log.py::test_details_are_kept_for_a_while",
+        ),
+    ),
+    "text of the results that one application may ask for again: of commands / of events": (
+        (remembered.MAX_TEXT / MIB,),
+        (f"{HERE}::test_text_of_events", f"{HERE}::test_text_of_commands"),
+    ),
+    "faults of one engine that are told; errors that one application may ask about": (
+        (faults.FAULTS_AT_ONCE, faults.FAULTS_PER_SECOND, error_log.MAX_ERRORS),
+        (
+            "tests/conformance/test_errors.py::test_a_flood_is_cut_and_old_errors_are_forgotten",
+            "tests/conformance/test_errors.py::test_a_flood_is_cut",
+            "tests/openrois/test_faults.py::test_a_flood_is_cut",
+            "tests/openrois/test_error_log.py::test_the_oldest_is_forgotten",
+        ),
+    ),
+    "characters of a fault's description": (
+        (faults.MAX_DESCRIPTION,),
+        ("tests/openrois/test_faults.py::test_a_long_description_is_cut",),
+    ),
+    "items in a command sequence; characters of a condition": (
+        (messages.MAX_ITEMS, 32602, condition.MAX_LENGTH),
+        (f"{HERE}::test_items_of_a_sequence", f"{HERE}::test_characters_of_a_condition"),
+    ),
+    "a `delay_time`": (
+        (0, messages.MAX_DELAY, 32602),
+        ("tests/conformance/test_corners.py::test_a_delay_is_a_whole_number_from_zero_to_a_day",),
+    ),
+    "digits of an integer in a value; depth of a list in it": (
+        (values.MAX_DIGITS, values.MAX_DEPTH),
+        (f"{HERE}::test_digits_and_depth",),
+    ),
+    "characters of an engine's id, and of a component's name": (
+        (references.MAX_ID,),
+        ("tests/openrois/types/test_references.py::test_what_cannot_name_an_engine",),
+    ),
+    "extensions in `openrois.hello`; parameters of `connect_stream`": (
+        (streams.MAX_EXTENSIONS, streams.MAX_PARAMETERS, 32602),
+        (f"{HERE}::test_lists_of_extensions",),
+    ),
+    "answer of an adapter": (
+        (session.CALL_TIMEOUT,),
+        ("tests/conformance/test_query.py::test_no_answer_in_time", f"{HERE}::test_the_time_for_an_answer"),
+    ),
+    "answers of an adapter that come too late and still matter": (
+        (calls.MAX_LATE,),
+        ("tests/openrois/jsonrpc/test_session_calls.py::test_late_answers_are_remembered_within_a_bound",),
+    ),
+    "depth of the tree of engines": (
+        (engine.MAX_DEPTH, 1008),
+        (
+            "tests/openrois/test_engine.py::test_engines_stand_only_so_deep",
+            "tests/conformance/test_adapters.py::test_what_is_not_acceptable_is_closed_with_the_reason",
+        ),
+    ),
+    "streams of one application; sections of one peer": (
+        (stream.MAX_STREAMS, signaling.SECTIONS_LIMIT),
+        (
+            "tests/conformance/test_streams.py::test_only_so_many_even_at_once",
+            "tests/avatar/test_streams.py::test_the_number_of_applications_and_sections_is_bounded",
+        ),
+    ),
+    "applications that one avatar streams to": (
+        (SESSIONS_LIMIT,),
+        ("tests/avatar/test_streams.py::test_the_number_of_applications_and_sections_is_bounded",),
+    ),
+    "signaling of one application": (
+        (relay.RATE, relay.BURST, relay.PEERS_PER_OWNER),
+        (
+            "tests/conformance/test_signaling.py::test_candidates_and_messages_are_bounded",
+            "tests/conformance/test_signaling.py::test_an_application_that_reconnects_for_ever_keeps_its_share",
+            "tests/conformance/test_stream_ends.py::test_an_adapter_that_comes_and_goes_for_ever",
+        ),
+    ),
+    "session description / candidate": (
+        (signaling.SDP_LIMIT / KIB, signaling.CANDIDATE_LIMIT),
+        ("tests/conformance/test_signaling.py::test_sizes_and_shapes",),
+    ),
+    "candidates of one peer": (
+        (signaling.CANDIDATES_LIMIT,),
+        ("tests/conformance/test_signaling.py::test_candidates_and_messages_are_bounded",),
+    ),
+    "characters of a text to speak": (
+        (markup.MAX_TEXT,),
+        ("tests/avatar/speech/test_markup.py::test_a_text_that_is_too_long_is_refused",),
+    ),
+}
+"""Each row of the table: its numbers in order, as units say, and the tests that hit them."""
+
+
+def rows() -> dict[str, str]:
+    """Return the table: what is limited, and the text that says how."""
+    text = (ROOT / "docs/wire.md").read_text(encoding="utf-8").partition("\n## Limits\n")[2]
+    found = re.findall(r"^\| (.+?) \| (.+) \|$", text, re.MULTILINE)
+    return dict(found[1:])
+
+
+class TestTable:
+    def test_every_limit_is_named_here_and_there(self) -> None:
+        assert list(rows()) == list(LIMITS)
+
+    @pytest.mark.parametrize("row", LIMITS)
+    def test_the_numbers_are_the_constants(self, row: str) -> None:
+        said = [float(number.replace(",", "")) for number in re.findall(r"\d[\d,]*(?:\.\d+)?", rows()[row])]
+        assert said == [float(number) for number in LIMITS[row][0]]
+
+    @pytest.mark.parametrize("row", LIMITS)
+    def test_tests_hit_them(self, row: str) -> None:
+        for reference in LIMITS[row][1]:
+            path, _, name = reference.partition("::")
+            text = (ROOT / path).read_text(encoding="utf-8")
+            assert re.search(rf"def {name}\(", text), f"there is no {reference}"
+
+
+@pytest.fixture
+async def door() -> Door:
+    return Door()
+
+
+@pytest.fixture
+async def bell() -> Bell:
+    return Bell()
+
+
+@pytest.fixture
+async def host(door: Door, bell: Bell) -> AsyncIterator[EngineHost]:
+    top = engine.Engine("gateway")
+    await top.attach(LocalRegistry("robot", [door, bell]))
+    async with wire.hosted(top) as made:
+        yield made
+
+
+@pytest.fixture
+async def app(host: EngineHost) -> AsyncIterator[wire.Application]:
+    async with wire.application(host) as connected:
+        yield connected
+
+
+def sequence(first: int, count: int, how: str = "") -> list[dict[str, Any]]:
+    arguments = [{"name": "how", "data_type_ref": "string", "value": how}] if how else []
+    unit = {"component_ref": DOOR, "command_type": "open", "arguments": arguments}
+    return [{**unit, "command_id": str(number)} for number in range(first, first + count)]
+
+
+async def execute(app: wire.Application, units: list[dict[str, Any]]) -> str:
+    return str((await app.ask("rois.command.execute", command_unit_list=units))["return_code"])
+
+
+class TestCommands:
+    async def test_commands_that_run(self, app: wire.Application, door: Door) -> None:
+        door.may_answer.clear()
+        for first in range(0, command_log.MAX_RUNNING, messages.MAX_ITEMS):
+            assert await execute(app, sequence(first, messages.MAX_ITEMS)) == "OK"
+        assert await execute(app, sequence(command_log.MAX_RUNNING, 1)) == "OUT_OF_RESOURCES"
+        answer = await app.ask("rois.command.set_parameter", component_ref=DOOR, parameters=[])
+        assert answer["return_code"] == "UNSUPPORTED"
+        door.may_answer.set()
+        for _ in range(command_log.MAX_RUNNING):
+            await app.next("rois.command.completed")
+        assert await execute(app, sequence(command_log.MAX_RUNNING, 1)) == "OK"
+
+    async def test_finished_commands(self, app: wire.Application) -> None:
+        for first in range(0, command_log.MAX_FINISHED + messages.MAX_ITEMS, messages.MAX_ITEMS):
+            assert await execute(app, sequence(first, messages.MAX_ITEMS)) == "OK"
+            for _ in range(messages.MAX_ITEMS):
+                await app.next("rois.command.completed")
+        for command_id, code in (
+            (messages.MAX_ITEMS - 1, "BAD_PARAMETER"),
+            (messages.MAX_ITEMS, "OK"),
+            (messages.MAX_ITEMS + command_log.MAX_FINISHED - 1, "OK"),
+        ):
+            answer = await app.ask("rois.command.get_command_result", command_id=str(command_id))
+            assert (command_id, answer["return_code"]) == (command_id, code)
+
+    async def test_text_of_commands(self, app: wire.Application) -> None:
+        how = "x" * (MIB // 2)
+        count = remembered.MAX_TEXT // len(how) + 1
+        for number in range(count):
+            assert await execute(app, sequence(number, 1, how)) == "OK"
+            await app.next("rois.command.completed")
+        for command_id, code in ((0, "BAD_PARAMETER"), (1, "OK"), (count - 1, "OK")):
+            answer = await app.ask("rois.command.get_command_result", command_id=str(command_id))
+            assert (command_id, answer["return_code"]) == (command_id, code)
+
+    async def test_unfinished_commands_of_all(self) -> None:
+        budget = command_log.CommandBudget()
+        budget.take(command_log.MAX_UNFINISHED)
+        with pytest.raises(OutOfResources):
+            budget.take(1)
+        budget.give_back()
+        budget.take(1)
+
+    async def test_those_of_applications_that_are_gone_count(self, host: EngineHost, door: Door) -> None:
+        """So nobody can pile up work by coming again and again."""
+        host.commands = command_log.CommandBudget(most=4)
+        door.may_answer.clear()
+        for _ in range(2):
+            async with wire.application(host) as leaving:
+                assert await execute(leaving, sequence(0, 2)) == "OK"
+        async with wire.application(host) as app:
+            assert await execute(app, sequence(0, 1)) == "OUT_OF_RESOURCES"
+            door.may_answer.set()
+            async with deployment.patience():
+                while len(door.opened) < 4:
+                    await app.ask("rois.system.connect")
+            assert await execute(app, sequence(0, 4)) == "OK"
+
+    async def test_items_of_a_sequence(self, app: wire.Application) -> None:
+        assert await execute(app, sequence(0, messages.MAX_ITEMS)) == "OK"
+        with pytest.raises(session.RpcError) as refused:
+            await execute(app, sequence(0, messages.MAX_ITEMS + 1))
+        assert refused.value.code == -32602
+
+    async def test_characters_of_a_condition(self, app: wire.Application) -> None:
+        for length, code in ((condition.MAX_LENGTH, "OK"), (condition.MAX_LENGTH + 1, "BAD_PARAMETER")):
+            text = "component_ref = ''"
+            answer = await app.ask("rois.command.search", condition=text[:-1] + "x" * (length - len(text)) + "'")
+            assert answer["return_code"] == code
+
+    async def test_digits_and_depth(self, app: wire.Application) -> None:
+        for digits, code in ((values.MAX_DIGITS, "OK"), (values.MAX_DIGITS + 1, "BAD_PARAMETER")):
+            argument = {"name": "numbers", "data_type_ref": "int[]", "value": f"[{'9' * digits}]"}
+            unit = {"component_ref": DOOR, "command_type": "list", "command_id": str(digits), "arguments": [argument]}
+            assert (digits, await execute(app, [unit])) == (digits, code)
+        for depth in (values.MAX_DEPTH, values.MAX_DEPTH + 1):
+            text = "[" * depth + "]" * depth
+            if depth <= values.MAX_DEPTH:
+                values.check_value("int" + "[]" * depth, text)
+            else:
+                with pytest.raises(ValueError, match="nested"):
+                    values.check_value("int" + "[]" * depth, text)
+
+
+class TestEvents:
+    async def subscribe(self, app: wire.Application) -> str:
+        return str((await app.ask("rois.event.subscribe", event_type="rang"))["return_code"])
+
+    async def details(self, app: wire.Application, event_id: str) -> str:
+        return str((await app.ask("rois.event.get_event_detail", event_id=event_id))["return_code"])
+
+    async def ring(self, app: wire.Application, bell: Bell, count: int, tune: str) -> list[str]:
+        """Let the bell ring and return the event ids."""
+        ids = []
+        for _ in range(count):
+            bell.ring(tune)
+            ids.append((await app.next("rois.event.notify_event"))["event_id"])
+        return ids
+
+    async def test_subscriptions(self, app: wire.Application) -> None:
+        assert {await self.subscribe(app) for _ in range(event_log.MAX_SUBSCRIPTIONS)} == {"OK"}
+        assert await self.subscribe(app) == "OUT_OF_RESOURCES"
+
+    async def test_remembered_events(self, app: wire.Application, bell: Bell) -> None:
+        await self.subscribe(app)
+        ids = await self.ring(app, bell, event_log.MAX_DETAILS + 1, "ding")
+        assert [await self.details(app, event_id) for event_id in ids[:2]] == ["BAD_PARAMETER", "OK"]
+
+    async def test_text_of_events(self, app: wire.Application, bell: Bell) -> None:
+        await self.subscribe(app)
+        tune = "x" * (MIB // 2)
+        ids = await self.ring(app, bell, remembered.MAX_TEXT // len(tune) + 1, tune)
+        assert [await self.details(app, event_id) for event_id in ids[:2]] == ["BAD_PARAMETER", "OK"]
+
+
+class TestConnections:
+    def test_messages_that_wait(self) -> None:
+        waiting = outbox.Outbox()
+        for number in range(outbox.CONTROL_LIMIT):
+            waiting.put(str(number))
+        for number in range(outbox.EVENT_LIMIT + 1):
+            waiting.put(str(number), droppable=True)
+        assert waiting.dropped == 1
+        with pytest.raises(outbox.OutboxOverflow):
+            waiting.put("one more")
+
+    async def test_requests_that_run(self, app: wire.Application, door: Door) -> None:
+        door.may_answer.clear()
+        asked = [
+            asyncio.ensure_future(app.ask("rois.query.query", query_type="view"))
+            for _ in range(session.MAX_RUNNING_REQUESTS)
+        ]
+        await door.asked.wait()
+        after = asyncio.ensure_future(app.ask("rois.system.connect"))
+        await settle()
+        assert not after.done()
+        door.may_answer.set()
+        async with deployment.patience():
+            assert {answer["return_code"] for answer in await asyncio.gather(*asked, after)} == {"OK"}
+
+    async def test_problems(self, app: wire.Application) -> None:
+        with pytest.raises(session.RpcError) as refused:
+            await app.ask("rois.system.connect", **{str(number): 1 for number in range(session.MAX_PROBLEMS + 1)})
+        assert len(refused.value.data) == session.MAX_PROBLEMS
+
+    async def test_lists_of_extensions(self, app: wire.Application) -> None:
+        answer = await app.ask("openrois.hello", version="1", extensions=["x"] * streams.MAX_EXTENSIONS)
+        assert answer["return_code"] == "OK"
+        parameter = {"name": "x", "data_type_ref": "x", "value": "x"}
+        connect = {"component_ref": DOOR, "parameters": [parameter] * streams.MAX_PARAMETERS}
+        assert (await app.ask("rois.stream.connect_stream", **connect))["return_code"] == "UNSUPPORTED"
+        calls_beyond: list[tuple[str, dict[str, Any]]] = [
+            ("openrois.hello", {"version": "1", "extensions": ["x"] * (streams.MAX_EXTENSIONS + 1)}),
+            ("rois.stream.connect_stream", {**connect, "parameters": [parameter] * (streams.MAX_PARAMETERS + 1)}),
+        ]
+        for method, params in calls_beyond:
+            with pytest.raises(session.RpcError) as refused:
+                await app.ask(method, **params)
+            assert refused.value.code == -32602
+
+    async def test_the_time_for_an_answer(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        assert GatewaySettings().adapter_timeout == session.CALL_TIMEOUT
+        sessions = deployment.adapter_sessions(monkeypatch)
+        async with AsyncExitStack() as stack:
+            gateway = await stack.enter_async_context(deployment.gateway())
+            await stack.enter_async_context(deployment.adapter(gateway, Bell()))
+            assert sessions[0].call_timeout == session.CALL_TIMEOUT
