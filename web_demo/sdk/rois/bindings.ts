@@ -30,9 +30,15 @@ export class Bindings {
     }
   }
 
-  /** Binds all again; what is bound stays so. */
-  async renew(call: Call, renewal: Renewal): Promise<void> {
-    await Promise.all([...this.#states.keys()].map((ref) => this.#renew(call, ref, renewal)));
+  /** Something is wanted that is not held. */
+  get incomplete(): boolean {
+    return [...this.#states.values()].some((state) => state !== "held");
+  }
+
+  /** Binds again, all or only what is missing; what is bound stays so. Never rejects. */
+  async renew(call: Call, renewal: Renewal, all: boolean): Promise<void> {
+    const refs = [...this.#states].filter(([, state]) => all || state !== "held").map(([ref]) => ref);
+    await Promise.all(refs.map((ref) => this.#renew(call, ref, renewal)));
   }
 
   async #renew(call: Call, componentRef: string, renewal: Renewal): Promise<void> {

@@ -18,7 +18,7 @@ export interface SubscriptionClaim {
 /** What a client makes again by itself. */
 export type Claim = BindingClaim | SubscriptionClaim;
 
-/** A claim that could not be made again, and why. It is tried again when the engines have changed. */
+/** A claim that could not be made again, and why. It is tried again after a while, and when the engines have changed. */
 export type LostClaim = Claim & { readonly error: RoISError };
 
 /** Hears what could not be made again, and what could after all; each is told once. */

@@ -18,6 +18,7 @@ import type {
 } from "./generated/types.ts";
 import { Link } from "./link.ts";
 import type { Call, ClientOptions, RoISEvent } from "./link.ts";
+import { Restoration } from "./restoration.ts";
 import { Subscriptions } from "./subscriptions.ts";
 import type { Subscription } from "./subscriptions.ts";
 
@@ -49,10 +50,7 @@ export class Client extends Link {
   readonly #completions = new Completions();
   readonly #subscriptions = new Subscriptions();
   readonly #bindings = new Bindings();
-  readonly #renewal: Renewal = {
-    lost: (claim) => this.onceConnected(() => this.emitter.emit("lost", claim)),
-    restored: (claim) => this.onceConnected(() => this.emitter.emit("restored", claim)),
-  };
+  readonly #restoration: Restoration;
 
   /**
    * @param url the gateway, `ws://`, `wss://` or what it prints, `http://`; read relative to the page, which is what
@@ -61,6 +59,11 @@ export class Client extends Link {
    */
   constructor(url?: string | URL, options?: ClientOptions) {
     super(url, options);
+    const renewal: Renewal = {
+      lost: (claim) => this.onceConnected(() => this.emitter.emit("lost", claim)),
+      restored: (claim) => this.onceConnected(() => this.emitter.emit("restored", claim)),
+    };
+    this.#restoration = new Restoration(this.#bindings, this.#subscriptions, renewal, options?.backoff);
     this.on("completed", (completed) => this.#completions.completed(completed));
     this.on("event", (event) => this.#subscriptions.deliver(event));
   }
@@ -206,24 +209,20 @@ export class Client extends Link {
     return (await this.call("rois.event.get_event_detail", { event_id: eventId })).results ?? [];
   }
 
-  /** Bindings are the gateway's own and quick, so that they are waited for; an engine that hangs holds up nobody. */
-  protected override async began(call: Call): Promise<void> {
-    void this.#subscriptions.renew(call, this.#renewal);
-    await this.#bindings.renew(call, this.#renewal);
+  protected override began(call: Call): Promise<void> {
+    return this.#restoration.begin(call);
   }
 
   protected override ended(closed: boolean): void {
     this.#completions.lost();
-    this.#subscriptions.lost();
-    this.#bindings.lost();
+    this.#restoration.stop();
     if (!closed) return;
     this.#subscriptions.end();
     this.#bindings.clear();
   }
 
   protected override changed(): void {
-    void this.#bindings.renew(this.call, this.#renewal);
-    void this.#subscriptions.renew(this.call, this.#renewal);
+    this.#restoration.changed(this.call);
   }
 }
 

@@ -84,9 +84,15 @@ export class Subscriptions {
     for (const entry of this.#entries) entry.subscribeId = null;
   }
 
-  /** Subscribes all again. */
-  async renew(call: Call, renewal: Renewal): Promise<void> {
-    await Promise.all([...this.#entries].map((entry) => this.#renew(call, entry, renewal)));
+  /** Something is wanted that the gateway does not know of. */
+  get incomplete(): boolean {
+    return [...this.#entries].some(({ subscribeId }) => subscribeId === null);
+  }
+
+  /** Subscribes again, to all or only to what is missing. Never rejects. */
+  async renew(call: Call, renewal: Renewal, all: boolean): Promise<void> {
+    const entries = [...this.#entries].filter(({ subscribeId }) => all || subscribeId === null);
+    await Promise.all(entries.map((entry) => this.#renew(call, entry, renewal)));
   }
 
   /** Nothing will be heard any more. */

@@ -162,6 +162,9 @@ describe("queries", () => {
     await expect(new Navigation(client, "robot/navigation").componentStatus()).resolves.toEqual({
       status: "BUSY",
     });
+    gateway.on("rois.query.query", () => ({
+      results: [{ name: "status", data_type_ref: "Stream_Status", value: "STREAMING_RUNNING" }],
+    }));
     await new AudioStreaming(client, "robot/audio").getStreamStatus("stream_id = 's-1'");
     expect(gateway.called("rois.query.query")).toEqual([
       { query_type: "component_status", condition: "component_ref = 'robot/navigation'" },

@@ -86,9 +86,26 @@ describe("bindings", () => {
     await engineChanged();
     expect(client.state.name).toBe("connected");
     expect(told).toMatchObject([["lost", { ...binding, error: { returnCode: "OUT_OF_RESOURCES" } }]]);
+    expect(vi.getTimerCount()).toBeGreaterThan(0);
     answer("rois.command.bind", "OK");
-    await engineChanged();
+    // Nobody tells that it has let go.
+    await pass(500);
     expect(told.at(-1)).toEqual(["restored", binding]);
+    const bound = count("rois.command.bind");
+    await pass(60_000);
+    expect(count("rois.command.bind")).toBe(bound);
+  });
+
+  it("that are missing are asked for less and less often, and no more when they are released", async () => {
+    await client.bind(NAVIGATION);
+    answer("rois.command.bind", "OUT_OF_RESOURCES");
+    await engineChanged();
+    const before = count("rois.command.bind");
+    await pass(500 + 750 + 1125);
+    expect(count("rois.command.bind")).toBe(before + 3);
+    await client.release(NAVIGATION);
+    await pass(60_000);
+    expect(count("rois.command.bind")).toBe(before + 3);
   });
 
   it("come back with the engine", async () => {
@@ -113,6 +130,15 @@ describe("bindings", () => {
     await pass();
     expect(count("rois.command.release")).toBe(2);
     expect(told).toEqual([]);
+  });
+
+  it("leave no timer behind when the session ends while they are missing", async () => {
+    await client.bind(NAVIGATION);
+    gateway.on("rois.command.bind", () => new Promise(() => undefined));
+    await engineChanged();
+    await client.close();
+    await pass();
+    expect(vi.getTimerCount()).toBe(0);
   });
 
   it("end with the client", async () => {
@@ -220,6 +246,29 @@ describe("subscriptions", () => {
     ]);
     gateway.notify("rois.event.notify_event", event("s/5"));
     expect(heard).not.toHaveBeenCalled();
+  });
+
+  it("are made again one renewal at a time, however often the engines change", async () => {
+    const waiting: (() => void)[] = [];
+    gateway.on(
+      "rois.event.subscribe",
+      () => new Promise((resolve) => waiting.push(() => resolve({ subscribe_id: `s/${++subscribed}` }))),
+    );
+    for (let change = 0; change < 5; change++) await engineChanged();
+    expect(waiting).toHaveLength(1);
+    waiting[0]?.();
+    await pass();
+    expect(waiting).toHaveLength(2);
+    waiting[1]?.();
+    await pass();
+    expect(waiting).toHaveLength(2);
+    gateway.notify("rois.event.notify_event", event("s/3"));
+    expect(heard).toHaveBeenCalledOnce();
+    // None is left over at the gateway.
+    expect(gateway.called("rois.event.unsubscribe")).toEqual([
+      { subscribe_id: "s/1" },
+      { subscribe_id: "s/2" },
+    ]);
   });
 
   it("that hang hold up nobody", async () => {
