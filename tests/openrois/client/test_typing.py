@@ -3,6 +3,7 @@
 import re
 import subprocess
 import sys
+import textwrap
 from pathlib import Path
 from typing import Final
 
@@ -67,14 +68,50 @@ async def wrong(client: Client) -> None:
 """
 
 
+GUIDE: Final = """
+from openrois.client import Client
+from openrois.client.components import Navigation, SpeechSynthesis
+
+client: Client
+navigation: Navigation
+speech: SpeechSynthesis
+"""
+"""What the guide's pieces take for granted."""
+
+
+def guide() -> dict[str, str]:
+    """Return the guide's pieces of Python as modules: what stands at their top, and a function with what awaits."""
+    text = (ROOT / "docs" / "client.md").read_text(encoding="utf-8")
+    modules = {}
+    for number, piece in enumerate(re.findall(r"^```python\n(.*?)^```$", text, re.DOTALL | re.MULTILINE)):
+        imports = "".join(re.findall(r"^from .*\n", piece, re.MULTILINE))
+        rest = textwrap.indent(re.sub(r"^from .*\n", "", piece, flags=re.MULTILINE), "    ")
+        # A piece that has a client of its own hides the one that is taken for granted.
+        modules[f"guide_{number}"] = f"{GUIDE}{imports}async def piece(client: Client = client) -> None:\n{rest}"
+    return modules
+
+
+def mypy(folder: Path) -> str:
+    """Check what is in a folder; return what mypy says."""
+    command = [sys.executable, "-m", "mypy", "--strict", "--config-file=", "--no-error-summary", "--hide-error-context"]
+    checked = subprocess.run([*command, folder], cwd=ROOT, capture_output=True, check=False, text=True, timeout=280)
+    return checked.stdout + checked.stderr
+
+
+@pytest.mark.timeout(300)
+def test_the_guide_is_right(tmp_path: Path) -> None:
+    pieces = guide()
+    assert len(pieces) == 8
+    for name, text in pieces.items():
+        (tmp_path / f"{name}.py").write_text(text)
+    assert mypy(tmp_path) == ""
+
+
 @pytest.mark.timeout(300)
 def test_a_type_checker_finds_what_is_wrong_and_nothing_else(tmp_path: Path) -> None:
     (tmp_path / "application.py").write_text(APPLICATION)
-    command = [sys.executable, "-m", "mypy", "--strict", "--config-file=", "--no-error-summary", "--hide-error-context"]
-    checked = subprocess.run(
-        [*command, str(tmp_path / "application.py")], cwd=ROOT, capture_output=True, check=False, text=True, timeout=280
-    )
-    found = re.findall(r"^.*application\.py:(\d+): error: .*\[([\w-]+)\]$", checked.stdout, re.MULTILINE)
+    said = mypy(tmp_path)
+    found = re.findall(r"^.*application\.py:(\d+): error: .*\[([\w-]+)\]$", said, re.MULTILINE)
     lines = APPLICATION.splitlines()
     expected = [(str(n), line.partition("# error: ")[2]) for n, line in enumerate(lines, 1) if "# error: " in line]
-    assert found == expected, checked.stdout + checked.stderr
+    assert found == expected, said
