@@ -8,7 +8,7 @@ import type { Card, ComponentBench } from "./component_bench.ts";
 import { button } from "./controls.ts";
 import { RequestPreview, messageHead } from "./message_head.ts";
 import { OutcomeView } from "./outcome_view.ts";
-import { completedWords, refusal, tookWords } from "./sentences.ts";
+import { completedWords, limitWords, refusal, tookWords } from "./sentences.ts";
 import { ValueForm } from "./value_form.ts";
 
 /** How many runs are shown; one that goes on is never taken away. */
@@ -29,13 +29,13 @@ export class CommandCard implements Card {
     const request = new RequestPreview("rois.command.execute", () => ({
       command_unit_list: [{ ...this.#unit(), command_id: "…" }],
     }));
-    this.#form = new ValueForm(arguments_, `command/${name}`, bench.drafts, () => {
+    this.#form = new ValueForm(arguments_, `command/${name}`, bench.drafts, "left out", () => {
       this.#misfit.clear();
       request.render();
     });
     const run = make("button", { type: "submit", class: "button small run" }, "Execute");
     run.append(make("span", { class: "visually-hidden" }, ` ${name}`));
-    const limit = typeof timeout === "number" ? [`within ${tookWords(timeout)}`] : [];
+    const limit = typeof timeout === "number" ? [`within ${limitWords(timeout)}`] : [];
     this.element = make(
       "form",
       { class: "message", "data-kind": "command", "data-name": name },

@@ -131,13 +131,7 @@ export class EventCard implements Card {
   }
 
   #row({ event, at }: Heard): HTMLLIElement {
-    const line = gist(event.results);
-    const summary = make(
-      "summary",
-      {},
-      make("time", {}, formatTime(at)),
-      make("span", { class: "gist" }, line),
-    );
+    const summary = make("summary", {}, make("time", {}, formatTime(at)), gist(event.results));
     const details = make("details", {}, summary);
     // Most events are never opened: their details are written when they are.
     details.addEventListener("toggle", () => {

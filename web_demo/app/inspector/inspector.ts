@@ -186,7 +186,7 @@ export class Inspector {
     const query = selected ? statusQuery(selected.profile) : null;
     if (this.#shown && this.#connected && query !== null) wanted.set(this.#selected, query);
     for (const ref of wanted.keys()) if (!this.#components.has(ref)) wanted.delete(ref);
-    this.#watch.watch(wanted);
+    this.#watch.watch(wanted, this.#selected);
   }
 
   #statusIs(ref: string, status: ComponentStatus | null): void {
@@ -197,10 +197,8 @@ export class Inspector {
   }
 
   #holdingsChanged(): void {
-    for (const [ref, panel] of this.#panels) {
-      panel.setHeld(this.#holdings.has(ref));
-      this.#tree.mark(ref);
-    }
+    for (const [ref, panel] of this.#panels) panel.setHeld(this.#holdings.has(ref));
+    for (const ref of this.#components.keys()) this.#tree.mark(ref);
   }
 
   #faultsChanged(): void {

@@ -32,7 +32,7 @@ export class ParameterCard implements Card {
       component_ref: bench.ref,
       parameters: valuesOf(this.#changed),
     }));
-    this.#form = new ValueForm(profiles, KEY, bench.drafts, () => {
+    this.#form = new ValueForm(profiles, KEY, bench.drafts, "no value", () => {
       this.#outcome.clear();
       this.#render();
     });

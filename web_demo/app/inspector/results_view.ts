@@ -37,6 +37,10 @@ function shownValue(code: string, text: string): Node {
 }
 
 /** The values of results in one line. */
-export function gist(results: readonly Result[]): string {
-  return results.map(({ name, value }) => `${name} ${value === "" ? "“”" : value}`).join("  ");
+export function gist(results: readonly Result[]): HTMLElement {
+  const parts = results.flatMap(({ name, value }) => [
+    make("span", { class: "gist-name" }, name),
+    ` ${value === "" ? "“”" : value}   `,
+  ]);
+  return make("span", { class: "gist" }, ...parts);
 }

@@ -4,7 +4,9 @@ import { onlyComponent } from "../../sdk/index.ts";
 import type { Client, ComponentStatus } from "../../sdk/index.ts";
 
 /** Milliseconds between two rounds of questions. */
-const ROUND = 3000;
+const ROUND = 2000;
+/** Those that nobody looks at closely are asked in every so manieth round. */
+const EVERY = 3;
 /** How many questions are unanswered at a time: whoever looks must not be in the way of whoever acts. */
 const AT_ONCE = 4;
 
@@ -15,17 +17,26 @@ export class StatusWatch {
   readonly #onStatus: (ref: string, status: ComponentStatus | null) => void;
   /** The components that are asked, each with its query. */
   #watched: ReadonlyMap<string, string> = new Map();
-  #asking = new Set<string>();
+  #close = "";
+  /** Those that are being asked, and whether they are to be asked again since something has happened meanwhile. */
+  readonly #asking = new Map<string, boolean>();
   #timer: ReturnType<typeof setTimeout> | undefined;
+  /** Goes up when a round is the last one. */
   #round = 0;
+  #rounds = 1;
 
   constructor(client: Client, onStatus: (ref: string, status: ComponentStatus | null) => void) {
     this.#client = client;
     this.#onStatus = onStatus;
   }
 
-  /** Asks these from now on, and those that are new among them at once. */
-  watch(watched: ReadonlyMap<string, string>): void {
+  /**
+   * Asks these from now on, and those that are new among them at once.
+   *
+   * @param close the component that is looked at closely; it need not be among them
+   */
+  watch(watched: ReadonlyMap<string, string>, close: string): void {
+    this.#close = close;
     const fresh = [...watched.keys()].filter((ref) => !this.#watched.has(ref));
     this.#watched = watched;
     if (fresh.length > 0) void this.#askAll(fresh);
@@ -33,9 +44,10 @@ export class StatusWatch {
     else this.#timer ??= setTimeout(() => void this.#next(), ROUND);
   }
 
-  /** Asks one of them now. */
+  /** Asks one of them now, and once more if it is being asked already. */
   poke(ref: string): void {
-    if (this.#watched.has(ref)) void this.#ask(ref);
+    if (this.#asking.has(ref)) this.#asking.set(ref, true);
+    else if (this.#watched.has(ref)) void this.#ask(ref);
   }
 
   #stop(): void {
@@ -46,7 +58,9 @@ export class StatusWatch {
 
   async #next(): Promise<void> {
     const round = this.#round;
-    if (document.visibilityState === "visible") await this.#askAll([...this.#watched.keys()]);
+    const all = this.#rounds++ % EVERY === 0;
+    const refs = all ? [...this.#watched.keys()] : [this.#close];
+    if (document.visibilityState === "visible") await this.#askAll(refs);
     if (round !== this.#round) return;
     this.#timer = setTimeout(() => void this.#next(), ROUND);
   }
@@ -62,15 +76,16 @@ export class StatusWatch {
   async #ask(ref: string): Promise<void> {
     const query = this.#watched.get(ref);
     if (query === undefined || this.#asking.has(ref) || this.#client.state.name !== "connected") return;
-    this.#asking.add(ref);
+    this.#asking.set(ref, false);
     try {
       const results = await this.#client.query(query, onlyComponent(ref));
       const status = results.find(({ data_type_ref }) => data_type_ref.toLowerCase() === STATUS_TYPE)?.value;
       this.#onStatus(ref, (status ?? null) as ComponentStatus | null);
     } catch {
       this.#onStatus(ref, null);
-    } finally {
-      this.#asking.delete(ref);
     }
+    const again = this.#asking.get(ref);
+    this.#asking.delete(ref);
+    if (again) await this.#ask(ref);
   }
 }

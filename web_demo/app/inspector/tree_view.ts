@@ -12,6 +12,9 @@ import { statusWords } from "./sentences.ts";
 /** Engines are open at first as long as all that they hold is not more than this. */
 const OPEN_AT_FIRST = 60;
 
+/** Pixels between what was brought into view and the edge. */
+const REVEAL_MARGIN = 40;
+
 /** What is known of a component beside its profile. */
 export interface Marks {
   readonly status: ComponentStatus | null;
@@ -91,8 +94,8 @@ export class TreeView {
     this.#focusOn(this.#selected, false);
     const { top, bottom } = this.#list.getBoundingClientRect();
     const place = element.getBoundingClientRect();
-    if (place.top < top) this.#list.scrollTop -= top - place.top;
-    else if (place.bottom > bottom) this.#list.scrollTop += place.bottom - bottom;
+    if (place.top < top) this.#list.scrollTop -= top - place.top + REVEAL_MARGIN;
+    else if (place.bottom > bottom) this.#list.scrollTop += place.bottom - bottom + REVEAL_MARGIN;
     return true;
   }
 

@@ -25,11 +25,12 @@ export class ValueField {
   /** An empty text says that there is no value; otherwise it has to fit the type as any other. */
   mayBeEmpty = true;
 
-  constructor(profile: ParameterProfile, onChange: () => void) {
+  /** @param empty what an empty text means, in words */
+  constructor(profile: ParameterProfile, empty: string, onChange: () => void) {
     this.profile = profile;
     const id = `field-${++fields}`;
     this.#problem = make("p", { class: "problem", id: `${id}-problem`, "aria-live": "polite" });
-    this.#editor = makeEditor(profile, id, () => {
+    this.#editor = makeEditor(profile, id, empty, () => {
       this.check();
       onChange();
     });
@@ -81,32 +82,33 @@ export class ValueField {
   }
 }
 
-function makeEditor(profile: ParameterProfile, id: string, onChange: () => void): Editor {
+function makeEditor(profile: ParameterProfile, id: string, empty: string, onChange: () => void): Editor {
   const { code } = profile.data_type_ref;
   const kind = fieldKind(code);
   switch (kind) {
     case "list":
       return new ListEditor(code, id, onChange);
     case "truth":
-      return choice(id, ["true", "false"], onChange);
+      return choice(id, empty, ["true", "false"], onChange);
     case "status":
-      return choice(id, STATUSES, onChange);
+      return choice(id, empty, STATUSES, onChange);
     case "time":
       return moment(id, onChange);
     default:
-      return line(id, kind, onChange);
+      return line(id, kind, empty, onChange);
   }
 }
 
 const described = (id: string): Record<string, string> => ({ id, "aria-describedby": `${id}-problem` });
 
-function line(id: string, kind: FieldKind, onChange: () => void): Editor {
+function line(id: string, kind: FieldKind, empty: string, onChange: () => void): Editor {
   const modes: Partial<Record<FieldKind, string>> = { integer: "numeric", number: "decimal" };
   const attributes = {
     ...described(id),
     spellcheck: "false",
     autocomplete: "off",
     inputmode: modes[kind] ?? "text",
+    placeholder: empty,
   };
   // A text may have several lines; a number has one.
   const field =
@@ -123,8 +125,8 @@ function line(id: string, kind: FieldKind, onChange: () => void): Editor {
   return editorOf(field, field);
 }
 
-function choice(id: string, values: readonly string[], onChange: () => void): Editor {
-  const options = ["", ...values].map((value) => make("option", { value }, value === "" ? "–" : value));
+function choice(id: string, empty: string, values: readonly string[], onChange: () => void): Editor {
+  const options = ["", ...values].map((value) => make("option", { value }, value === "" ? empty : value));
   const select = make("select", described(id), ...options);
   select.addEventListener("change", onChange);
   return {

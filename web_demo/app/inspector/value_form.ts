@@ -11,11 +11,20 @@ export class ValueForm {
   readonly element: HTMLElement;
   readonly fields: readonly ValueField[];
 
-  /** @param key of the message; leads its drafts' keys */
-  constructor(profiles: readonly ParameterProfile[], key: string, drafts: Drafts, onChange: () => void) {
+  /**
+   * @param key of the message; leads its drafts' keys
+   * @param empty what an empty field means, in words
+   */
+  constructor(
+    profiles: readonly ParameterProfile[],
+    key: string,
+    drafts: Drafts,
+    empty: string,
+    onChange: () => void,
+  ) {
     this.fields = profiles.map((profile) => {
       const draft = `${key}/${profile.name}`;
-      const field = new ValueField(profile, () => {
+      const field = new ValueField(profile, empty, () => {
         drafts.set(draft, field.text);
         onChange();
       });

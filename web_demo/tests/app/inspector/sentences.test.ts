@@ -1,5 +1,11 @@
 import { describe, expect, it } from "vitest";
-import { completedWords, refusal, statusWords, tookWords } from "../../../app/inspector/sentences.ts";
+import {
+  completedWords,
+  limitWords,
+  refusal,
+  statusWords,
+  tookWords,
+} from "../../../app/inspector/sentences.ts";
 import type { Attempt } from "../../../app/inspector/sentences.ts";
 import { ConnectionLost, RequestTimeout, RoISError, RpcError } from "../../../sdk/index.ts";
 import type { CompletedStatus, ComponentStatus, ReturnCode } from "../../../sdk/index.ts";
@@ -58,5 +64,9 @@ describe("words", () => {
     [61_000, "61.0 s"],
   ])("of a time", (ms, words) => {
     expect(tookWords(ms)).toBe(words);
+  });
+
+  it("of a time limit", () => {
+    expect([limitWords(500), limitWords(60_000), limitWords(2500)]).toEqual(["500 ms", "60 s", "2.5 s"]);
   });
 });
