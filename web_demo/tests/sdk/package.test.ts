@@ -1,7 +1,7 @@
 /** The package as somebody gets it: packed, installed in an empty folder, imported, compiled against, bundled. */
 
 import { execFileSync } from "node:child_process";
-import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { fileURLToPath } from "node:url";
 import { gzipSync } from "node:zlib";
@@ -13,6 +13,19 @@ const folder = mkdtempSync(`${tmpdir()}/openrois-package-`);
 
 const run = (program: string, ...parameters: string[]): string =>
   execFileSync(program, parameters, { cwd: folder, encoding: "utf8", stdio: "pipe" });
+
+/** Compiles modules strictly, as Node resolves them and as bundlers do. */
+function compile(...names: string[]): void {
+  const strict = ["--noEmit", "--strict", "--exactOptionalPropertyTypes", "--noUncheckedIndexedAccess"];
+  const target = ["--target", "es2022", "--lib", "es2022,dom,dom.asynciterable"];
+  for (const [module, resolution] of [
+    ["nodenext", "nodenext"],
+    ["esnext", "bundler"],
+  ] as const) {
+    const settings = ["--module", module, "--moduleResolution", resolution];
+    run(`${ROOT}node_modules/.bin/tsc`, ...strict, ...target, ...settings, ...names);
+  }
+}
 
 /** What a bundler makes of a module that uses the package. */
 async function bundle(source: string): Promise<string> {
@@ -127,19 +140,18 @@ describe("the installed package", { timeout: 60_000 }, () => {
       }
     `,
     );
-    const options = ["--noEmit", "--strict", "--exactOptionalPropertyTypes", "--noUncheckedIndexedAccess"];
-    for (const module of ["nodenext", "esnext"]) {
-      const resolution = module === "esnext" ? "bundler" : "nodenext";
-      const settings = ["--module", module, "--moduleResolution", resolution, "--target", "es2022"];
-      run(
-        `${ROOT}node_modules/.bin/tsc`,
-        ...options,
-        ...settings,
-        "--lib",
-        "es2022,dom,dom.asynciterable",
-        "user.ts",
-      );
-    }
+    compile("user.ts");
+  });
+
+  it("is what its README says", () => {
+    const readme = readFileSync(new URL("../../sdk/README.md", import.meta.url), "utf8");
+    const examples = [...readme.matchAll(/```ts\n(.*?)```/gs)].map(([, text = ""]) => text);
+    expect(examples.length).toBeGreaterThan(4);
+    const names = examples.map((text, index) => {
+      writeFileSync(`${folder}/example${index}.ts`, text);
+      return `example${index}.ts`;
+    });
+    compile(...names);
   });
 
   it("leaves out what is not used", async () => {
