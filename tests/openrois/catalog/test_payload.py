@@ -5,7 +5,7 @@ from enum import Enum, StrEnum
 from typing import Annotated, Any, Literal
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import Field, model_validator
 
@@ -86,6 +86,7 @@ def test_types_that_have_none(annotation: Any) -> None:
 
 
 @pytest.mark.parametrize("payload", PAYLOADS.values(), ids=PAYLOADS)
+@settings(max_examples=25, deadline=None)
 @given(data=st.data())
 def test_what_is_written_is_read_back(payload: type[Payload], data: st.DataObject) -> None:
     built = data.draw(st.from_type(payload).filter(representable))
@@ -106,6 +107,7 @@ def representable(payload: Payload) -> bool:
     return True
 
 
+@settings(deadline=None)
 @given(st.builds(Everything, moments=st.lists(st.datetimes(timezones=st.just(UTC))).map(tuple)).filter(representable))
 def test_every_type_is_read_back(built: Everything) -> None:
     assert Everything.from_texts(built.texts()) == built

@@ -111,6 +111,7 @@ def test_any_engine(profile: HRIEngineProfile) -> None:
 
 
 class TestIds:
+    @settings(deadline=None)
     @given(st.text(min_size=1))
     def test_any_reference_is_read_back(self, reference: str) -> None:
         xml_id = write_id(reference)

@@ -2,7 +2,9 @@
 
 from openrois.types.methods import METHODS, NOTIFICATIONS
 
-OPERATIONS = {
+Parameters = tuple[str, ...]
+
+OPERATIONS: dict[str, dict[str, tuple[Parameters, Parameters]]] = {
     "system": {
         "connect": ((), ()),
         "disconnect": ((), ()),
@@ -28,7 +30,7 @@ OPERATIONS = {
 }
 """In and out parameters by interface and operation; `component_profiles` is an extension of the wire."""
 
-CALLBACKS = {
+CALLBACKS: dict[str, Parameters] = {
     "rois.system.notify_error": ("error_id", "error_type"),
     "rois.system.profile_changed": (),
     "rois.command.completed": ("command_id", "status"),

@@ -6,7 +6,7 @@ from datetime import UTC, datetime
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from openrois.types.codes import ComponentStatus, ReturnCode, StreamStatus
@@ -228,6 +228,7 @@ values = st.one_of(
 )
 
 
+@settings(deadline=None)
 @given(values)
 def test_what_is_written_is_read_back(typed: tuple[str, Any]) -> None:
     type_code, value = typed
