@@ -10,8 +10,10 @@ import pytest
 import pytest_asyncio
 from playwright.async_api import Browser, Locator, expect
 
-from openrois.gateway.server import Gateway
+from openrois.gateway.server import Gateway, run_gateway
+from openrois.gateway.settings import GatewaySettings
 from tests.support.browser import GATEWAY_AWAY, PATIENCE, Visit, visiting
+from tests.support.demo import free_port
 from tests.support.deployment import application
 from tests.support.fleet import everything, fleet
 from tests.support.kettle import Kettle, kitchen
@@ -283,15 +285,32 @@ async def test_what_was_typed_and_listened_to_survives_the_adapter(browser: Brow
         await expect(_message(visit, "event", "water_boiled").locator(".heard > li")).to_have_count(1)
 
 
-async def test_a_gateway_that_has_gone_is_said_and_nothing_is_lost(browser: Browser) -> None:
+async def test_a_gateway_that_goes_and_comes_back_takes_nothing_along(browser: Browser) -> None:
+    settings = GatewaySettings(port=free_port())
     async with AsyncExitStack() as stack:
-        async with running_gateway() as gateway, fleet(_adapters(gateway), kitchen(Kettle())):
+        async with run_gateway(settings) as gateway, fleet(_adapters(gateway), kitchen(Kettle())):
             page = visiting(browser, gateway.url + _KETTLE, tolerated=[GATEWAY_AWAY])
             visit = await stack.enter_async_context(page)
+            await visit.press("bind")
+            await visit.page.get_by_role("switch", name="Listen to water_boiled").click()
             await _field(visit, "target").locator("input").fill("82")
         await visit.banner("no-gateway", "The gateway does not answer")
         await _shows(visit.page.locator(".absent"), "There is no connection to the gateway.")
+        await _shows(visit.item("bind-state"), "Not bound")
         await expect(_field(visit, "target").locator("input")).to_have_value("82")
+
+        gateway = await stack.enter_async_context(run_gateway(settings))
+        kettle = Kettle()
+        await stack.enter_async_context(fleet(_adapters(gateway), kitchen(kettle)))
+        await expect(visit.page.locator(".absent")).to_be_hidden(timeout=PATIENCE * 1000)
+        await _shows(visit.item("bind-state"), "Bound by this page")
+        await visit.page.get_by_role("button", name="Set parameter").click()
+        await _shows(visit.page.locator("[data-kind=parameters] > .outcome:visible"), "set and completed after")
+        assert kettle.parameters["target"] == "82"
+        command = _message(visit, "command", "boil_water")
+        await _field(command, "degrees").locator("input").fill("95")
+        await command.locator("[type=submit]").click()
+        await expect(_message(visit, "event", "water_boiled").locator(".heard > li")).to_have_count(1)
 
 
 async def test_names_are_searched_and_the_tree_is_walked_with_the_keyboard(visit: Visit) -> None:

@@ -81,6 +81,7 @@ export class Views {
     this.#avatar.hidden = this.#current !== "avatar";
     this.#inspector.hidden = this.#current !== "inspector";
     setText(this.#skip, SKIP[this.#current]);
+    document.title = id === null ? "OpenRoIS" : `${id || "Inspector"} · OpenRoIS`;
     if (this.#current === "inspector") this.#loading ??= this.#load();
     this.#loaded?.select(id ?? "");
     if (this.#loaded) this.#loaded.shown = this.#current === "inspector";

@@ -11,6 +11,7 @@ import { drawing } from "./icons.ts";
 import { FaultGroup, Group, copyable } from "./panel_parts.ts";
 import { ParameterCard } from "./parameter_card.ts";
 import { OutcomeView } from "./outcome_view.ts";
+import { statusQuery } from "./profile_tree.ts";
 import { QueryCard } from "./query_card.ts";
 import { addressOf } from "./routes.ts";
 import { refusal, statusWords } from "./sentences.ts";
@@ -160,6 +161,7 @@ export class ComponentPanel {
     const { function: kind, sub_component_profiles = [], identifier } = profile;
     setText(this.#function, kind ?? "");
     this.#function.hidden = !kind;
+    this.#status.hidden = statusQuery(profile) === null;
     this.#ids.replaceChildren(
       copyable("Reference", this.ref),
       copyable("Type", identifier.code),

@@ -2,6 +2,7 @@
 
 import type { Result } from "../../sdk/index.ts";
 import { make } from "../dom.ts";
+import { copyButton } from "./controls.ts";
 import { resultsTable } from "./results_view.ts";
 import type { Refusal } from "./sentences.ts";
 
@@ -22,7 +23,9 @@ export class OutcomeView {
 
   /** @param results null where there is nothing that could have any */
   done(words: string, results: readonly Result[] | null = null): void {
-    const line = make("p", { class: "outcome-line" }, make("span", { class: "code" }, "OK"), words);
+    const line = codeLine("OK", words);
+    if (results?.length)
+      line.append(copyButton("Copy the results as JSON", () => JSON.stringify(results, null, 2)));
     this.#show("done", line, ...(results ? [resultsTable(results)] : []));
   }
 
