@@ -15,7 +15,7 @@ from openrois.conformance import report, table
 from openrois.conformance.checks import ALL_CHECKS
 from openrois.conformance.deviation import Deviation
 from openrois.conformance.manifest import Area, Requirement, read_manifest
-from openrois.conformance.suite import Outcome, Verdict, Visit, run_checks, visit
+from openrois.conformance.suite import Verdict, Visit, run_checks, visit
 
 __all__ = ["main"]
 
@@ -120,8 +120,8 @@ async def _try(chosen: argparse.Namespace, areas: Sequence[Area]) -> int:
 
 
 async def _try_all(chosen: argparse.Namespace, areas: Sequence[Area], place: Visit) -> int:
-    extensions = ", ".join(place.setting.extensions) or "none"
-    print(f"{chosen.url}: {', '.join(place.engines)}; extensions: {extensions}")
+    extensions = ", ".join(place.setting.extensions)
+    print(f"{chosen.url} is {', '.join(place.engines)}; it speaks {extensions or 'the base wire alone'}")
     written = report.Report(_width(), verbose=chosen.verbose)
     checks = {check.id: check for check in ALL_CHECKS}
     verdicts: dict[str, Verdict] = {}
@@ -140,4 +140,4 @@ async def _try_all(chosen: argparse.Namespace, areas: Sequence[Area], place: Vis
     elsewhere = sum(len(area.requirements) for area in areas) - len(tried)
     print("", *written.summary(elsewhere), sep="\n")
     _write(chosen.json, {"url": chosen.url, "requirements": report.as_json(tried, verdicts)})
-    return 1 if written.counts[Outcome.FAILED] else 0
+    return 1 if written.counts[report.Standing.FAILED] else 0

@@ -24,8 +24,12 @@ class Deviation(Exception):
 
 def shown(value: Any) -> str:
     """Return a JSON value as short text."""
-    text = value if isinstance(value, str) else json.dumps(value, ensure_ascii=False, default=str)
+    text = value if isinstance(value, str) else json.dumps(value, ensure_ascii=False, default=_plain)
     return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}... ({len(text)} characters)"
+
+
+def _plain(value: Any) -> Any:
+    return sorted(value) if isinstance(value, set | frozenset) else str(value)
 
 
 def expect(what: str, came: Any, *wanted: Any) -> None:

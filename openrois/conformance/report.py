@@ -4,26 +4,37 @@ import textwrap
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from enum import Enum
 from typing import Any
 
 from openrois.conformance.manifest import Requirement
 from openrois.conformance.suite import Outcome, Verdict
 from openrois.conformance.table import counted
 
-__all__ = ["Report", "as_json", "outcome_of"]
+__all__ = ["Report", "Standing", "as_json", "standing_of"]
 
 _MARGIN = 9
 _FRAMES = 12
 """How many of the last frames show what went wrong."""
 
 
-def outcome_of(verdicts: Sequence[Verdict]) -> Outcome:
-    """Return what the verdicts of its checks mean for a requirement: one failure fails it, one success passes it."""
+class Standing(Enum):
+    """How a requirement is met, as far as it was tried."""
+
+    PASSED = "pass"
+    FAILED = "FAIL"
+    PARTLY = "partly"
+    NOT_RUN = "not run"
+
+
+def standing_of(verdicts: Sequence[Verdict]) -> Standing:
+    """Return what the verdicts of its checks mean for a requirement."""
     outcomes = {verdict.outcome for verdict in verdicts}
-    for outcome in (Outcome.FAILED, Outcome.PASSED):
-        if outcome in outcomes:
-            return outcome
-    return Outcome.NOT_RUN
+    if Outcome.FAILED in outcomes:
+        return Standing.FAILED
+    if outcomes == {Outcome.PASSED}:
+        return Standing.PASSED
+    return Standing.PARTLY if Outcome.PASSED in outcomes else Standing.NOT_RUN
 
 
 @dataclass
@@ -39,7 +50,7 @@ class Report:
 
     width: int
     verbose: bool = False
-    counts: Counter[Outcome] = field(default_factory=Counter)
+    counts: Counter[Standing] = field(default_factory=Counter)
     reasons: Counter[str] = field(default_factory=Counter)
     _shown: set[str] = field(default_factory=set)
 
@@ -51,9 +62,9 @@ class Report:
             verdicts: of its checks.
             column: how wide its id stands.
         """
-        outcome = outcome_of(verdicts)
-        self.counts[outcome] += 1
-        head = f"{outcome.value:{_MARGIN}}{requirement.id:{column}}  "
+        standing = standing_of(verdicts)
+        self.counts[standing] += 1
+        head = f"{standing.value:{_MARGIN}}{requirement.id:{column}}  "
         yield from self._wrapped(f"{head}{requirement.text}", " " * len(head))
         for verdict in verdicts:
             yield from self._details(verdict)
@@ -89,9 +100,9 @@ class Report:
         Args:
             elsewhere: how many requirements cannot be seen from outside.
         """
-        passed, failed, skipped = (self.counts[outcome] for outcome in Outcome)
-        total = counted(passed + failed + skipped, "requirement")
-        yield f"{total}: {passed} passed, {failed} failed, {skipped} not run"
+        passed, failed, partly, skipped = (self.counts[standing] for standing in Standing)
+        total = counted(sum(self.counts.values()), "requirement")
+        yield f"{total}: {passed} passed, {failed} failed, {partly} tried in part, {skipped} not run"
         for reason, number in self.reasons.items():
             yield from self._wrapped(f"{counted(number, 'check')} not run: {reason}", "  ")
         if elsewhere:
@@ -106,7 +117,7 @@ def as_json(requirements: Sequence[Requirement], verdicts: Mapping[str, Verdict]
             "text": requirement.text,
             "clause": requirement.clause,
             "level": requirement.level,
-            "outcome": outcome_of([verdicts[check] for check in requirement.checks]).value,
+            "standing": standing_of([verdicts[check] for check in requirement.checks]).value,
             "checks": [_verdict(verdicts[check]) for check in requirement.checks],
         }
         for requirement in requirements

@@ -19,7 +19,7 @@ from openrois.conformance.transcript import Frame, Transcript
 __all__ = ["Outcome", "Verdict", "Visit", "run_checks", "visit"]
 
 _CHECK_TIMEOUT: Final = 60.0
-"""Seconds after which a check is given up: every wait in it is shorter."""
+"""Seconds after which a check is given up, beside ten of its waits."""
 
 
 class Outcome(Enum):
@@ -143,17 +143,20 @@ async def _run(place: Visit, check: Check) -> Verdict:
     setting = place.setting
     setting.transcript.begin()
     if setting.probe is not None:
+        if Needs.ADAPTER in check.needs and setting.probe.socket.close_code is not None:
+            code, reason = await setting.probe.closed()
+            return Verdict(check, Outcome.FAILED, "the suite's adapter to stay connected", f"closed {code} {reason}")
         setting.probe.reset()
     async with AsyncExitStack() as stack:
         stage = Stage(setting, stack)
         try:
-            async with asyncio.timeout(_CHECK_TIMEOUT):
+            async with asyncio.timeout(_CHECK_TIMEOUT + 10 * setting.patience):
                 await check.play(stage)
                 await stage.strike()
         except Deviation as deviation:
             verdict = Verdict(check, Outcome.FAILED, deviation.expected, deviation.came)
         except TimeoutError:
-            verdict = Verdict(check, Outcome.FAILED, f"an end within {_CHECK_TIMEOUT:g} s", "none")
+            verdict = Verdict(check, Outcome.FAILED, "an end of the check", "none")
         except (KeyError, IndexError, TypeError, ValueError) as error:
             verdict = Verdict(check, Outcome.FAILED, "an answer that the check can follow", repr(error))
         except WebSocketException as error:

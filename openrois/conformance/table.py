@@ -114,7 +114,7 @@ def _totals(name: str, requirements: Sequence[Requirement]) -> str:
 
 
 def _anchor(title: str) -> str:
-    return "".join(c for c in title.lower().replace(" ", "-") if c.isalnum() or c == "-")
+    return "".join(c for c in title.lower().replace(" ", "-") if c.isalnum() or c in "-_")
 
 
 def _cell(text: str) -> str:

@@ -56,7 +56,7 @@ async def _subscribe_order(stage: Stage) -> None:
     if first.get("id") != request_id:
         raise Deviation("the reply of subscribe before its events", shown(first))
     heard = [(await app.next(EVENT))["event_id"] for _ in happened]
-    expect("the events, in order", heard, happened)
+    expect("the events in their order", heard, happened)
 
 
 @CHECKS("subscribe-selection", Needs.ADAPTER)

