@@ -57,6 +57,10 @@ class EngineHost:
     wall_clock: Callable[[], float] = time.time
     ice_servers: tuple[Mapping[str, Any], ...] = ()
 
+    def crashed(self, what: str) -> None:
+        """Report that something went wrong inside the engine, which is nobody else's fault."""
+        self.engine.report(ErrorType.ENGINE_INTERNAL_ERROR, f"{what} failed inside the engine")
+
 
 class ApplicationSession:
     """The state of one connection that speaks RoIS to the engine.
@@ -121,10 +125,6 @@ class ApplicationSession:
             return None
         told = EventsDroppedNotification(count=dropped)
         return Peer.notification(told.method, told.model_dump(mode="json"))
-
-    def crashed(self, what: str) -> None:
-        """Report that something went wrong inside the engine, which is nobody else's fault."""
-        self.engine.report(ErrorType.ENGINE_INTERNAL_ERROR, f"{what} failed inside the engine")
 
     def _take_fault(self, fault: Fault) -> None:
         if not self._is_concerned_by(fault):

@@ -25,7 +25,7 @@ async def serve_adapter(host: EngineHost, stream: MessageStream, answer_timeout:
         stream: the connection.
         answer_timeout: seconds that the adapter has for each answer.
     """
-    session = RpcSession(stream, call_timeout=answer_timeout)
+    session = RpcSession(stream, call_timeout=answer_timeout, on_failure=host.crashed)
     changed = asyncio.Event()
     proxy = RemoteProxy(session, changed.set, host.tasks)
     session.notifications = proxy.notifications()

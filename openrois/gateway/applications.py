@@ -29,7 +29,7 @@ async def serve_application(host: EngineHost, stream: MessageStream) -> StreamCl
     signaling = _Signaling(host)
     app = ApplicationSession(host, session.notify, passes=signaling.passes, left=signaling.forget_peers)
     signaling.app = app
-    session.on_failure = app.crashed
+    session.on_failure = host.crashed
     session.outbox.gap = app.gap
     session.methods = {**base_methods(app), **stream_methods(app), **signaling.methods()}
     stop_listening = host.engine.on_change(signaling.tree_changed)

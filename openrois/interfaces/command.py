@@ -174,7 +174,7 @@ class _Commands:
             # Whatever went wrong inside, the application is owed its one `completed`.
             status = CompletedStatus.ERROR
             _log.exception("%s of %s failed", unit.command_type, unit.component_ref)
-            self._app.crashed(f"{unit.command_type} of {unit.component_ref}")
+            self._app.host.crashed(f"{unit.command_type} of {unit.component_ref}")
         self._finish(unit, status, results)
         return status
 

@@ -10,7 +10,15 @@ from typing import Any, Final, TypeVar
 from pydantic import ValidationError
 
 from openrois.application import ApplicationSession
-from openrois.errors import Aborted, BadParameter, ComponentFailed, OutOfResources, Unsupported, error_for
+from openrois.errors import (
+    Aborted,
+    BadParameter,
+    ComponentFailed,
+    NotResponding,
+    OutOfResources,
+    Unsupported,
+    error_for,
+)
 from openrois.interfaces.operation import operation, reply_first
 from openrois.jsonrpc.session import Handler
 from openrois.stream_parameters import STREAM_PARAMETERS
@@ -26,6 +34,7 @@ from openrois.types.streams import (
     HelloResult,
     StreamParams,
     StreamStatusResult,
+    subject_of,
 )
 
 __all__ = ["get_parameters", "has_streams", "is_verb", "methods", "query_status", "run_verb"]
@@ -206,7 +215,10 @@ def _require_own(app: ApplicationSession, stream_id: str, component_ref: str | N
 
 
 async def _call(app: ApplicationSession, method: str, params: Mapping[str, Any], model: type[Outcome]) -> Outcome:
-    answer = await app.engine.extension.call(method, params, app.client)
+    try:
+        answer = await app.engine.extension.call(method, params, app.client)
+    except NotResponding as silence:
+        raise app.engine.blame(app.streams.get(subject_of(params), ""), silence) from None
     try:
         result = model.read(answer)
     except ValidationError as error:

@@ -43,7 +43,7 @@ async def serve_engine(host: EngineHost, stream: MessageStream) -> StreamClosed:
     session = RpcSession(stream)
     app = ApplicationSession(host, session.notify, trusted=True)
     served = _ServedExtension(host, session.notify)
-    session.on_failure = app.crashed
+    session.on_failure = host.crashed
     session.methods = {**base_methods(app), **served.methods()}
     session.notifications = served.notifications()
     try:

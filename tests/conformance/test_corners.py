@@ -9,6 +9,7 @@ import pytest
 
 from openrois.gateway.server import Gateway
 from openrois.types.codes import ComponentStatus
+from openrois.types.methods import METHODS, NOTIFICATIONS
 from tests.support import deployment
 from tests.support.deployment import Adapter, Application, Robot
 from tests.support.plain import TOY, attached, plain_adapter
@@ -29,6 +30,16 @@ async def raw(app: Application, params: str, method: str = "rois.command.execute
     """Send params as they are and return the response."""
     await app.send(f'{{"jsonrpc":"2.0","id":"raw","method":"{method}","params":{params}}}')
     return await app.hear()
+
+
+async def test_every_method_of_the_table_is_served_and_no_other(app: Application, subtests: pytest.Subtests) -> None:
+    base = [method.name for method in METHODS if not method.extension]
+    assert (len(base), len([told for told in NOTIFICATIONS if not told.extension])) == (16, 4)
+    for method in METHODS:
+        with subtests.test(method.name):
+            assert (await app.refused(method.name, nonsense=1))["code"] == -32602
+    for told in NOTIFICATIONS:
+        assert (await app.refused(told.name))["code"] == -32601
 
 
 class TestNumbers:

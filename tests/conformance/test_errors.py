@@ -10,13 +10,15 @@ import pytest
 from openrois.authoring.marks import command
 from openrois.component import Component
 from openrois.contract import Fault
+from openrois.engine import Engine
 from openrois.error_log import MAX_ERRORS
 from openrois.faults import FAULTS_AT_ONCE
 from openrois.gateway.server import Gateway
+from openrois.registry import LocalRegistry
 from openrois.types.codes import ErrorType
 from openrois.types.values import check_value
-from tests.support import deployment
-from tests.support.deployment import Adapter, Application, Robot
+from tests.support import deployment, wire
+from tests.support.deployment import Adapter, Application, Door, Robot
 from tests.support.plain import TOY, PlainAdapter, attached, plain_adapter
 
 LAMP, BELL, DOOR = "robot/lamp", "robot/bell", "robot/door"
@@ -213,6 +215,24 @@ class TestNotResponding:
             assert told["error_id"].startswith(f"{gateway.engine.engine_id}/")
             assert (await details(app, told["error_id"]))["component_ref"] == TOY
 
+    async def test_an_engine_that_does_not_answer_about_a_stream(
+        self, gateway: Gateway, robot: Robot, stack: AsyncExitStack, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        sessions = deployment.adapter_sessions(monkeypatch)
+        await stack.enter_async_context(deployment.adapter(gateway, robot.camera, extension=robot.streams))
+        app = await stack.enter_async_context(deployment.application(gateway))
+        await app.code("rois.command.bind", component_ref="robot/camera")
+        stream_id = (await app.ask("rois.stream.connect_stream", component_ref="robot/camera"))["stream_id"]
+        sessions[0].call_timeout = 0.01
+        robot.streams.may_answer.clear()
+        assert await app.code("rois.stream.connect_stream", component_ref="robot/camera") == "TIMEOUT"
+        assert await app.code("rois.stream.suspend_stream", stream_id=stream_id) == "TIMEOUT"
+        for _ in range(2):
+            told = await app.next("rois.system.notify_error")
+            assert told["error_type"] == "COMPONENT_NOT_RESPONDING"
+            assert (await details(app, told["error_id"]))["component_ref"] == "robot/camera"
+        robot.streams.may_answer.set()
+
 
 class TestEngines:
     @pytest.fixture
@@ -248,6 +268,20 @@ class TestEngines:
         assert await app.completed("c") == {"c": "ERROR"}
         told = await app.next("rois.system.notify_error")
         assert (await details(app, told["error_id"]))["description"] == "open of robot/door failed inside the engine"
+
+    async def test_what_the_gateway_cannot_take_of_an_adapter(
+        self, app: Application, adapter: Adapter, gateway: Gateway, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        """A bug in between is the gateway's own fault, and the connection goes on."""
+        await app.code("rois.system.connect")
+        monkeypatch.setattr("openrois.remote.proxy.EventNotification", None)
+        await app.ask("rois.event.subscribe", event_type="switched")
+        await app.code("rois.command.bind", component_ref=LAMP)
+        await execute(app, LAMP, "switch")
+        told = await app.next("rois.system.notify_error")
+        assert told["error_id"].startswith("gateway/")
+        assert "rois.event.notify_event" in (await details(app, told["error_id"]))["description"]
+        assert await app.completed("c") == {"c": "OK"}
 
     async def test_an_engine_behind_the_gateway(
         self, app: Application, adapter: Adapter, monkeypatch: pytest.MonkeyPatch
@@ -320,3 +354,27 @@ class TestPlainAdapters:
             await app.next("rois.system.notify_error")
         asked = [method for method, _ in plain.asked if method == "rois.system.get_error_detail"]
         assert FAULTS_AT_ONCE <= len(asked) < FAULTS_AT_ONCE + 20
+
+
+class TestTwoHops:
+    async def test_the_fault_of_a_command_on_what_was_not_bound(self) -> None:
+        """It takes the news two questions to come, and the command has ended long before."""
+        robot, fleet, gateway = Engine("robot"), Engine("fleet"), Engine("gateway")
+        door = Door()
+        del door.may_answer
+        await robot.attach(LocalRegistry("robot", [door]))
+        async with (
+            wire.hosted(fleet) as fleet_host,
+            wire.adapter_leg(fleet_host, robot),
+            wire.hosted(gateway) as gateway_host,
+            wire.adapter_leg(gateway_host, fleet),
+            wire.application(gateway_host) as app,
+        ):
+            unit = {"component_ref": DOOR, "command_type": "open", "command_id": "c"}
+            await app.ask("rois.command.execute", command_unit_list=[unit])
+            assert await app.next("rois.command.completed") == {"command_id": "c", "status": "ERROR"}
+            told = await app.next("rois.system.notify_error")
+            assert told["error_type"] == "COMPONENT_INTERNAL_ERROR"
+            assert told["error_id"].startswith("robot/")
+            answer = await app.ask("rois.system.get_error_detail", error_id=told["error_id"])
+            assert answer["results"][0] == {"name": "component_ref", "data_type_ref": "RoISIdentifier", "value": DOOR}
