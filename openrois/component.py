@@ -17,7 +17,6 @@ from openrois.types.codes import ComponentFunction, ComponentStatus, ErrorType
 from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIComponentProfile
 from openrois.types.references import is_engine_id
-from openrois.types.values import check_value
 
 __all__ = ["Component", "Emit", "Report"]
 
@@ -191,7 +190,7 @@ class Component:
         message = self._authored.commands.get(command_type)
         if message is None:
             raise Unsupported(f"{self.name} has no command {command_type!r}")
-        given = _payload(message, arguments)
+        given = self._read(message, arguments)
         self.require_usable()
         self._running += 1
         try:
@@ -222,7 +221,7 @@ class Component:
         if message is None:
             return
         payload = message.arguments.bind(values, named)
-        results = () if payload is None else _fitting(payload)
+        results = () if payload is None else payload.named(Result)
         if self._loop is None or self._loop is _running_loop():
             self.emit(message.name, results)
         else:
@@ -255,6 +254,14 @@ class Component:
                 _log.warning("%s did not disconnect: %s", self.name, str(error) or "it took too long")
 
     # How it is done.
+
+    def _read(self, message: Message, arguments: tuple[Argument, ...]) -> Payload | None:
+        profile = self.profile.command(message.name)
+        texts = check_arguments(() if profile is None else profile.arguments, arguments)
+        try:
+            return None if message.arguments.payload is None else message.arguments.payload.from_texts(texts)
+        except ValueError as error:
+            raise BadParameter(str(error)) from None
 
     async def _run_checked(self, message: Message, given: Payload | None) -> tuple[Result, ...]:
         if message.name == "start":
@@ -295,7 +302,7 @@ class Component:
         arguments = {} if given is None else {name: getattr(given, name) for name in given.model_fields_set}
         with self._containing_bugs(message.name):
             payload = message.results.read(await method(**arguments))
-            return () if payload is None else _fitting(payload)
+            return () if payload is None else payload.named(Result)
 
     @contextmanager
     def _containing_bugs(self, message: str) -> Iterator[None]:
@@ -332,26 +339,6 @@ _RESERVED: Final = frozenset(name for name in vars(Component) if not name.starts
     "report",
 }
 """Names that no message or parameter can have as an attribute."""
-
-
-def _payload(message: Message, arguments: tuple[Argument, ...]) -> Payload | None:
-    payload = message.arguments.payload
-    values = check_arguments(() if payload is None else payload.profiles(), arguments)
-    try:
-        return None if payload is None else payload.from_texts(values)
-    except ValueError as error:
-        raise BadParameter(str(error)) from None
-
-
-def _fitting(payload: Payload) -> tuple[Result, ...]:
-    """Return results whose texts fit their types, which Python's infinities, for one, do not."""
-    results = payload.named(Result)
-    for result in results:
-        try:
-            check_value(result.data_type_ref, result.value)
-        except ValueError as error:
-            raise ValueError(f"{result.name}: {error}") from None
-    return results
 
 
 def _running_loop() -> asyncio.AbstractEventLoop | None:
