@@ -59,11 +59,7 @@ export function faultRow({ errorId, errorType, at, detail }: Fault): HTMLElement
     {},
     make("time", {}, formatTime(at)),
     make("span", { class: "code" }, errorType),
-    make(
-      "span",
-      { class: "gist" },
-      detail instanceof Array ? detail.map(({ value }) => value).join("  ") : "",
-    ),
+    make("span", { class: "gist" }, detail instanceof Array ? told(detail) : ""),
   );
   const known =
     detail === null
@@ -74,4 +70,10 @@ export function faultRow({ errorId, errorType, at, detail }: Fault): HTMLElement
   const ids = make("p", { class: "hint ids" }, make("span", {}, errorId));
   const body = make("div", { class: "detail" }, known, ids);
   return make("li", { "data-error": errorType }, make("details", {}, summary, body));
+}
+
+/** What is told for people: texts, not references, kinds and times. */
+function told(detail: readonly Result[]): string {
+  const texts = detail.filter(({ data_type_ref }) => data_type_ref.toLowerCase() === "string");
+  return texts.map(({ value }) => value).join("  ");
 }
