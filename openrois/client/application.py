@@ -27,6 +27,7 @@ class Application:
     Attributes:
         commands, bindings, subscriptions: what it has at the gateway.
         extensions: what the gateway speaks beyond RoIS.
+        generation: counts how often components came or went, as far as that can be known.
         notices, listeners: who reads notices, and notifications as they come.
         notifications: takes whatever the gateway tells.
     """
@@ -36,6 +37,7 @@ class Application:
         self.bindings = Bindings(self.tell)
         self.subscriptions = Subscriptions(asker, self.tell)
         self.extensions: frozenset[str] = frozenset()
+        self.generation = 0
         self.notices: WeakSet[Feed[Any]] = WeakSet()
         self.listeners: WeakSet[Feed[Any]] = WeakSet()
         self.notifications: Mapping[str, NotificationHandler] = _EveryName(self._take)
@@ -44,6 +46,7 @@ class Application:
 
     async def move_in(self, session: RpcSession) -> None:
         """Say who is there, learn what the gateway speaks, and take back what was bound."""
+        self.generation += 1
         await ask(session, "rois.system.connect", NoParams(), ReturnResult, timeout=self._timeout)
         self.extensions = await self._hello(session)
         await self.bindings.renew(session, self._timeout)
@@ -88,6 +91,7 @@ class Application:
             case "rois.event.notify_event":
                 self.subscriptions.deliver(EventNotification.model_validate(params))
             case "rois.system.profile_changed":
+                self.generation += 1
                 self._restorer.profile_changed()
                 self.tell(ProfileChanged())
             case "rois.system.notify_error":

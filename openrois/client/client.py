@@ -86,6 +86,11 @@ class Client(Operations):
         """What the gateway speaks beyond RoIS; nothing where it does not know `openrois.hello`."""
         return self._application.extensions
 
+    @property
+    def generation(self) -> int:
+        """Counts how often components came or went, as far as that can be known: a profile is good for one of them."""
+        return self._application.generation
+
     @overload
     def notices(self, *, buffer: int = BUFFER) -> Feed[Notice]: ...
     @overload

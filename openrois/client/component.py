@@ -1,7 +1,8 @@
 """A component as an application sees it: by the names of its messages, with values of Python's types."""
 
-from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
+from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
+from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, overload
 
 from openrois.catalog.component_type import ComponentType
@@ -10,10 +11,10 @@ from openrois.client.conditions import where
 from openrois.client.feed import BUFFER
 from openrois.client.steps import Step
 from openrois.client.subscription import Subscription
-from openrois.errors import BadParameter, ComponentFailed, Unsupported
-from openrois.types.messages import Argument, EventNotification, Result
-from openrois.types.profiles import HRIComponentProfile, ParameterProfile
-from openrois.types.values import decode_value, encode_value
+from openrois.client.values import read, write
+from openrois.errors import Unsupported
+from openrois.types.messages import Argument, EventNotification
+from openrois.types.profiles import HRIComponentProfile
 
 if TYPE_CHECKING:
     from openrois.client.client import Client
@@ -21,7 +22,11 @@ if TYPE_CHECKING:
 __all__ = ["ComponentProxy"]
 
 P = TypeVar("P", bound=Payload)
-Results = tuple[Result, ...]
+
+
+@cache
+def _profile_of(kind: ComponentType) -> HRIComponentProfile:
+    return kind.profile()
 
 
 class ComponentProxy:
@@ -42,8 +47,9 @@ class ComponentProxy:
     def __init__(self, client: "Client", component_ref: str, component_type: ComponentType | None = None) -> None:
         self.client = client
         self.component_ref = component_ref
-        kind = component_type or self.component_type
-        self._profile = None if kind is None else kind.profile()
+        self._type = component_type or self.component_type
+        self._read_in = 0
+        self._profile: HRIComponentProfile | None = None
 
     def __repr__(self) -> str:
         return f"<{type(self).__name__} {self.component_ref}>"
@@ -61,7 +67,11 @@ class ComponentProxy:
         return profile
 
     async def _shape(self) -> HRIComponentProfile:
-        if self._profile is None:
+        """Return the names and types of the messages: of the type, or of the component as it is now."""
+        if self._type is not None:
+            return _profile_of(self._type)
+        if self._profile is None or self._read_in != self.client.generation:
+            self._read_in = self.client.generation
             self._profile = await self.profile()
         return self._profile
 
@@ -102,23 +112,24 @@ class ComponentProxy:
             profile = (await self._shape()).command(name)
             if profile is None:
                 raise Unsupported(f"{self.component_ref} has no command {name!r}")
-            return self._encode(name, profile.arguments, arguments)
+            return write(f"{name} of {self.component_ref}", profile.arguments, arguments)
 
         return Step(self.client, self.component_ref, name, prepare, self._reader(name, results))
 
     def _reader(self, name: str, results: Any) -> Callable[[str], Awaitable[Any]]:
-        async def read(command_id: str) -> Any:
+        async def results_of(command_id: str) -> Any:
             if results is None:
                 return None
-            return self._decode(name, results, await self.client.get_command_result(command_id))
+            return read(f"{name} of {self.component_ref}", results, await self.client.get_command_result(command_id))
 
-        return read
+        return results_of
 
     def set_parameter(self, **parameters: Any) -> Step[None]:
         """Return the change of parameters, all at once; None and those not named stay as they are."""
 
         async def prepare() -> tuple[Argument, ...]:
-            return self._encode("set_parameter", (await self._shape()).parameter_profiles, parameters)
+            profiles = (await self._shape()).parameter_profiles
+            return write(f"set_parameter of {self.component_ref}", profiles, parameters)
 
         return Step(self.client, self.component_ref, "set_parameter", prepare, self._reader("set_parameter", None))
 
@@ -128,7 +139,8 @@ class ComponentProxy:
     async def get_parameter(self, parameters: type[P]) -> P: ...
     async def get_parameter(self, parameters: Any = dict) -> Any:
         """Return the parameters that have a value: as a payload, or by name."""
-        return self._decode("get_parameter", parameters, await self.client.get_parameter(self.component_ref))
+        values = await self.client.get_parameter(self.component_ref)
+        return read(f"get_parameter of {self.component_ref}", parameters, values)
 
     @overload
     async def query(self, name: str, /) -> dict[str, Any]: ...
@@ -137,7 +149,7 @@ class ComponentProxy:
     async def query(self, name: str, results: Any = dict, /) -> Any:
         """Ask the component something; the answer is a payload, or values by name."""
         answer = await self.client.query(name, where(component_ref=self.component_ref))
-        return self._decode(name, results, answer)
+        return read(f"{name} of {self.component_ref}", results, answer)
 
     @overload
     def event(self, name: str, /, *, buffer: int = BUFFER) -> Subscription[dict[str, Any]]: ...
@@ -156,47 +168,11 @@ class ComponentProxy:
         )
 
     def _event_reader(self, name: str, results: Any) -> Callable[[EventNotification], Awaitable[Any]]:
-        async def read(notification: EventNotification) -> Any:
+        async def data_of(notification: EventNotification) -> Any:
             told = notification.results
             if not told and not (isinstance(results, type) and issubclass(results, Payload) and not results.data()):
                 # That they come with the event is an extension; what they are can always be asked for.
                 told = await self.client.get_event_detail(notification.event_id)
-            return self._decode(name, results, told)
+            return read(f"{name} of {self.component_ref}", results, told)
 
-        return read
-
-    def _encode(
-        self, message: str, profiles: tuple[ParameterProfile, ...], values: Mapping[str, Any]
-    ) -> tuple[Argument, ...]:
-        """Write values as the types of their profiles.
-
-        Raises:
-            BadParameter: a name is unknown, or a value does not fit.
-        """
-        codes = {profile.name: profile.data_type_ref.code for profile in profiles}
-        arguments: list[Argument] = []
-        for name, value in values.items():
-            if name not in codes:
-                there = ", ".join(codes) or "none"
-                raise BadParameter(f"{message} of {self.component_ref} takes no {name!r}; there are: {there}")
-            if value is None:
-                continue
-            try:
-                text = encode_value(codes[name], value)
-            except ValueError as error:
-                raise BadParameter(f"{message} of {self.component_ref}: {name}: {error}") from None
-            arguments.append(Argument(name=name, data_type_ref=codes[name], value=text))
-        return tuple(arguments)
-
-    def _decode(self, message: str, results: Any, values: Results) -> Any:
-        """Read values: as a payload, or by name as what they say that they are.
-
-        Raises:
-            ComponentFailed: one does not fit.
-        """
-        try:
-            if results is dict:
-                return {each.name: decode_value(each.data_type_ref, each.value) for each in values}
-            return results.from_results(values)
-        except ValueError as error:
-            raise ComponentFailed(f"{message} of {self.component_ref} gave what does not fit: {error}") from error
+        return data_of

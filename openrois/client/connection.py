@@ -154,12 +154,20 @@ class Connection:
         Raises:
             RoISError, RpcError, ConnectionLost, TimeoutError: as `openrois.client.asking.ask`.
         """
-        session = self._session
-        if session is None:
-            reason = self._over or "there is no connection now, and what acts is not kept for later"
-            raise ConnectionLost(f"{method}: {reason}")
+        session = self.session(method)
         timeout = self.request_timeout
         return await ask(session, method, params, model, timeout=timeout, accepted=accepted, too_late=too_late)
+
+    def session(self, method: str) -> RpcSession:
+        """Return the connection that there is now, to ask `method` on it and on no other.
+
+        Raises:
+            ConnectionLost: there is none.
+        """
+        if self._session is None:
+            reason = self._over or "there is no connection now, and what acts is not kept for later"
+            raise ConnectionLost(f"{method}: {reason}")
+        return self._session
 
     def post(self, method: str, params: Model) -> None:
         """Ask and let the answer be dropped; nothing happens without a connection."""

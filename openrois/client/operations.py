@@ -5,6 +5,7 @@ from collections.abc import Awaitable, Callable, Iterable
 from contextlib import suppress
 from typing import Any, TypeVar
 
+from openrois.client.asking import ask
 from openrois.client.bindings import Bindings
 from openrois.client.commands import Command, Commands, Execution
 from openrois.client.connection import Connection
@@ -141,6 +142,11 @@ class Operations:
         Returns:
             The handles of the commands, in order; awaiting it waits for all.
         """
+        for item in items:
+            if isinstance(item, Step | Concurrent):
+                item.used()
+        # To prepare a step may mean to ask for a profile, and that waits for a connection: this one or none.
+        session = self._connection.session("rois.command.execute")
         sequence: list[SequenceItem] = []
         commands: list[Command[Any]] = []
         for item in items:
@@ -164,7 +170,8 @@ class Operations:
         params = ExecuteParams(command_unit_list=tuple(sequence))
         self._commands.expect(commands)
         try:
-            await self._connection.act("rois.command.execute", params, ReturnResult)
+            timeout = self._connection.request_timeout
+            await ask(session, "rois.command.execute", params, ReturnResult, timeout=timeout)
         except BaseException:
             self._commands.forget(commands)
             raise

@@ -53,9 +53,13 @@ class Step(Generic[T]):
             # As of a coroutine: the robot does nothing, and without a word nobody would see why.
             warnings.warn(f"{self!r} was never run: await it", RuntimeWarning, stacklevel=2, source=self)
 
+    def used(self) -> None:
+        """Note that somebody means to run it: whether that succeeds is told by an error."""
+        self._used = True
+
     def after(self, seconds: float) -> "Step[T]":
         """Return the same step, begun this many seconds after its turn has come."""
-        self._used = True
+        self.used()
         return Step(self._executor, self._component_ref, self._command_type, self._prepare, self._read, seconds)
 
     async def execute(self) -> Command[T]:
@@ -77,7 +81,6 @@ class Step(Generic[T]):
 
     async def prepare(self, command_id: str) -> tuple[CommandUnit, Command[T]]:
         """Return the unit to send and the handle of the command that it will be."""
-        self._used = True
         unit = CommandUnit(
             component_ref=self._component_ref,
             command_type=self._command_type,
@@ -96,8 +99,13 @@ class Concurrent:
         self._delay = delay
 
     def after(self, seconds: float) -> "Concurrent":
-        """Return the same steps, begun this many seconds after their turn has come."""
+        """Return the same steps, begun this many seconds after their turn has come; each may have its own delay too."""
         return Concurrent(self._steps, seconds)
+
+    def used(self) -> None:
+        """Note that somebody means to run them."""
+        for step in self._steps:
+            step.used()
 
     def __iter__(self) -> Iterator[Step[Any]]:
         return iter(self._steps)

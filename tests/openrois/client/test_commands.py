@@ -66,7 +66,7 @@ async def test_a_command_that_is_stopped_raises_aborted(ground: Ground, lamp: Co
 
 
 async def test_what_does_not_fit_is_said_before_anything_is_sent(ground: Ground, lamp: ComponentProxy) -> None:
-    with pytest.raises(BadParameter, match="switch of toys/lamp takes no 'time'; there are: times, note"):
+    with pytest.raises(BadParameter, match="switch of toys/lamp takes no time; there are: times, note"):
         await lamp.command("switch", time=3)
     with pytest.raises(BadParameter, match="times: 'often' is not of type int"):
         await lamp.command("switch", times="often")

@@ -67,6 +67,15 @@ async def test_a_feed_that_nobody_reads_any_more_is_forgotten(line: Line) -> Non
         assert list(client._application.listeners) == [feed]
 
 
+async def test_notifications_that_nobody_knows_reach_who_reads_them(line: Line) -> None:
+    async with Client(dial=line.dial) as client:
+        told = client.notifications("example.news")
+        handlers = client._application.notifications
+        handlers["example.news"]({"it": "rains"})
+        assert (await anext(told)).params == {"it": "rains"}
+        assert len(handlers) == len(list(handlers)) == 4
+
+
 @pytest.mark.parametrize("text", ["robot/navigation", "o'clock", "''", "' OR component_ref LIKE '%", ""])
 def test_a_text_in_a_condition_is_a_text(text: str) -> None:
     condition = parse_condition(where(component_ref=text), PROPERTIES)

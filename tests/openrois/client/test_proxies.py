@@ -4,12 +4,13 @@ from typing import Annotated, Any
 
 import pytest
 
+from openrois.authoring.marks import command
 from openrois.catalog.actuation import NavigationParameters
 from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.catalog.common import ROIS_COMMON
 from openrois.catalog.component_type import CommandType, ComponentType, EventType, QueryType
 from openrois.catalog.payload import Data, Payload
-from openrois.client import Client, ComponentProxy, Step, components, where
+from openrois.client import Client, ComponentProxy, ProfileChanged, Step, components, where
 from openrois.client.components import (
     Follow,
     Navigation,
@@ -18,7 +19,9 @@ from openrois.client.components import (
     SpeechSynthesis,
     SystemInformation,
 )
+from openrois.component import Component
 from openrois.errors import Aborted, BadParameter, ComponentFailed, OutOfResources, Unsupported
+from openrois.registry import LocalRegistry
 from openrois.types.codes import ComponentStatus
 from tests.support.fleet import NOON, everything, example
 from tests.support.grounds import Ground
@@ -217,7 +220,7 @@ async def test_a_component_type_is_enough(ground: Ground, client: Client) -> Non
     lamp = await client.find(LAMP)
     async with lamp.bound():
         assert await lamp.command("switch", times=3) == {"total": 3}
-        with pytest.raises(BadParameter, match="takes no 'often'; there are: times, note"):
+        with pytest.raises(BadParameter, match="takes no often; there are: times, note"):
             await lamp.command("switch", often=3)
     assert client.component(LAMP, "toys/lamp").component_ref == lamp.component_ref
 
@@ -232,6 +235,34 @@ async def test_a_component_whose_type_is_not_known_is_read_from_its_profile(grou
     assert await lamp.query("brightness") == {"level": 9}
     with pytest.raises(Unsupported, match="there is no component toys/nothing"):
         await client.component("toys/nothing").command("switch")
+
+
+async def test_a_component_that_comes_back_as_another_is_read_again(ground: Ground, client: Client) -> None:
+    changed = client.notices(ProfileChanged)
+    await ground.engine.attach(shelf := LocalRegistry("shelf", (Toy("thing"),)))
+    thing = client.component("shelf/thing")
+    assert await thing.command("squeak", times=2) == {}
+    ground.engine.detach(shelf)
+    await ground.engine.attach(LocalRegistry("shelf", (OtherToy("thing"),)))
+    for _ in range(3):
+        await anext(changed)
+    assert await thing.command("squeak", loudly=True) == {}
+
+
+class Toy(Component, authority="Test"):
+    """Squeaks so many times."""
+
+    @command
+    async def squeak(self, times: int) -> None:
+        assert times
+
+
+class OtherToy(Component, authority="Test"):
+    """Squeaks in another way."""
+
+    @command
+    async def squeak(self, loudly: bool) -> None:
+        assert loudly
 
 
 async def test_what_gives_what_does_not_fit_is_named(client: Client) -> None:

@@ -282,16 +282,30 @@ async def test_commands_that_ran_are_lost_and_say_so_once(line: Line, clock: Clo
 
 async def test_commands_are_not_kept_for_later(line: Line, clock: Clock, client: Client) -> None:
     notices = client.notices(Disconnected)
-    lamp = client.component(
-        LAMP,
-    )
+    lamp = client.component(LAMP)
     await lamp.bind()
-    await lamp.profile()
     line.cut()
     await heard(notices, Disconnected)
-    for acting in (client.call("rois.system.connect"), client.component(Navigation, "robot/navigation").start()):
+    for acting in (client.call("rois.system.connect"), lamp.command("switch", times=1)):
         with pytest.raises(ConnectionLost, match="what acts is not kept for later"):
             await acting
+    assert line.lamp.total == 0
+
+
+async def test_a_command_that_still_asks_for_its_profile_is_not_kept_either(
+    line: Line, clock: Clock, client: Client
+) -> None:
+    notices = client.notices(Connected)
+    async with deaf(line) as asked:
+        line.cut()
+        await clock.pass_time()
+        await heard(notices, Connected)
+        acting = asyncio.ensure_future(client.component(LAMP).command("switch", times=1).execute())
+        await asked("rois.system.get_profile")
+    line.cut()
+    await clock.pass_time()
+    with pytest.raises(ConnectionLost, match=r"rois.command.execute: the connection ended"):
+        await acting
     assert line.lamp.total == 0
 
 

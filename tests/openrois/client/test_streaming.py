@@ -91,6 +91,18 @@ async def test_a_stream_over_the_extension(line: Line, streams: FakeStreams) -> 
         ]
 
 
+async def test_a_plain_gateway_turns_strict_rois_into_the_extension_of_its_engine(
+    line: Line, streams: FakeStreams
+) -> None:
+    line.speaks = serve_plain
+    async with Client(dial=line.dial) as client:
+        camera = client.component(VideoStreaming, "cameras/camera")
+        stream_id = await camera.connect_stream()
+        assert await camera.get_stream_status(stream_id) is StreamStatus.STREAMING_NOT_RUNNING
+        await camera.disconnect_stream(stream_id)
+        assert not streams.streams
+
+
 async def test_a_stream_of_another_application_is_none(line: Line, streams: FakeStreams) -> None:
     async with Client(dial=line.dial) as one, Client(dial=line.dial) as other:
         stream_id = await one.component(VideoStreaming, "cameras/camera").connect_stream()
