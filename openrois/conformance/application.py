@@ -1,12 +1,11 @@
 """An application that is nothing but a WebSocket: it speaks raw JSON and judges whatever it hears."""
 
-import asyncio
 import json
 from typing import Any, Final
 
 from websockets.asyncio.client import ClientConnection
-from websockets.exceptions import ConnectionClosed
 
+from openrois.conformance.connection import Connection
 from openrois.conformance.deviation import Deviation, expect, shown
 from openrois.conformance.strictness import check_envelope, is_extension, read_notification, read_result
 from openrois.conformance.transcript import Transcript
@@ -18,7 +17,7 @@ COMPLETED: Final = "rois.command.completed"
 EVENT: Final = "rois.event.notify_event"
 
 
-class Application:
+class Application(Connection):
     """One connection of an application.
 
     Args:
@@ -32,57 +31,23 @@ class Application:
     """
 
     def __init__(self, socket: ClientConnection, name: str, transcript: Transcript, patience: float) -> None:
-        self.socket = socket
-        self.name = name
+        super().__init__(socket, name, transcript, patience)
         self.told: list[tuple[str, dict[str, Any]]] = []
         self.extended = False
-        self._transcript = transcript
-        self.patience = patience
         self._asked: set[str] = set()
         self._answers: dict[str, dict[str, Any]] = {}
         self._ended: set[str] = set()
         self._last_id = 0
 
-    async def send(self, message: Any) -> None:
-        """Send a frame: text as it is, bytes as a binary frame, anything else as JSON."""
-        frame = message if isinstance(message, str | bytes) else json.dumps(message)
-        self._transcript.note(self.name, frame if isinstance(frame, str) else repr(frame), outgoing=True)
-        try:
-            await self.socket.send(frame)
-        except ConnectionClosed as closed:
-            raise self._broken(closed) from None
-
     async def hear(self) -> dict[str, Any]:
         """Return the next frame, checked: a response as it came, a notification kept in `told` as well."""
-        message: dict[str, Any] = await self._receive()
+        message: dict[str, Any] = await self.receive()
         check_envelope(message)
         if "method" in message:
             params = read_notification(message["method"], message.get("params", {}), extended=self.extended)
             self._count(message["method"], params)
             self.told.append((message["method"], params))
         return message
-
-    async def _receive(self) -> Any:
-        try:
-            async with asyncio.timeout(self.patience):
-                frame = await self.socket.recv()
-        except TimeoutError:
-            raise Deviation(f"a frame within {self.patience:g} s", "nothing") from None
-        except ConnectionClosed as closed:
-            raise self._broken(closed) from None
-        text = frame if isinstance(frame, str) else repr(frame)
-        self._transcript.note(self.name, text, outgoing=False)
-        if not isinstance(frame, str):
-            raise Deviation("text frames", "a binary frame")
-        try:
-            return json.loads(frame)
-        except ValueError:
-            raise Deviation("JSON", shown(frame)) from None
-
-    def _broken(self, closed: ConnectionClosed) -> Deviation:
-        frame = closed.rcvd
-        how = "broken off" if frame is None else f"closed with {frame.code} {frame.reason}".rstrip()
-        return Deviation("an open connection", how)
 
     def _count(self, method: str, params: dict[str, Any]) -> None:
         if method == COMPLETED:
@@ -210,13 +175,3 @@ class Application:
         """Refuse any notification, up to now, that nobody asked for."""
         if await self.settled():
             raise Deviation(f"no notification: {why}", shown(self.told))
-
-    async def closed(self) -> tuple[int, str]:
-        """Wait until the gateway closes the connection and return its code and reason."""
-        try:
-            async with asyncio.timeout(self.patience):
-                await self.socket.wait_closed()
-        except TimeoutError:
-            raise Deviation(f"the connection to be closed within {self.patience:g} s", "it is open") from None
-        self._transcript.note(self.name, f"closed {self.socket.close_code} {self.socket.close_reason}", outgoing=False)
-        return self.socket.close_code or 1006, self.socket.close_reason or ""

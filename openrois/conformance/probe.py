@@ -10,6 +10,7 @@ from typing import Any
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed
 
+from openrois.conformance.connection import Connection
 from openrois.conformance.deviation import Deviation, shown
 from openrois.conformance.probe_engine import Answer, ProbeEngine
 from openrois.conformance.transcript import Transcript
@@ -22,7 +23,7 @@ def new_engine_id() -> str:
     return f"conformance-{secrets.token_hex(4)}"
 
 
-class Probe:
+class Probe(Connection):
     """An adapter of the suite, connected.
 
     Args:
@@ -37,13 +38,11 @@ class Probe:
     """
 
     def __init__(self, socket: ClientConnection, engine: ProbeEngine, transcript: Transcript, patience: float) -> None:
-        self.socket = socket
+        super().__init__(socket, "adapter", transcript, patience)
         self.engine = engine
         self.asked: list[tuple[str, dict[str, Any]]] = []
         self.refusals: list[int] = []
         self._held: list[Any] = []
-        self._transcript = transcript
-        self._patience = patience
         self._change = asyncio.Event()
 
     def reset(self) -> None:
@@ -58,10 +57,10 @@ class Probe:
 
     async def run(self) -> None:
         """Answer until the connection ends."""
-        with suppress(ConnectionClosed):
+        with suppress(ConnectionClosed, Deviation):
             while True:
                 text = str(await self.socket.recv())
-                self._transcript.note("adapter", text, outgoing=False)
+                self._transcript.note(self.name, text, outgoing=False)
                 await self._take(json.loads(text))
                 self._change.set()
 
@@ -86,28 +85,23 @@ class Probe:
             envelope["error"] = {"code": answer.error, "message": "the suite's adapter refuses"}
         else:
             envelope["result"] = answer.result
-        await self.say(json.dumps(envelope, ensure_ascii=False))
+        await self.send(envelope)
         for method, params in answer.then:
             await self.tell(method, **params)
 
-    async def say(self, text: str) -> None:
-        """Send a frame as it is."""
-        self._transcript.note("adapter", text, outgoing=True)
-        await self.socket.send(text)
-
     async def tell(self, method: str, **params: Any) -> None:
         """Send a notification."""
-        await self.say(json.dumps({"jsonrpc": "2.0", "method": method, "params": params}, ensure_ascii=False))
+        await self.send({"jsonrpc": "2.0", "method": method, "params": params})
 
     async def until(self, condition: Callable[[], bool], what: str) -> None:
         """Wait until a condition on what the gateway asked holds."""
         try:
-            async with asyncio.timeout(self._patience):
+            async with asyncio.timeout(self.patience):
                 while not condition():
                     self._change.clear()
                     await self._change.wait()
         except TimeoutError:
-            raise Deviation(f"the gateway, within {self._patience:g} s, to {what}", "it does not") from None
+            raise Deviation(f"the gateway, within {self.patience:g} s, to {what}", "it does not") from None
 
     def params_of(self, method: str) -> list[dict[str, Any]]:
         """Return the params of every request of `method`, in order."""
@@ -151,21 +145,10 @@ class Probe:
 
     async def let_go(self) -> None:
         """End whatever hangs, so that nothing of a check outlives it."""
-        with suppress(ConnectionClosed):
+        with suppress(Deviation):
             for component_ref in self.engine.hanging():
                 await self.finish(component_ref, "ABORT")
             await self.answer_held({"return_code": "ERROR"})
-
-    async def closed(self) -> tuple[int, str]:
-        """Wait until the gateway closes the connection and return its code and reason."""
-        try:
-            async with asyncio.timeout(self._patience):
-                await self.socket.wait_closed()
-        except TimeoutError:
-            raise Deviation(
-                f"the adapter's connection to be closed within {self._patience:g} s", "it is open"
-            ) from None
-        return self.socket.close_code or 1006, self.socket.close_reason or ""
 
 
 @asynccontextmanager

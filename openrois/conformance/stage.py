@@ -152,14 +152,14 @@ class Stage:
         if self.setting.probe is not None:
             await self.setting.probe.let_go()
         for app in self._applications:
-            if app.socket.close_code is None:
+            if app.is_open:
                 await app.settled()
 
     async def clear(self) -> None:
         """Give everything back, whatever state it is in."""
         for app in self._applications:
             with suppress(Deviation):
-                if app.socket.close_code is None:
+                if app.is_open:
                     await app.code("rois.system.disconnect")
 
 

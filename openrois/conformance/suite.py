@@ -143,7 +143,7 @@ async def _run(place: Visit, check: Check) -> Verdict:
     setting = place.setting
     setting.transcript.begin()
     if setting.probe is not None:
-        if Needs.ADAPTER in check.needs and setting.probe.socket.close_code is not None:
+        if Needs.ADAPTER in check.needs and not setting.probe.is_open:
             code, reason = await setting.probe.closed()
             return Verdict(check, Outcome.FAILED, "the suite's adapter to stay connected", f"closed {code} {reason}")
         setting.probe.reset()

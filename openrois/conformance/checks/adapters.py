@@ -34,7 +34,7 @@ async def _adapter_path(stage: Stage) -> None:
     app = await stage.application()
     await app.granted("rois.system.connect")
     second = await stage.attached()
-    await second.say('{"jsonrpc":"2.0","id":1,"method":"rois.command.search"}')
+    await second.send('{"jsonrpc":"2.0","id":1,"method":"rois.command.search"}')
     await app.granted("rois.query.query", query_type="view", condition=f"component_ref = '{second.ref('eye')}'")
     codes = [code for code in second.refusals if code != -32601]
     expect("errors other than -32601 to a request of the adapter", codes, [])
@@ -208,7 +208,7 @@ async def _adapter_garbage(stage: Stage) -> None:
         '{"jsonrpc":"2.0","method":"rois.event.notify_event","params":{}}',
         '{"jsonrpc":"2.0","method":"no such thing","params":{}}',
     ):
-        await second.say(text)
+        await second.send(text)
     await app.granted("rois.query.query", query_type="view", condition=f"component_ref = '{second.ref('eye')}'")
     await app.silent("nothing of it is for an application")
 

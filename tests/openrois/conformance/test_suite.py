@@ -324,7 +324,7 @@ async def test_no_check_passes_at_a_gateway_that_does_nothing() -> None:
         visit(proxy.url, PATIENCE, adapter=True, component="robot/nobody") as place,
     ):
         assert place.missing == {}
-        hasty = replace(place, setting=replace(place.setting, patience=0.1))
+        hasty = replace(place, setting=replace(place.setting, patience=0.05))
         for answer in STUBS:
             bend(proxy, to_application=answering(answer))
             verdicts = await run_checks(hasty, ALL_CHECKS)
