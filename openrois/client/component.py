@@ -114,15 +114,7 @@ class ComponentProxy:
                 raise Unsupported(f"{self.component_ref} has no command {name!r}")
             return write(f"{name} of {self.component_ref}", profile.arguments, arguments)
 
-        return Step(self.client, self.component_ref, name, prepare, self._reader(name, results))
-
-    def _reader(self, name: str, results: Any) -> Callable[[str], Awaitable[Any]]:
-        async def results_of(command_id: str) -> Any:
-            if results is None:
-                return None
-            return read(f"{name} of {self.component_ref}", results, await self.client.get_command_result(command_id))
-
-        return results_of
+        return Step(self.client, self.component_ref, name, prepare, _results_of(self, name, results))
 
     def set_parameter(self, **parameters: Any) -> Step[None]:
         """Return the change of parameters, all at once; None and those not named stay as they are."""
@@ -131,7 +123,7 @@ class ComponentProxy:
             profiles = (await self._shape()).parameter_profiles
             return write(f"set_parameter of {self.component_ref}", profiles, parameters)
 
-        return Step(self.client, self.component_ref, "set_parameter", prepare, self._reader("set_parameter", None))
+        return Step(self.client, self.component_ref, "set_parameter", prepare, _results_of(self, "set_parameter", None))
 
     @overload
     async def get_parameter(self) -> dict[str, Any]: ...
@@ -163,16 +155,29 @@ class ComponentProxy:
             results: what it tells.
             buffer: how many may wait to be read; the oldest makes room for the newest.
         """
-        return self.client.listen(
-            name, where(component_ref=self.component_ref), self._event_reader(name, results), buffer
-        )
+        return self.client.listen(name, where(component_ref=self.component_ref), _data_of(self, name, results), buffer)
 
-    def _event_reader(self, name: str, results: Any) -> Callable[[EventNotification], Awaitable[Any]]:
-        async def data_of(notification: EventNotification) -> Any:
-            told = notification.results
-            if not told and not (isinstance(results, type) and issubclass(results, Payload) and not results.data()):
-                # That they come with the event is an extension; what they are can always be asked for.
-                told = await self.client.get_event_detail(notification.event_id)
-            return read(f"{name} of {self.component_ref}", results, told)
 
-        return data_of
+def _results_of(component: ComponentProxy, name: str, kind: Any) -> Callable[[str], Awaitable[Any]]:
+    """Return what reads the results of a command once it is completed."""
+
+    async def read_results(command_id: str) -> Any:
+        if kind is None:
+            return None
+        return read(f"{name} of {component.component_ref}", kind, await component.client.get_command_result(command_id))
+
+    return read_results
+
+
+def _data_of(component: ComponentProxy, name: str, kind: Any) -> Callable[[EventNotification], Awaitable[Any]]:
+    """Return what reads the data of an event."""
+    tells_nothing = kind is not dict and not kind.data()
+
+    async def read_data(notification: EventNotification) -> Any:
+        told = notification.results
+        if not told and not tells_nothing:
+            # That they come with the event is an extension; what they are can always be asked for.
+            told = await component.client.get_event_detail(notification.event_id)
+        return read(f"{name} of {component.component_ref}", kind, told)
+
+    return read_data
