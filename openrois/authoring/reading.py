@@ -260,8 +260,10 @@ def _annotation(base: type, name: str, place: str) -> Any:
     if name not in written:
         raise TypeError(f"{place}: write its type, such as `{name}: int = parameter(...)`")
     holder = type(base.__name__, (), {"__annotations__": {name: written[name]}, "__module__": base.__module__})
+    # A class that is made from text is of a module that is nowhere.
+    known = getattr(sys.modules.get(base.__module__), "__dict__", {})
     try:
-        return get_type_hints(holder, vars(sys.modules[base.__module__]), dict(vars(base)), include_extras=True)[name]
+        return get_type_hints(holder, known, dict(vars(base)), include_extras=True)[name]
     except NameError as error:
         raise TypeError(f"{place}: {error}; its type has to be known when the class is made") from None
 

@@ -440,6 +440,13 @@ class TestEvents:
             Bell().ring("ding")
         assert not caplog.records
 
+    async def test_one_that_tells_nothing_but_itself(self) -> None:
+        device = TestLife.Device()
+        heard: list[tuple[str, tuple[Result, ...]]] = []
+        device.emit = lambda kind, results: heard.append((kind, results))
+        device.beat()
+        assert heard == [("beat", ())]
+
     async def test_a_call_with_wrong_values_is_the_callers_mistake(self) -> None:
         bell = Bell()
         heard: list[object] = []

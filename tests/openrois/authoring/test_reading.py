@@ -144,6 +144,22 @@ class TestWhatIsRead:
         assert Cellar.component_type.function is ComponentFunction.SENSING
         assert spelled(Cellar().profile.parameter_profiles)[0] == ("interval", "int", "5", "")
 
+    def test_what_an_annotation_says_itself_counts(self) -> None:
+        class Dial(Component):
+            step: Annotated[int, Data(code="long", description="ticks")] = parameter(1, description="something else")
+
+            @command
+            async def turn(self, by: Annotated[int, Data(description="ticks")]) -> None:
+                """Turn it.
+
+                Args:
+                    by: something else
+                """
+
+        profile = Dial().profile
+        assert spelled(profile.parameter_profiles) == [("step", "long", "1", "ticks")]
+        assert spelled(profile.command_profiles[0].arguments) == [("by", "int", "", "ticks")]
+
     def test_text_annotations_are_read_as_types(self) -> None:
         class Late(Component):
             level: "int" = parameter(3)
