@@ -100,7 +100,10 @@ async def test_what_is_bound_and_subscribed_comes_back(start: Start) -> None:
                 assert await app.says("reached") == "place 1"
             await app.says("lost")
             await app.says("lost")
-        # The gateway is gone, too. The robot's name for its component is all that they have in common.
+        # The gateway is gone, too; nobody answers.
+        await app.says("waiting")
+        await app.says("waiting")
+        # The robot's name for its component is all that this gateway has in common with the one before.
         port = urlsplit(running.url).port
         assert port is not None
         async with run_gateway(GatewaySettings(port=port)) as another, attached(another, robot):

@@ -2,6 +2,15 @@
 
 type Listener<T> = (value: T) => void;
 
+/** Calls a listener; what it throws is nobody's concern but its author's. */
+export function tell<T>(name: string, listener: Listener<T>, value: T): void {
+  try {
+    listener(value);
+  } catch (error) {
+    console.error(`openrois: a listener of "${name}" failed`, error);
+  }
+}
+
 /** Calls its listeners in the order in which they were added. */
 export class Emitter<Events extends object> {
   readonly #listeners = new Map<keyof Events, Set<Listener<never>>>();
@@ -17,11 +26,7 @@ export class Emitter<Events extends object> {
   emit<Name extends keyof Events>(name: Name, value: Events[Name]): void {
     // A copy, since a listener may take itself away while it runs.
     for (const listener of [...(this.#listeners.get(name) ?? [])]) {
-      try {
-        (listener as Listener<Events[Name]>)(value);
-      } catch (error) {
-        console.error(`openrois: a listener of "${String(name)}" failed`, error);
-      }
+      tell(String(name), listener as Listener<Events[Name]>, value);
     }
   }
 }

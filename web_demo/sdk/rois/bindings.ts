@@ -10,17 +10,47 @@ type State = "held" | "unknown" | "lost";
 /** What this application has bound. A lost engine takes bindings with it, and so does a lost session. */
 export class Bindings {
   readonly #states = new Map<string, State>();
+  /** What stays bound until it is released. */
+  readonly #lasting = new Set<string>();
+  /** How many works need each component now. */
+  readonly #uses = new Map<string, number>();
+  readonly #turns = new Map<string, Promise<unknown>>();
 
+  /** It was bound, until it is released. */
   add(componentRef: string): void {
+    this.#lasting.add(componentRef);
     this.#states.set(componentRef, "held");
   }
 
+  /** It is released. */
   delete(componentRef: string): void {
+    this.#lasting.delete(componentRef);
     this.#states.delete(componentRef);
   }
 
   clear(): void {
+    this.#lasting.clear();
     this.#states.clear();
+  }
+
+  /** Binds for as long as the work lasts; where works overlap, the last one releases. */
+  async during<T>(call: Call, componentRef: string, work: () => Promise<T>): Promise<T> {
+    const params = { component_ref: componentRef };
+    this.#count(componentRef, 1);
+    try {
+      await this.#inTurn(componentRef, async () => {
+        await call("rois.command.bind", params);
+        this.#states.set(componentRef, "held");
+      });
+      return await work();
+    } finally {
+      this.#count(componentRef, -1);
+      await this.#inTurn(componentRef, async () => {
+        if (this.#uses.has(componentRef) || this.#lasting.has(componentRef)) return;
+        this.#states.delete(componentRef);
+        await call("rois.command.release", params);
+      }).catch(() => undefined);
+    }
   }
 
   /** The session that held them is gone. */
@@ -39,6 +69,22 @@ export class Bindings {
   async renew(call: Call, renewal: Renewal, all: boolean): Promise<void> {
     const refs = [...this.#states].filter(([, state]) => all || state !== "held").map(([ref]) => ref);
     await Promise.all(refs.map((ref) => this.#renew(call, ref, renewal)));
+  }
+
+  #count(componentRef: string, change: number): void {
+    const uses = (this.#uses.get(componentRef) ?? 0) + change;
+    if (uses > 0) this.#uses.set(componentRef, uses);
+    else this.#uses.delete(componentRef);
+  }
+
+  /** Requests may be answered out of order: a release must not overtake the bind that follows it. */
+  #inTurn<T>(componentRef: string, step: () => Promise<T>): Promise<T> {
+    const result = (this.#turns.get(componentRef) ?? Promise.resolve()).then(step);
+    this.#turns.set(
+      componentRef,
+      result.catch(() => undefined),
+    );
+    return result;
   }
 
   async #renew(call: Call, componentRef: string, renewal: Renewal): Promise<void> {

@@ -127,6 +127,16 @@ export class Client extends Link {
     await this.call("rois.command.release", { component_ref: componentRef });
   }
 
+  /**
+   * Does some work while a component is bound. Where works overlap the last one releases it; one that `bind` has bound
+   * stays so.
+   *
+   * @throws RoISError (OUT_OF_RESOURCES: another application has it) | what the work throws
+   */
+  bound<T>(componentRef: string, work: () => Promise<T>): Promise<T> {
+    return this.#bindings.during(this.call, componentRef, work);
+  }
+
   /** Returns the parameters that have a value. */
   async getParameter(componentRef: string): Promise<readonly Parameter[]> {
     return (await this.call("rois.command.get_parameter", { component_ref: componentRef })).parameters ?? [];

@@ -40,8 +40,7 @@ export class ComponentProxy<Parameters extends object = object> {
   /** The `data_type_ref` of each parameter. */
   protected readonly parameterTypes: Types<Parameters> = {} as Types<Parameters>;
   readonly #client: Client;
-  #users = 0;
-  #turn: Promise<unknown> = Promise.resolve();
+  #works = 0;
 
   constructor(client: Client, componentRef: string) {
     this.#client = client;
@@ -54,31 +53,27 @@ export class ComponentProxy<Parameters extends object = object> {
    * @throws RoISError (OUT_OF_RESOURCES: another application has it)
    */
   bind(): Promise<void> {
-    return this.#inTurn(() => this.#client.bind(this.componentRef));
+    return this.#client.bind(this.componentRef);
   }
 
   /** Gives the component back. Idempotent. */
   release(): Promise<void> {
-    return this.#inTurn(() => this.#client.release(this.componentRef));
+    return this.#client.release(this.componentRef);
   }
 
-  /** Does some work while the component is bound. Where such works overlap, the last one releases it. */
+  /** Does some work while the component is bound. Where works overlap, the last one releases it. */
   async bound<T>(work: () => Promise<T>): Promise<T> {
-    this.#users += 1;
+    this.#works += 1;
     try {
-      await this.bind();
-      return await work();
+      return await this.#client.bound(this.componentRef, work);
     } finally {
-      this.#users -= 1;
-      await this.#inTurn(async () => {
-        if (this.#users === 0) await this.#client.release(this.componentRef);
-      }).catch(() => undefined);
+      this.#works -= 1;
     }
   }
 
   /** Some work of `bound` or `perform` is under way. */
   get inUse(): boolean {
-    return this.#users > 0;
+    return this.#works > 0;
   }
 
   /** Returns the parameters that have a value. */
@@ -152,13 +147,6 @@ export class ComponentProxy<Parameters extends object = object> {
   async #ended(commandType: string, commandId: string): Promise<void> {
     const { status } = await this.#client.completed(commandId);
     if (status !== "OK") throw new CommandFailed(commandType, commandId, status);
-  }
-
-  /** Requests may be answered out of order: a release must not overtake the bind that follows it. */
-  #inTurn<T>(step: () => Promise<T>): Promise<T> {
-    const result = this.#turn.then(step);
-    this.#turn = result.catch(() => undefined);
-    return result;
   }
 }
 

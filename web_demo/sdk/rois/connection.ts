@@ -122,6 +122,10 @@ export class Connection {
       if (attempt === this.#attempt) void this.#welcome(attempt, socket);
       else socket.close();
     });
+    // `ws` throws an error that nobody listens to, and says why there is no connection; a browser may not.
+    socket.addEventListener("error", ({ message }) => {
+      if (message) this.#fail(attempt, message);
+    });
     socket.addEventListener("close", (event) =>
       this.#fail(attempt, event.reason || `closed (${event.code})`),
     );

@@ -11,7 +11,13 @@ import { Connection } from "./connection.ts";
 import type { ConnectionOptions, ConnectionState } from "./connection.ts";
 import { InvalidMessage, RoISError } from "./errors.ts";
 import type { MethodName, Methods } from "./generated/methods.ts";
-import type { Completed, ErrorNotification, EventNotification, ReturnCode } from "./generated/types.ts";
+import type {
+  Completed,
+  ErrorNotification,
+  EventNotification,
+  EventsDroppedNotification,
+  ReturnCode,
+} from "./generated/types.ts";
 
 /** The version of the extensions this client speaks, as `openrois.hello` carries it. */
 const EXTENSION_VERSION = "1";
@@ -52,6 +58,8 @@ export interface ClientEvents {
   event: RoISEvent;
   /** An engine or component reports a fault; `getErrorDetail` tells more. */
   fault: ErrorNotification;
+  /** So many events and faults were dropped here, because this application reads too slowly. */
+  dropped: number;
   /** The engines or components behind the gateway are others now. */
   profile_changed: undefined;
   /** A binding or subscription is gone and could not be made again. */
@@ -210,6 +218,9 @@ export abstract class Link {
         break;
       case "rois.system.notify_error":
         this.emitter.emit("fault", params as unknown as ErrorNotification);
+        break;
+      case "openrois.events_dropped":
+        this.emitter.emit("dropped", (params as unknown as EventsDroppedNotification).count);
         break;
       case "rois.system.profile_changed":
         this.changed();

@@ -1,5 +1,6 @@
 /** Subscriptions that outlive the session in which they were made. */
 
+import { tell } from "../events.ts";
 import type { Renewal, SubscriptionClaim } from "./claims.ts";
 import { RoISError } from "./errors.ts";
 import type { Call, RoISEvent } from "./link.ts";
@@ -39,6 +40,7 @@ export class Subscriptions {
   /** Two messages may come in one breath: the answer with the id, and the first event under it. */
   #early: RoISEvent[] = [];
   #asking = 0;
+  #session = 0;
 
   async add(
     call: Call,
@@ -56,13 +58,7 @@ export class Subscriptions {
       lost: false,
       overlap: null,
     };
-    this.#entries.add(entry);
-    try {
-      await this.#subscribe(call, entry);
-    } catch (error) {
-      this.#entries.delete(entry);
-      throw error;
-    }
+    await this.#subscribe(call, entry, () => this.#entries.add(entry));
     return { cancel: () => this.#cancel(call, entry) };
   }
 
@@ -72,7 +68,7 @@ export class Subscriptions {
       if (entry.subscribeId !== event.subscribe_id) continue;
       known = true;
       entry.overlap?.add(event.event_id);
-      entry.listener(event);
+      tell(event.event_type, entry.listener, event);
     }
     if (known || this.#asking === 0) return;
     if (this.#early.length === MAX_EARLY) this.#early.shift();
@@ -81,6 +77,7 @@ export class Subscriptions {
 
   /** The session that knew the ids is gone. */
   lost(): void {
+    this.#session += 1;
     for (const entry of this.#entries) entry.subscribeId = null;
   }
 
@@ -122,13 +119,16 @@ export class Subscriptions {
     }
   }
 
-  async #subscribe(call: Call, entry: Entry): Promise<void> {
+  async #subscribe(call: Call, entry: Entry, succeeded: () => void = () => undefined): Promise<void> {
+    const session = this.#session;
     this.#asking += 1;
     entry.overlap = new Set();
     try {
       const { eventType: event_type, condition } = entry;
       const { subscribe_id } = await call("rois.event.subscribe", { event_type, condition });
-      entry.subscribeId = subscribe_id ?? "";
+      // The session may have ended in the same breath.
+      entry.subscribeId = session === this.#session ? (subscribe_id ?? "") : null;
+      succeeded();
       if (this.#entries.has(entry)) this.#catchUp(entry);
     } finally {
       entry.overlap = null;
@@ -140,7 +140,8 @@ export class Subscriptions {
   #catchUp(entry: Entry): void {
     const mine = this.#early.filter((event) => event.subscribe_id === entry.subscribeId);
     this.#early = this.#early.filter((event) => !mine.includes(event));
-    for (const event of mine) if (!entry.overlap?.has(event.event_id)) entry.listener(event);
+    for (const event of mine)
+      if (!entry.overlap?.has(event.event_id)) tell(event.event_type, entry.listener, event);
   }
 
   async #cancel(call: Call, entry: Entry): Promise<void> {

@@ -324,8 +324,12 @@ describe("events", () => {
     const stop = client.on("notification", heard);
     gateway.notify("rois.system.notify_error", { error_id: "e", error_type: "USER_DEFINED_ERROR" });
     gateway.notify("rois.system.profile_changed", {});
+    const dropped = vi.fn();
+    client.on("dropped", dropped);
+    gateway.notify("openrois.events_dropped", { count: 3 });
+    expect(dropped).toHaveBeenCalledExactlyOnceWith(3);
     gateway.notify("foreign.thing", { a: 1 });
-    expect(heard).toHaveBeenCalledTimes(5);
+    expect(heard).toHaveBeenCalledTimes(6);
     expect(heard).toHaveBeenLastCalledWith({
       kind: "notification",
       method: "foreign.thing",
@@ -334,7 +338,7 @@ describe("events", () => {
     expect(failing).toHaveBeenCalledOnce();
     stop();
     gateway.notify("foreign.thing", {});
-    expect(heard).toHaveBeenCalledTimes(5);
+    expect(heard).toHaveBeenCalledTimes(6);
     failing.mockRestore();
   });
 

@@ -363,6 +363,22 @@ describe("perform", () => {
     expect(steps()).toEqual([]);
   });
 
+  it("keeps the component while another part of the program uses it, or has bound it", async () => {
+    const [one, other] = [new Navigation(client, "r/n"), new Navigation(client, "r/n")];
+    let finish = (): void => undefined;
+    const long = one.bound(() => new Promise<void>((resolve) => (finish = resolve)));
+    await other.bound(async () => undefined);
+    expect(steps()).not.toContain("release");
+    finish();
+    await long;
+    expect(steps().at(-1)).toBe("release");
+    await one.bind();
+    await other.bound(async () => undefined);
+    expect(steps().at(-1)).toBe("bind");
+    await one.release();
+    expect(steps().at(-1)).toBe("release");
+  });
+
   it("gives back what the work of `bound` gives", async () => {
     const navigation = new Navigation(client, "robot/navigation");
     await expect(navigation.bound(() => Promise.resolve(7))).resolves.toBe(7);

@@ -113,6 +113,26 @@ describe("reconnecting", () => {
     expect(client.state.name).toBe("connecting");
   });
 
+  it("says why there is no connection, where the socket does", async () => {
+    const sockets: FakeSocket[] = [];
+    const client = start({
+      webSocket: (url, protocols) => {
+        sockets.push(new FakeSocket(url, protocols, () => undefined));
+        return sockets.at(-1) as FakeSocket;
+      },
+    });
+    sockets[0]?.fail("connect ECONNREFUSED 127.0.0.1:8765");
+    sockets[0]?.end(1006);
+    expect(client.state).toMatchObject({
+      name: "waiting",
+      attempt: 1,
+      reason: "connect ECONNREFUSED 127.0.0.1:8765",
+    });
+    await vi.advanceTimersByTimeAsync(500);
+    expect(sockets).toHaveLength(2);
+    await client.close();
+  });
+
   it("tries again after a handshake that fails, whatever the reason", async () => {
     gateway.on("rois.system.connect", () => ({ return_code: "ERROR" }));
     const client = start();

@@ -248,6 +248,50 @@ describe("subscriptions", () => {
     expect(heard).not.toHaveBeenCalled();
   });
 
+  it("are not made twice when the engines change while they are made", async () => {
+    const waiting: (() => void)[] = [];
+    gateway.on(
+      "rois.event.subscribe",
+      () => new Promise((resolve) => waiting.push(() => resolve({ subscribe_id: `s/${++subscribed}` }))),
+    );
+    const subscribing = client.subscribe("u", "c", heard);
+    await engineChanged();
+    expect(
+      gateway.called("rois.event.subscribe").filter(({ event_type }) => event_type === "u"),
+    ).toHaveLength(1);
+    for (const answerIt of waiting) answerIt();
+    await subscribing;
+    expect(told).toEqual([]);
+  });
+
+  it("whose session ends in one breath with the answer come back", async () => {
+    const socket = gateway.socket;
+    const deliver = socket.deliver.bind(socket);
+    socket.deliver = (data: unknown) => {
+      deliver(data);
+      if (String(data).includes("s/2")) socket.end(1006);
+    };
+    await client.subscribe("u", "c", heard);
+    await pass(500);
+    expect(client.state.name).toBe("connected");
+    const made = gateway.called("rois.event.subscribe").map(({ event_type }) => event_type);
+    expect(made).toEqual(["t", "u", "t", "u"]);
+  });
+
+  it("with a listener that throws harm nobody", async () => {
+    const failing = vi.spyOn(console, "error").mockImplementation(() => undefined);
+    heard.mockImplementation(() => {
+      throw new Error("mine");
+    });
+    const other = vi.fn();
+    gateway.on("rois.event.subscribe", () => ({ subscribe_id: "s/1" }));
+    await client.subscribe("t", "c", other);
+    gateway.notify("rois.event.notify_event", event("s/1"));
+    expect(other).toHaveBeenCalledOnce();
+    expect(failing).toHaveBeenCalledOnce();
+    failing.mockRestore();
+  });
+
   it("are made again one renewal at a time, however often the engines change", async () => {
     const waiting: (() => void)[] = [];
     gateway.on(

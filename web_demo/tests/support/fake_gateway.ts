@@ -57,6 +57,11 @@ export class FakeSocket implements SocketLike {
     if (this.readyState === 1) this.#emit("message", { data });
   }
 
+  /** Says what is wrong, as the sockets of `ws` do. */
+  fail(message: string): void {
+    this.#emit("error", { message });
+  }
+
   /** Ends the socket as the network or the gateway would. */
   end(code: number, reason = ""): void {
     if (this.readyState === 3) return;
