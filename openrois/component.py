@@ -3,7 +3,7 @@
 import asyncio
 import logging
 from collections.abc import Callable, Collection, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cached_property
 from typing import Any, ClassVar, Final, Literal, Self, final
 
@@ -100,6 +100,8 @@ class Component:
 
     def __new__(cls, *_arguments: Any, **_named: Any) -> Self:
         """Make an instance that works whether or not its own `__init__` calls this class's."""
+        if cls is Component:
+            raise TypeError("Component is to be extended: class Lamp(Component)")
         self = super().__new__(cls)
         self.name = cls.component_type.name
         self.emit = _nobody_listens
@@ -225,7 +227,9 @@ class Component:
         if self._loop is None or self._loop is _running_loop():
             self.emit(message.name, results)
         else:
-            self._loop.call_soon_threadsafe(self.emit, message.name, results)
+            with suppress(RuntimeError):
+                # The loop is closed: there is nobody left to hear it.
+                self._loop.call_soon_threadsafe(self.emit, message.name, results)
 
     @final
     async def bring_up(self) -> bool:

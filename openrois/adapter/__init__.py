@@ -12,7 +12,7 @@ from openrois.authoring.parameters import parameter
 from openrois.catalog.payload import Data, Payload
 from openrois.component import Component
 from openrois.errors import BadParameter, ComponentFailed, OutOfResources, RoISError, TimedOut, Unsupported
-from openrois.types.codes import ComponentStatus, StreamStatus
+from openrois.types.codes import ComponentStatus, ErrorType, StreamStatus
 
 __all__ = [
     "BadParameter",
@@ -20,6 +20,7 @@ __all__ = [
     "ComponentFailed",
     "ComponentStatus",
     "Data",
+    "ErrorType",
     "OutOfResources",
     "Payload",
     "RoISError",

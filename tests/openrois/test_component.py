@@ -466,6 +466,11 @@ class TestEvents:
         async with asyncio.timeout(5):
             assert await heard.get() == ("ding", threading.get_ident())
 
+    def test_one_of_another_thread_after_the_loop_has_ended_is_dropped(self) -> None:
+        bell = Bell()
+        asyncio.run(bell.bring_up())
+        bell.ring("ding")
+
     async def test_a_moment_that_is_not_said_is_now(self) -> None:
         detector = PersonDetection()
         heard: list[dict[str, str]] = []
@@ -486,6 +491,11 @@ async def test_an_own_init_need_not_call_the_component() -> None:
     assert (careless.name, careless.level) == ("lamp", 3)
     assert (await careless.ask("brightness"))[0].value == "3"
     assert careless.profile.name == "lamp"
+
+
+def test_there_is_no_component_as_such() -> None:
+    with pytest.raises(TypeError, match="to be extended"):
+        Component()
 
 
 @pytest.mark.parametrize("name", ["", "a/b", "x" * 129])

@@ -1,10 +1,12 @@
 """The harness: components behind a gateway in memory, as an author of one tests them."""
 
 import asyncio
+from collections.abc import AsyncIterator
 
 import pytest
 
 from openrois.adapter import Component, command
+from openrois.client import Client
 from openrois.client.components import Navigation
 from openrois.errors import BadParameter, ComponentFailed, OutOfResources
 from openrois.testing import harness, memory_gateway
@@ -19,6 +21,16 @@ async def test_a_component_is_used_as_by_an_application() -> None:
             await lamp.set_parameter(colour="red")
             assert await lamp.command("switch", times=2) == {"total": 2}
         assert await lamp.get_parameter() == {"colour": "red", "level": 5}
+
+
+@pytest.fixture
+async def client() -> AsyncIterator[Client]:
+    async with harness(Bell()) as client:
+        yield client
+
+
+async def test_it_may_be_a_fixture(client: Client) -> None:
+    assert await client.component("robot/bell").query("component_status") == {"status": "READY"}
 
 
 async def test_a_typed_proxy_finds_its_component() -> None:
