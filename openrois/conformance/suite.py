@@ -77,7 +77,7 @@ async def visit(url: str, patience: float, *, adapter: bool, component: str | No
         component: a component of somebody else that may be tried.
 
     Raises:
-        Deviation: the gateway does not even answer connect and get_profile.
+        Deviation: the gateway does not even answer connect and get_profile, or has no such component.
     """
     transcript = Transcript()
     setting = Setting(url, patience, transcript, component=component)
@@ -103,6 +103,9 @@ async def _look(setting: Setting) -> tuple[tuple[str, ...], tuple[str, ...]]:
         app = await Stage(setting, stack).application()
         await app.granted("rois.system.connect")
         tree = await app.tree()
+        refs = tree.component_refs()
+        if setting.component is not None and setting.component not in refs:
+            raise Deviation(f"the component {setting.component}", f"the components {', '.join(refs) or 'none'}")
         answer = await app.response(await app.begin("openrois.hello", version="1", extensions=[]))
         extensions = answer["result"].get("extensions", ()) if "result" in answer else ()
         return tree.engine_ids(), tuple(extensions)

@@ -81,8 +81,9 @@ async def test_without_an_adapter_what_needs_none_is_tried(gateway: Gateway) -> 
 
 
 async def test_a_component_that_is_not_there(gateway: Gateway) -> None:
-    verdicts = await tried(address(gateway), "component-profile", "component-bind", component="robot/nobody")
-    assert of(verdicts, Outcome.FAILED).keys() == {"component-profile", "component-bind"}
+    async with deployment.adapter(gateway, Lamp()):
+        with pytest.raises(Deviation, match="the component robot/nobody; came the components robot/lamp"):
+            await tried(address(gateway), component="robot/nobody")
 
 
 async def test_who_answers_nothing_is_no_gateway() -> None:
@@ -321,10 +322,11 @@ async def test_no_check_passes_at_a_gateway_that_does_nothing() -> None:
     async with (
         deployment.gateway(adapter_timeout=0.05) as gateway,
         bent(address(gateway)) as proxy,
-        visit(proxy.url, PATIENCE, adapter=True, component="robot/nobody") as place,
+        visit(proxy.url, PATIENCE, adapter=True) as place,
     ):
-        assert place.missing == {}
-        hasty = replace(place, setting=replace(place.setting, patience=0.05))
+        assert place.missing.keys() == {Needs.COMPONENT}
+        setting = replace(place.setting, patience=0.05, component="robot/nobody")
+        hasty = replace(place, setting=setting, missing={})
         for answer in STUBS:
             bend(proxy, to_application=answering(answer))
             verdicts = await run_checks(hasty, ALL_CHECKS)
