@@ -1,22 +1,28 @@
 """The inspector: whatever a profile lists can be seen and tried, and nothing of it is known beforehand."""
 
+import asyncio
 import re
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack
+from dataclasses import replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Annotated, Any, Final
 
 import pytest
 import pytest_asyncio
 from playwright.async_api import Browser, Locator, expect
 
+from openrois.application import EngineHost
+from openrois.catalog.payload import Data
+from openrois.dialer import serve_parent
 from openrois.gateway.server import Gateway, run_gateway
 from openrois.gateway.settings import GatewaySettings
+from openrois.tasks import TaskScope
 from tests.support.browser import GATEWAY_AWAY, PATIENCE, Visit, visiting
 from tests.support.demo import free_port
 from tests.support.deployment import application
 from tests.support.fleet import everything, fleet
-from tests.support.kettle import Kettle, kitchen
+from tests.support.kettle import KETTLE, Boil, Kettle, kitchen
 from tests.support.premises import running_avatar, running_gateway
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(90), pytest.mark.asyncio(loop_scope="session")]
@@ -283,6 +289,46 @@ async def test_what_was_typed_and_listened_to_survives_the_adapter(browser: Brow
         await command.locator("[type=submit]").click()
         await _shows(command.locator(".runs"), "completed after")
         await expect(_message(visit, "event", "water_boiled").locator(".heard > li")).to_have_count(1)
+
+
+async def test_what_was_typed_survives_another_profile_too(browser: Browser, gateway: Gateway) -> None:
+    class MoreOfIt(Boil):
+        cups: Annotated[int, Data("int")] = 2
+
+    commands = tuple(replace(each, arguments=MoreOfIt) if each.arguments else each for each in KETTLE.commands)
+    async with AsyncExitStack() as stack:
+        async with fleet(_adapters(gateway), kitchen(Kettle())):
+            visit = await stack.enter_async_context(visiting(browser, gateway.url + _KETTLE))
+            command = _message(visit, "command", "boil_water")
+            await _field(command, "degrees").locator("input").fill("81")
+            query = _message(visit, "query", "water_inside")
+            await query.locator("[type=submit]").click()
+            await _shows(query.locator("[data-result=litres]"), "1.5")
+        await _shows(visit.page.locator(".absent"), "This component has left.")
+        await stack.enter_async_context(fleet(_adapters(gateway), kitchen(Kettle(replace(KETTLE, commands=commands)))))
+        await expect(_field(command, "cups")).to_be_visible(timeout=PATIENCE * 1000)
+        await expect(_field(command, "degrees").locator("input")).to_have_value("81")
+        await _shows(query.locator("[data-result=litres]"), "1.5")
+
+
+async def test_engines_below_engines(browser: Browser, gateway: Gateway) -> None:
+    engine = await everything("robot").engine()
+    await engine.attach(await kitchen(Kettle()).engine())
+    async with AsyncExitStack() as stack:
+        tasks = await stack.enter_async_context(TaskScope())
+        dialling = asyncio.create_task(serve_parent(EngineHost(engine, tasks), _adapters(gateway)))
+        stack.push_async_callback(asyncio.wait, {dialling})
+        stack.callback(dialling.cancel)
+        visit = await stack.enter_async_context(visiting(browser, gateway.url + _KETTLE))
+        await _shows(visit.item("component-status"), "READY")
+        levels = [("gateway", "1"), ("robot", "2"), ("kitchen", "3"), ("kitchen/kettle", "4")]
+        for name, level in levels:
+            await expect(visit.page.locator(f".row[data-id='{name}']")).to_have_attribute("aria-level", level)
+        await visit.press("bind")
+        command = _message(visit, "command", "boil_water")
+        await _field(command, "degrees").locator("input").fill("95")
+        await command.locator("[type=submit]").click()
+        await _shows(command.locator(".runs"), "completed after")
 
 
 async def test_a_gateway_that_goes_and_comes_back_takes_nothing_along(browser: Browser) -> None:

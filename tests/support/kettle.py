@@ -13,7 +13,7 @@ from openrois.types.codes import ComponentFunction, ErrorType
 from openrois.types.messages import Result
 from tests.support.fleet import NOON, Part, Robot
 
-__all__ = ["KETTLE", "Kettle", "kitchen"]
+__all__ = ["KETTLE", "Boil", "Kettle", "kitchen"]
 
 
 class KettleParameters(Payload):
@@ -72,8 +72,8 @@ KETTLE: Final = ComponentType(
 class Kettle(Part):
     """A kettle: `boil_water` waits until it may end, tells of it and gives it; `burn_dry` breaks it."""
 
-    def __init__(self) -> None:
-        super().__init__(KETTLE)
+    def __init__(self, kind: ComponentType = KETTLE) -> None:
+        super().__init__(kind)
         self.may_boil = asyncio.Event()
         self.may_boil.set()
 
