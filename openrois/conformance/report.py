@@ -1,4 +1,4 @@
-"""What came of a run, requirement by requirement, for people and for machines. Pure."""
+"""What came of a run, requirement by requirement, for people and for machines."""
 
 import textwrap
 from collections import Counter

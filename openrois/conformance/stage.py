@@ -137,7 +137,11 @@ class Stage:
         wanted = [component_ref] if there else []
         condition = f"component_ref = '{component_ref}'"
         while (await app.ask("rois.command.search", condition=condition))["component_ref_list"] != wanted:
-            await app.next("rois.system.profile_changed")
+            try:
+                await app.next("rois.system.profile_changed")
+            except Deviation:
+                what = "be found" if there else "be gone"
+                raise Deviation(f"{component_ref} to {what} within {self.patience:g} s", "it is not") from None
 
     async def settle(self, app: Application, *allowed: str) -> None:
         """Refuse any notification to `app` that the adapter caused up to now, except those that are allowed."""

@@ -117,7 +117,13 @@ async def _attach(setting: Setting, stack: AsyncExitStack) -> Probe:
     opened = dialled(adapter_url(setting.url), setting.transcript, setting.patience, engine)
     probe = await stack.enter_async_context(opened)
     async with AsyncExitStack() as watching:
-        await Stage(setting, watching).until_there(next(iter(engine.profiles)))
+        try:
+            await Stage(setting, watching).until_there(next(iter(engine.profiles)))
+        except Deviation:
+            if probe.is_open:
+                raise
+            code, reason = await probe.closed()
+            raise Deviation("it to be taken", f"it was closed with {code} {reason}".rstrip()) from None
     return probe
 
 

@@ -1,5 +1,6 @@
 """The Command interface: finding and reserving components, and their parameters."""
 
+import asyncio
 from typing import Any, Final
 
 from openrois.conformance.application import Application
@@ -149,10 +150,12 @@ async def _bind_ends_with_connection(stage: Stage) -> None:
     arm = stage.ref("arm")
     await leaving.granted(BIND, component_ref=arm)
     await leaving.socket.close()
-    for _ in range(1000):
-        if await other.code(BIND, component_ref=arm) == "OK":
-            return
-    raise Deviation("the component to be free when its holder is gone", "OUT_OF_RESOURCES a thousand times")
+    try:
+        async with asyncio.timeout(stage.patience):
+            while await other.code(BIND, component_ref=arm) != "OK":
+                pass
+    except TimeoutError:
+        raise Deviation("the component to be free when its holder is gone", "it is still bound") from None
 
 
 @CHECKS("bind-any", Needs.ADAPTER)

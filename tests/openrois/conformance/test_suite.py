@@ -340,3 +340,22 @@ def answering(answer: dict[str, Any]) -> Callable[[Any, str], Sequence[Any]]:
     return lambda message, _method: [
         message if "method" in message else {"jsonrpc": "2.0", "id": message["id"], **answer}
     ]
+
+
+async def test_an_adapter_that_is_not_taken_is_said(gateway: Gateway) -> None:
+    async with bent(address(gateway), to_adapter=lambda _message, _method: []) as proxy:
+        verdicts = await tried(proxy.url, "connect", "query", patience=0.3)
+    assert verdicts["connect"].outcome is Outcome.PASSED
+    assert verdicts["query"].outcome is Outcome.NOT_RUN
+    assert "the suite's adapter was not taken" in verdicts["query"].came
+
+
+async def test_an_adapter_that_is_cut_off_fails_what_needs_it(gateway: Gateway) -> None:
+    checks = [check for check in ALL_CHECKS if check.id in ("connect", "query")]
+    async with visit(address(gateway), PATIENCE, adapter=True) as place:
+        assert place.setting.probe is not None
+        await place.setting.probe.socket.close()
+        verdicts = {verdict.check.id: verdict for verdict in await run_checks(place, checks)}
+    assert verdicts["connect"].outcome is Outcome.PASSED
+    assert verdicts["query"].outcome is Outcome.FAILED
+    assert "to stay connected" in verdicts["query"].expected
