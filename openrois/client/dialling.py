@@ -47,15 +47,13 @@ def websocket(url: str, token: str | None = None) -> Dial:
 
     @asynccontextmanager
     async def connect() -> AsyncIterator[MessageStream]:
-        opening = dial(address, headers=headers)
+        opening = dial(address, headers=headers, open_timeout=None)
         try:
             stream = await opening.__aenter__()
         except InvalidStatus as refusal:
             raise _refused(address, refusal) from refusal
         except InvalidHandshake as error:
             raise ConnectionFailed(f"what answers at {address} is no gateway: {error}") from error
-        except TimeoutError:
-            raise
         except OSError as error:
             raise ConnectionFailed(
                 f"no gateway answers at {address}; `openrois gateway` starts one here ({error})"

@@ -17,7 +17,7 @@ MAX_MESSAGE: Final = 4 << 20
 
 NO_HEADERS: Final[Mapping[str, str]] = MappingProxyType({})
 
-_OPEN_TIMEOUT: Final = 10.0
+OPEN_TIMEOUT: Final = 10.0
 _CLOSE_TIMEOUT: Final = 1.0
 _PING_INTERVAL: Final = 5.0
 _PING_TIMEOUT: Final = 5.0
@@ -62,16 +62,19 @@ def _closed(closed: ConnectionClosed) -> StreamClosed:
 
 
 @asynccontextmanager
-async def dial(url: str, *, headers: Mapping[str, str] = NO_HEADERS) -> AsyncIterator[WebSocketStream]:
+async def dial(
+    url: str, *, headers: Mapping[str, str] = NO_HEADERS, open_timeout: float | None = OPEN_TIMEOUT
+) -> AsyncIterator[WebSocketStream]:
     """Open a WebSocket to `url` (`ws://` or `wss://`) for as long as the block runs.
 
     Args:
         url: the address.
         headers: what the opening request carries beside its own.
+        open_timeout: seconds that the handshake may take; None where the caller sees to it.
 
     Raises:
         OSError: nothing listens there, or the network refuses.
-        TimeoutError: no handshake within ten seconds.
+        TimeoutError: no handshake in time.
         websockets.exceptions.InvalidHandshake: something answers, but not as a WebSocket server.
         websockets.exceptions.InvalidURI: `url` is no WebSocket address.
     """
@@ -80,7 +83,7 @@ async def dial(url: str, *, headers: Mapping[str, str] = NO_HEADERS) -> AsyncIte
         additional_headers=headers,
         compression=None,
         max_size=MAX_MESSAGE,
-        open_timeout=_OPEN_TIMEOUT,
+        open_timeout=open_timeout,
         close_timeout=_CLOSE_TIMEOUT,
         ping_interval=_PING_INTERVAL,
         ping_timeout=_PING_TIMEOUT,

@@ -150,6 +150,15 @@ async def test_of_blocks_inside_each_other_the_last_gives_the_component_back(gro
         await other.bind(navigation.component_ref)
 
 
+async def test_a_component_may_be_given_back_inside_the_block(ground: Ground, client: Client) -> None:
+    navigation = await client.find(Navigation)
+    async with ground.client() as other, navigation.bound():
+        await navigation.release()
+        await other.bind(navigation.component_ref)
+    with pytest.raises(OutOfResources):
+        await navigation.start()
+
+
 async def test_a_component_that_is_gone_when_the_block_ends_is_no_error(ground: Ground, client: Client) -> None:
     navigation = await client.find(Navigation)
     async with navigation.bound():

@@ -8,6 +8,7 @@ from typing import Any
 
 import pytest
 
+from openrois.application import EngineHost
 from openrois.client import (
     BindingLost,
     BindingRestored,
@@ -27,6 +28,7 @@ from openrois.client import (
 from openrois.client.components import Navigation, PersonDetection
 from openrois.client.reconnect import asked_to_wait
 from openrois.errors import OutOfResources, Unsupported
+from openrois.gateway.applications import serve_application
 from openrois.transport.stream import MessageStream, StreamClosed
 from tests.support.fleet import everything
 from tests.support.grounds import Clock, Line, eventually
@@ -151,6 +153,40 @@ async def test_what_is_given_back_meanwhile_is_not_bound_again(line: Line, clock
         await other.bind(LAMP)
 
 
+async def test_what_is_given_back_while_it_is_bound_again_is_free(line: Line, clock: Clock, client: Client) -> None:
+    notices = client.notices(Connected)
+    await client.bind(LAMP)
+    may_answer, asked = asyncio.Event(), asyncio.Event()
+
+    async def slowly(host: EngineHost, stream: MessageStream) -> None:
+        await serve_application(host, _Held(stream, "rois.command.bind", asked, may_answer))
+
+    line.speaks = slowly
+    line.cut()
+    await clock.pass_time()
+    await asked.wait()
+    await client.release(LAMP)
+    may_answer.set()
+    await heard(notices, Connected)
+    async with Client(dial=line.dial) as other:
+        await other.bind(LAMP)
+
+
+class _Held:
+    """A stream that keeps requests of one method to itself until it may pass them on."""
+
+    def __init__(self, stream: MessageStream, method: str, asked: asyncio.Event, may_answer: asyncio.Event) -> None:
+        self._stream, self._method, self._asked, self._may_answer = stream, method, asked, may_answer
+        self.send, self.close, self.abort = stream.send, stream.close, stream.abort
+
+    async def receive(self) -> str:
+        text = await self._stream.receive()
+        if self._method in text:
+            self._asked.set()
+            await self._may_answer.wait()
+        return text
+
+
 async def test_iterators_survive_and_count_the_gap(line: Line, clock: Clock, client: Client) -> None:
     notices = client.notices()
     persons = await client.find(PersonDetection)
@@ -262,6 +298,21 @@ async def test_a_subscription_that_nobody_wants_any_more_is_not_made_again(
     await clock.pass_time()
     await heard(notices, Connected)
     await eventually(client, lambda: not line.host.engine._subscriptions)
+
+
+async def test_a_connection_that_ends_while_unsubscribing_ends_the_subscription_too(
+    line: Line, clock: Clock, client: Client
+) -> None:
+    notices = client.notices(Connected)
+    rang = await client.component("toys/bell").event("rang").__aenter__()
+    async with deaf(line):
+        ending = asyncio.ensure_future(rang.close())
+        line.cut()
+        await ending
+        await clock.pass_time()
+        await heard(notices, Connected)
+    assert not client._subscriptions._entries
+    assert [event async for event in rang] == []
 
 
 async def test_commands_that_ran_are_lost_and_say_so_once(line: Line, clock: Clock, client: Client) -> None:
@@ -475,6 +526,18 @@ async def test_a_gateway_that_refuses_the_greeting_is_no_gateway(line: Line, ans
 
     line.speaks = refuse
     with pytest.raises(ConnectionFailed, match=reason):
+        async with Client(dial=line.dial):
+            pass
+
+
+async def test_a_gateway_that_fails_at_hello_is_no_gateway(line: Line) -> None:
+    async def fail(_host: Any, stream: MessageStream) -> None:
+        for answer in ({"result": {"return_code": "OK"}}, {"error": {"code": -32603, "message": "Internal error"}}):
+            request = json.loads(await stream.receive())
+            await stream.send(json.dumps({"jsonrpc": "2.0", "id": request["id"], **answer}))
+
+    line.speaks = fail
+    with pytest.raises(ConnectionFailed, match=r"Internal error \(-32603\)"):
         async with Client(dial=line.dial):
             pass
 

@@ -95,6 +95,18 @@ async def test_somebody_who_speaks_another_language() -> None:
                 pass
 
 
+async def test_somebody_who_takes_the_call_and_says_nothing() -> None:
+    async def keep_silent(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        await reader.read()
+        writer.close()
+
+    async with await asyncio.start_server(keep_silent, "127.0.0.1", 0) as server:
+        port = server.sockets[0].getsockname()[1]
+        with pytest.raises(ConnectionFailed, match=r"the gateway did not answer within 0.1 s"):
+            async with Client(f"ws://127.0.0.1:{port}", connect_timeout=0.1):
+                pass
+
+
 @asynccontextmanager
 async def answering(
     handle: Callable[[ServerConnection], Awaitable[None]], refuse: Callable[..., Any] | None = None
