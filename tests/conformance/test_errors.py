@@ -145,6 +145,18 @@ class TestComponents:
         assert (await app.hear())["id"] == asked
         assert (await app.hear())["method"] == "rois.system.notify_error"
 
+    async def test_the_reply_comes_first_of_a_component_in_the_gateway_itself(
+        self, gateway: Gateway, stack: AsyncExitStack
+    ) -> None:
+        door = Door()
+        del door.may_answer
+        await gateway.engine.attach(LocalRegistry("local", [door]))
+        app = await stack.enter_async_context(deployment.application(gateway))
+        await app.code("rois.command.bind", component_ref="local/door")
+        asked = await app.begin("rois.query.query", query_type="view")
+        assert (await app.hear())["id"] == asked
+        assert (await app.hear())["method"] == "rois.system.notify_error"
+
     async def test_told_after_disconnect_no_more(self, app: Application, robot: Robot, noticed: Noticed) -> None:
         await app.code("rois.command.bind", component_ref=BELL)
         await app.code("rois.system.disconnect")
