@@ -3,6 +3,8 @@
 import asyncio
 from typing import Final
 
+from openrois.catalog.basic import BASIC_COMPONENTS
+from openrois.catalog.common import ROIS_COMMON
 from openrois.errors import Aborted, BadParameter, Unsupported
 from openrois.testing.samples import argument, misfit
 from openrois.testing.subject import Broken, Ears, Subject, require
@@ -41,12 +43,21 @@ async def it_tells_its_status(subject: Subject) -> None:
 
 
 async def its_queries_answer(subject: Subject) -> None:
-    """Every query of the profile answers, with all results that it promises and nothing else."""
+    """Every query answers with what its profile promises and nothing else; what the standard requires is there."""
     for profile in subject.profile.query_profiles:
         if profile.name not in subject.refuses:
             results = await subject.query(profile.name)
             subject.require_fitting(f"query {profile.name}", results, profile.results)
             require(bool(results) or not profile.results, f"query {profile.name} gives nothing of what it promises")
+            missing = _required(subject, profile.name) - {result.name for result in results}
+            require(not missing, f"query {profile.name} lacks what the standard requires: {', '.join(sorted(missing))}")
+
+
+def _required(subject: Subject, query: str) -> set[str]:
+    """Return the results of a query that are mandatory in the component's type."""
+    kind = next((kind for kind in BASIC_COMPONENTS if kind.urn == subject.profile.identifier.code), ROIS_COMMON)
+    found = next((each.results.data() for each in kind.all_queries() if each.name == query), {})
+    return {name for name, data in found.items() if data.obligation == "M"}
 
 
 async def it_refuses_unknown_messages(subject: Subject) -> None:

@@ -16,7 +16,7 @@ from openrois.testing.contract import LOCAL_RULES, RULES
 from openrois.types.codes import ComponentFunction, ComponentStatus
 from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIComponentProfile, RoISIdentifier
-from tests.support.basics import Navigation
+from tests.support.basics import Navigation, SystemInformation
 
 PATIENCE = 0.05
 """Seconds: nothing here that is as it should be takes any time."""
@@ -153,6 +153,16 @@ class Misnamed(Bus):
         return tuple(result.model_copy(update={"name": result.name + "_"}) for result in results)
 
 
+class Curt(Bus):
+    """Leaves out what the standard requires."""
+
+    def __init__(self) -> None:
+        super().__init__(SystemInformation())
+
+    async def query(self, component_ref: str, query_type: str) -> tuple[Result, ...]:
+        return (await super().query(component_ref, query_type))[:1]
+
+
 class Slow(Bus):
     async def query(self, component_ref: str, query_type: str) -> tuple[Result, ...]:
         if query_type == "temperature":
@@ -279,6 +289,7 @@ class Half(Component, authority="Test"):
         (Resultless, "its_queries_answer"),
         (Mistyped, "its_queries_answer"),
         (Misnamed, "its_queries_answer"),
+        (Curt, "its_queries_answer"),
         (Slow, "its_queries_answer"),
         (Accommodating, "it_refuses_unknown_messages"),
         (Accommodating, "it_refuses_unknown_components"),
