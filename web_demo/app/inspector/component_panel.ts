@@ -125,8 +125,10 @@ export class ComponentPanel {
     this.#held = held;
     setText(this.#bind, held ? "Release" : "Bind");
     this.#bind.classList.toggle("primary", !held && this.#profile.function === "actuation");
-    const unheld =
-      this.#profile.function === "actuation" ? "Not bound: it takes no commands yet" : "Needs no binding";
+    // Whether a component without a class has to be bound is for its engine to say.
+    const { function: kind = null } = this.#profile;
+    const free = kind === null ? "Not bound" : "Needs no binding";
+    const unheld = kind === "actuation" ? "Not bound: it takes no commands yet" : free;
     setText(this.#bound, held ? "Bound by this page" : unheld);
   }
 
