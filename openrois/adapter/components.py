@@ -246,7 +246,7 @@ class Navigation(BasicComponent, implements=NAVIGATION):
         None, description="the positions to pass, the last one is the destination"
     )
     time_limit: int = parameter(0, description="the milliseconds it may take; 0 is no limit")
-    routing_policy: str = parameter("time", description="what counts more: `time` or `distance`")
+    routing_policy: str = parameter("time", description="what counts more: time or distance")
 
     @event
     def reached_target(self, target: str, is_final_target: bool) -> None:

@@ -88,7 +88,7 @@ class NavigationParameters(Payload):
         ),
     ] = None
     time_limit: Annotated[int, Data("int", "O", "the milliseconds it may take; 0 is no limit")] = 0
-    routing_policy: Annotated[str, Data("string", "O", "what counts more: `time` or `distance`")] = "time"
+    routing_policy: Annotated[str, Data("string", "O", "what counts more: time or distance")] = "time"
 
 
 class FollowParameters(Payload):

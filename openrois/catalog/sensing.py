@@ -40,7 +40,7 @@ Timestamp = Annotated[datetime, Data("DateTime", "M", "when it was measured")]
 References = Annotated[
     tuple[str, ...], Data("RoISIdentifier[]", "M", "who or what they are, with reference information")
 ]
-Positions = Annotated[tuple[str, ...], Data("String[]", "M", "a position `x,y,th` for each ref")]
+Positions = Annotated[tuple[str, ...], Data("String[]", "M", "a position x,y,th for each ref")]
 
 
 class PersonDetected(Payload):

@@ -13,7 +13,7 @@ __all__ = ["SYSTEM_INFORMATION", "EngineStatusResult", "RobotPositionResult"]
 class RobotPositionResult(Payload):
     """Where the robot, its sensors and its actuators are; the lists run in parallel."""
 
-    position_data: Annotated[tuple[str, ...], Data("String[]", "M", "a position `x,y,th` for each ref")]
+    position_data: Annotated[tuple[str, ...], Data("String[]", "M", "a position x,y,th for each ref")]
     robot_ref: Annotated[tuple[str, ...], Data("RoISIdentifier[]", "M", "whose positions they are")]
     timestamp: Annotated[datetime, Data("DateTime", "M", "when they were measured")]
 

@@ -390,7 +390,7 @@ class Navigation(RoISCommon):
         Args:
             target_positions: the positions to pass, the last one is the destination.
             time_limit: the milliseconds it may take; 0 is no limit.
-            routing_policy: what counts more: `time` or `distance`.
+            routing_policy: what counts more: time or distance.
         """
         return self.set_parameter(
             target_positions=target_positions, time_limit=time_limit, routing_policy=routing_policy

@@ -466,7 +466,7 @@ namespace OpenRoIS.Components
             public const string TargetPositions = "target_positions";
             /// <summary>the milliseconds it may take; 0 is no limit</summary>
             public const string TimeLimit = "time_limit";
-            /// <summary>what counts more: <c>time</c> or <c>distance</c></summary>
+            /// <summary>what counts more: time or distance</summary>
             public const string RoutingPolicy = "routing_policy";
         }
     }

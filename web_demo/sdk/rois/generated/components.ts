@@ -41,7 +41,7 @@ export class RoISCommon<Parameters extends object = object> extends ComponentPro
 
 /** Where the robot, its sensors and its actuators are; the lists run in parallel. */
 export interface RobotPositionResult {
-  /** a position `x,y,th` for each ref */
+  /** a position x,y,th for each ref */
   readonly position_data: readonly string[];
   /** whose positions they are */
   readonly robot_ref: readonly string[];
@@ -104,7 +104,7 @@ export interface PersonLocalized {
   readonly person_ref: readonly string[];
   /** when it was measured */
   readonly timestamp: Date;
-  /** a position `x,y,th` for each ref */
+  /** a position x,y,th for each ref */
   readonly position_data: readonly string[];
 }
 const PERSON_LOCALIZED: Types<PersonLocalized> = {
@@ -174,7 +174,7 @@ export interface FaceLocalized {
   readonly face_ref: readonly string[];
   /** when it was measured */
   readonly timestamp: Date;
-  /** a position `x,y,th` for each ref */
+  /** a position x,y,th for each ref */
   readonly position_data: readonly string[];
 }
 const FACE_LOCALIZED: Types<FaceLocalized> = {
@@ -215,7 +215,7 @@ export interface SoundLocalized {
   readonly sound_ref: readonly string[];
   /** when it was measured */
   readonly timestamp: Date;
-  /** a position `x,y,th` for each ref */
+  /** a position x,y,th for each ref */
   readonly position_data: readonly string[];
 }
 const SOUND_LOCALIZED: Types<SoundLocalized> = {
@@ -421,7 +421,7 @@ export interface NavigationParameters {
   readonly target_positions?: readonly string[];
   /** the milliseconds it may take; 0 is no limit */
   readonly time_limit?: number;
-  /** what counts more: `time` or `distance` */
+  /** what counts more: time or distance */
   readonly routing_policy?: string;
 }
 const NAVIGATION_PARAMETERS: Types<NavigationParameters> = {
