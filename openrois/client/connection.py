@@ -94,7 +94,10 @@ class Connection:
 
         Raises:
             ConnectionFailed: there is no gateway, or it does not let this application in.
+            RuntimeError: it was opened before.
         """
+        if self._supervising is not None:
+            raise RuntimeError("a client connects once: make another one")
         opened: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self._supervising = asyncio.ensure_future(self._supervise(opened))
         try:

@@ -1,6 +1,9 @@
 """Commands: handles, sequences, and that each ends exactly once."""
 
 import asyncio
+import itertools
+import json
+from contextlib import suppress
 from typing import Any
 
 import pytest
@@ -9,9 +12,10 @@ from openrois.client import Client, Command, ComponentProxy, ConnectionLost, con
 from openrois.client import commands as commands_module
 from openrois.client.commands import Commands
 from openrois.errors import Aborted, BadParameter, ComponentFailed, OutOfResources, TimedOut, Unsupported
+from openrois.transport.stream import MessageStream, StreamClosed
 from openrois.types.codes import CompletedStatus
 from openrois.types.messages import Completed
-from tests.support.grounds import Ground
+from tests.support.grounds import Ground, Line
 
 
 @pytest.fixture
@@ -170,3 +174,40 @@ async def test_a_gateway_that_never_completes_does_not_fill_the_memory(monkeypat
     with pytest.raises(OutOfResources, match="2 commands of this client are unfinished"):
         commands.expect([refused])
     assert len(commands) == 2
+
+
+async def answer_everything_at_once(_host: Any, stream: MessageStream) -> None:
+    """Complete each change of parameters in the same breath as it is accepted, and say much else."""
+    nonsense = (
+        "no JSON",
+        '{"jsonrpc":"2.0","method":"rois.command.completed","params":{"command_id":"c1","status":"PERHAPS"}}',
+        '{"jsonrpc":"2.0","method":"rois.command.completed","params":{"command_id":"of nobody","status":"OK"}}',
+        '{"jsonrpc":"2.0","method":"rois.event.notify_event","params":{"event_id":"e","event_type":"x","subscribe_id":"?"}}',
+        '{"jsonrpc":"2.0","method":"rois.system.notify_error","params":{}}',
+        '{"jsonrpc":"2.0","id":99,"result":{"return_code":"OK"}}',
+        '{"jsonrpc":"2.0","id":1,"method":"rois.system.connect"}',
+    )
+    numbers = itertools.count(1)
+    with suppress(StreamClosed):
+        while True:
+            request = json.loads(await stream.receive())
+            if "method" not in request:
+                continue
+            result = {"return_code": "OK"}
+            if request["method"] == "rois.command.set_parameter":
+                result["command_id"] = f"c{next(numbers)}"
+            for text in nonsense:
+                await stream.send(text)
+            await stream.send(json.dumps({"jsonrpc": "2.0", "id": request["id"], "result": result}))
+            if "command_id" in result:
+                completed = {"command_id": result["command_id"], "status": "OK"}
+                told = {"jsonrpc": "2.0", "method": "rois.command.completed", "params": completed}
+                await stream.send(json.dumps(told))
+
+
+async def test_a_command_that_ends_with_its_acceptance_is_not_missed_whatever_else_is_said(line: Line) -> None:
+    line.speaks = answer_everything_at_once
+    async with asyncio.timeout(5), Client(dial=line.dial) as client:
+        for _ in range(20):
+            await (await client.set_parameter("robot/arm", []))
+        assert len(client._commands) == 0

@@ -489,6 +489,16 @@ async def test_closing_does_not_wait_for_the_next_attempt(line: Line, clock: Clo
         assert [type(each) async for each in notices] == [Disconnected]
 
 
+async def test_a_client_is_used_once(line: Line) -> None:
+    client = Client(dial=line.dial)
+    async with client:
+        with pytest.raises(RuntimeError, match="make another one"):
+            await client.__aenter__()
+        assert await client.search(where(component_ref=LAMP)) == (LAMP,)
+    with pytest.raises(RuntimeError, match="make another one"):
+        await client.__aenter__()
+
+
 async def test_the_first_connection_is_not_tried_again(line: Line, clock: Clock) -> None:
     line.busy = OSError("nobody is there")
     with pytest.raises(ConnectionFailed, match="no connection to the gateway: nobody is there"):
