@@ -32,6 +32,9 @@ GATEWAY_VARIABLE: Final = "OPENROIS_GATEWAY"
 """The environment's word for where the gateway is: one program for every place."""
 
 
+_STOP_SIGNALS: Final = (signal.SIGINT, signal.SIGTERM)
+
+
 @asynccontextmanager
 async def hosted(
     engine_id: str, *components: Component, extension: Extension | None = None
@@ -102,10 +105,14 @@ def run(*components: Component, engine_id: str, gateway: str | None = None, verb
 async def _serve_until_stopped(components: tuple[Component, ...], engine_id: str, gateway: str | None) -> None:
     stopped = asyncio.Event()
     loop = asyncio.get_running_loop()
-    for name in (signal.SIGINT, signal.SIGTERM):
+    for name in _STOP_SIGNALS:
         with suppress(NotImplementedError):
             # Where the loop takes no signals, Ctrl-C is a KeyboardInterrupt.
             loop.add_signal_handler(name, stopped.set)
     async with serve(*components, engine_id=engine_id, gateway=gateway):
         await stopped.wait()
+        for name in _STOP_SIGNALS:
+            with suppress(NotImplementedError):
+                # Who tells it twice does not wait for components that do not end.
+                loop.remove_signal_handler(name)
     _log.info("%s has stopped", engine_id)

@@ -155,7 +155,7 @@ def read_results(place: str, function: Callable[..., Any], single: str, name: st
     if isinstance(annotation, type) and issubclass(annotation, Payload):
         return Results(annotation)
     optional = type(None) in get_args(annotation)
-    field = _field(place, single, annotation, None if optional else ..., "")
+    field = _field(place, single, annotation, None if optional else ..., "", ", or a Payload for several results")
     return Results(payload_of(place, name, {single: field}), single)
 
 
@@ -177,7 +177,7 @@ def payload_of(place: str, name: str, fields: Mapping[str, Any]) -> type[Payload
     return payload
 
 
-def _field(place: str, name: str, annotation: Any, default: Any, description: str) -> tuple[Any, Any]:
+def _field(place: str, name: str, annotation: Any, default: Any, description: str, more: str = "") -> tuple[Any, Any]:
     if name.startswith("_") or hasattr(Payload, name):
         raise TypeError(f"{place}: {name!r} cannot be the name of a value; choose another")
     inner = get_args(annotation)[0] if get_origin(annotation) is Annotated else annotation
@@ -185,9 +185,7 @@ def _field(place: str, name: str, annotation: Any, default: Any, description: st
         type_code(inner)
     except TypeError:
         shown = getattr(annotation, "__name__", annotation)
-        raise TypeError(
-            f"{place}: {name}: {shown} has no text on the wire; write {_TYPES}, or a Payload for several results"
-        ) from None
+        raise TypeError(f"{place}: {name}: {shown} has no text on the wire; write {_TYPES}{more}") from None
     return with_data(annotation, Data(description=description, source="OpenRoIS")), default
 
 

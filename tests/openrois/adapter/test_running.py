@@ -32,6 +32,7 @@ async def program(gateway_url: str, *source: str) -> AsyncIterator[asyncio.subpr
         sys.executable,
         *(source or (str(EXAMPLE),)),
         env={**os.environ, "OPENROIS_GATEWAY": gateway_url},
+        stdout=asyncio.subprocess.PIPE,
         stderr=asyncio.subprocess.PIPE,
     )
     try:
@@ -120,6 +121,30 @@ class TestRun:
             await said(process, "lamp_1 has stopped")
             assert await ended(process) == 0
             await until(running.engine, lambda ids: "lamp_1" not in ids)
+
+    async def test_whoever_tells_it_twice_does_not_wait_for_what_does_not_end(self) -> None:
+        source = (
+            "import asyncio\n"
+            "from openrois.adapter import Component, run\n"
+            "class Arm(Component):\n"
+            "    async def connect(self) -> None: ...\n"
+            "    async def disconnect(self) -> None:\n"
+            "        while True:\n"
+            "            try:\n"
+            "                print('clinging', flush=True)\n"
+            "                await asyncio.Event().wait()\n"
+            "            except asyncio.CancelledError:\n"
+            "                pass\n"
+            "run(Arm(), engine_id='robot', verbose=True)\n"
+        )
+        async with gateway() as running, program(address(running), "-c", source) as process:
+            await until(running.engine, lambda ids: "robot" in ids)
+            process.send_signal(signal.SIGTERM)
+            assert process.stdout is not None
+            async with asyncio.timeout(20):
+                assert await process.stdout.readline() == b"clinging\n"
+            process.send_signal(signal.SIGTERM)
+            assert await ended(process) == -signal.SIGTERM
 
     async def test_it_waits_for_a_gateway_that_is_not_there_and_comes_back(self) -> None:
         async with gateway() as running:
