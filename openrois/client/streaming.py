@@ -1,7 +1,8 @@
 """The streaming verbs of a component, over the extension where the gateway has it and in strict RoIS elsewhere."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any
 
 from openrois.catalog.streaming import ConnectStreamResults, NotifyStreamStatus, StreamStatusResults
@@ -9,7 +10,7 @@ from openrois.client.component import ComponentProxy
 from openrois.client.conditions import where
 from openrois.client.feed import BUFFER
 from openrois.client.subscription import Subscription
-from openrois.errors import BadParameter, Unsupported
+from openrois.errors import BadParameter, RoISError, Unsupported
 from openrois.types.codes import StreamStatus
 from openrois.types.streams import ConnectStreamResult, StreamStatusResult
 
@@ -61,7 +62,8 @@ class Streaming(ComponentProxy):
 
     async def _act_on(self, verb: str, stream_id: str) -> None:
         if await self._extended(verb, stream_id=stream_id) is None:
-            await self.command(verb, None, stream_id=stream_id)
+            with self._unknown_otherwise(stream_id):
+                await self.command(verb, None, stream_id=stream_id)
 
     async def get_stream_status(self, stream_id: str) -> StreamStatus:
         """Return what a stream does."""
@@ -69,11 +71,12 @@ class Streaming(ComponentProxy):
         if result is not None:
             return StreamStatusResult.model_validate(result).status
         condition = where(component_ref=self.component_ref, stream_id=stream_id)
-        try:
-            results = await self.client.query("get_stream_status", condition)
-        except BadParameter:
-            # A query has no arguments, and not every gateway takes one in the condition.
-            return (await self.query("get_stream_status", StreamStatusResults)).status
+        with self._unknown_otherwise(stream_id):
+            try:
+                results = await self.client.query("get_stream_status", condition)
+            except BadParameter:
+                # A query has no arguments, and not every gateway takes one in the condition.
+                return (await self.query("get_stream_status", StreamStatusResults)).status
         return StreamStatusResults.from_results(results).status
 
     def notify_stream_status(self, *, buffer: int = BUFFER) -> Subscription[NotifyStreamStatus]:
@@ -95,3 +98,13 @@ class Streaming(ComponentProxy):
             return await self.client.call(f"rois.stream.{verb}", **params)
         except Unsupported:
             return None
+
+    @contextmanager
+    def _unknown_otherwise(self, stream_id: str) -> Iterator[None]:
+        """Try in strict RoIS what the extension does not know; where that fails too there is no such stream."""
+        try:
+            yield
+        except RoISError as error:
+            if not self._extension:
+                raise
+            raise Unsupported(f"{self.component_ref} has no stream {stream_id}") from error
