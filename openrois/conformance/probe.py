@@ -121,13 +121,6 @@ class Probe(Connection):
             await self.tell(method, **params)
         return event_id
 
-    def subscription(self, component_ref: str) -> str:
-        """Return the id of the gateway's latest subscription to a component."""
-        for subscribe_id, (ref, _) in reversed(self.engine.subscriptions.items()):
-            if ref == component_ref:
-                return subscribe_id
-        raise Deviation(f"the gateway to subscribe at its adapter to events of {component_ref}", "nothing")
-
     async def hangs(self, component_ref: str) -> None:
         """Wait until a command of a component hangs."""
         await self.until(lambda: component_ref in self.engine.hanging(), f"start a command of {component_ref}")

@@ -191,6 +191,12 @@ def without(name: str) -> Callable[[dict[str, Any]], dict[str, Any]]:
     return lambda fields: {key: value for key, value in fields.items() if key != name}
 
 
+def lax_numbers(message: Any, _method: str) -> Sequence[Any]:
+    """Take what is no number for one: the proxy reads it so, and the gateway is asked another id."""
+    nothing = isinstance(message.get("id"), float) and message["id"] - message["id"] != 0
+    return [{**message, "id": "a number"}] if nothing else [message]
+
+
 def strict_envelopes(message: Any, _method: str) -> Sequence[Any]:
     """Make what has superfluous members, or answers nothing, an invalid request."""
     wrong = set(message) - {"jsonrpc", "id", "method", "params"}
@@ -278,6 +284,7 @@ OTHERWISE: list[tuple[str, dict[str, Any], str, str]] = [
     ("results are everybody's", result(lambda r: {**r, "return_code": "OK"}, "rois.command.get_command_result"),
      "command-result-of-others", "reads its results"),
     ("integers are read laxly", asked("rois.command.execute", no_delays), "params-integers", "a delay_time of"),
+    ("numbers are read laxly", {"to_gateway": lax_numbers}, "frame-not-a-number", "they are no JSON"),
     ("envelopes are strict", {"to_gateway": strict_envelopes}, "frame-extra-members", "further members"),
     ("foreign answers are answered", {"to_gateway": strict_envelopes}, "frame-stray-answers", "nobody asked for"),
 ]  # fmt: skip
