@@ -26,7 +26,7 @@ def files_of(module: str) -> list[str]:
 
 
 @pytest.mark.long
-@pytest.mark.timeout(240)
+@pytest.mark.timeout(600)
 def test_every_branch_of_the_pure_modules(tmp_path: Path) -> None:
     settings, data = tmp_path / "coverage.ini", tmp_path / "data"
     included = "".join(f"\n    {pattern}" for module in pure_modules() for pattern in files_of(module))
