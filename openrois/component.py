@@ -74,13 +74,13 @@ class Component:
     report: Report
     parameters: ParameterStore
     component_type: ClassVar[ComponentType]
-    _authored: ClassVar[AuthoredType]
-    _kind: ClassVar[ComponentType | None] = None
-    _omitted: ClassVar[frozenset[str]] = frozenset()
-    _running: int
-    _start: asyncio.Task[tuple[Result, ...]] | None
-    _loop: asyncio.AbstractEventLoop | None
-    _standing: ComponentStatus
+    __authored: ClassVar[AuthoredType]
+    __kind: ClassVar[ComponentType | None] = None
+    __omitted: ClassVar[frozenset[str]] = frozenset()
+    __running: int
+    __start: asyncio.Task[tuple[Result, ...]] | None
+    __loop: asyncio.AbstractEventLoop | None
+    __standing: ComponentStatus
 
     def __init_subclass__(
         cls,
@@ -93,10 +93,10 @@ class Component:
         **more: Any,
     ) -> None:
         super().__init_subclass__(**more)
-        cls._kind = own_type(cls, implements or cls._kind, code, authority, function)
-        cls._omitted = cls._omitted | set(omit)
-        cls._authored = read_class(cls, cls._kind, _RESERVED, cls._omitted)
-        cls.component_type = cls._authored.component_type
+        cls.__kind = own_type(cls, implements or cls.__kind, code, authority, function)
+        cls.__omitted = cls.__omitted | set(omit)
+        cls.__authored = read_class(cls, cls.__kind, _RESERVED, cls.__omitted)
+        cls.component_type = cls.__authored.component_type
 
     def __new__(cls, *_arguments: Any, **_named: Any) -> Self:
         """Make an instance that works whether or not its own `__init__` calls this class's."""
@@ -106,12 +106,12 @@ class Component:
         self.name = cls.component_type.name
         self.emit = _nobody_listens
         self.report = _nobody_watches
-        self.parameters = ParameterStore(cls._authored.parameters)
-        self._running = 0
-        self._start = None
-        self._loop = None
+        self.parameters = ParameterStore(cls.__authored.parameters)
+        self.__running = 0
+        self.__start = None
+        self.__loop = None
         connects = cls.connect is not Component.connect
-        self._standing = ComponentStatus.UNINITIALIZED if connects else ComponentStatus.READY
+        self.__standing = ComponentStatus.UNINITIALIZED if connects else ComponentStatus.READY
         return self
 
     def __init__(self, name: str | None = None) -> None:
@@ -154,8 +154,8 @@ class Component:
     @property
     def status(self) -> ComponentStatus:
         """What `component_status` answers."""
-        condition = self.condition() if self._standing is ComponentStatus.READY else self._standing
-        return ComponentStatus.BUSY if self._running and condition is ComponentStatus.READY else condition
+        condition = self.condition() if self.__standing is ComponentStatus.READY else self.__standing
+        return ComponentStatus.BUSY if self.__running and condition is ComponentStatus.READY else condition
 
     @final
     async def ask(self, query_type: str) -> tuple[Result, ...]:
@@ -169,11 +169,11 @@ class Component:
             return self.parameters.told()
         if not self.profile.has_query(query_type):
             raise Unsupported(f"{self.name} has no query {query_type!r}")
-        message = self._authored.queries.get(query_type)
+        message = self.__authored.queries.get(query_type)
         if message is None:
             return (Result(name="status", data_type_ref="Component_Status", value=self.status.value),)
         self.require_usable()
-        return await self._call(message, None)
+        return await self.__call(message, None)
 
     @final
     async def run(self, command_type: str, arguments: tuple[Argument, ...]) -> tuple[Result, ...]:
@@ -188,22 +188,22 @@ class Component:
             RoISError: whatever the command raises.
         """
         if command_type == "set_parameter":
-            return self._set_parameters(check_arguments(self.profile.parameter_profiles, arguments))
-        message = self._authored.commands.get(command_type)
+            return self.__set_parameters(check_arguments(self.profile.parameter_profiles, arguments))
+        message = self.__authored.commands.get(command_type)
         if message is None:
             raise Unsupported(f"{self.name} has no command {command_type!r}")
-        given = self._read(message, arguments)
+        given = self.__read(message, arguments)
         self.require_usable()
-        self._running += 1
+        self.__running += 1
         try:
             async with asyncio.timeout(None if message.timeout is None else message.timeout * _MILLISECOND):
-                return await self._run_checked(message, given)
+                return await self.__run_checked(message, given)
         except TimeoutError:
             sentence = f"{self.name}: {command_type} took longer than {message.timeout} ms"
             self.report(ErrorType.COMPONENT_NOT_RESPONDING, sentence)
             raise TimedOut(sentence) from None
         finally:
-            self._running -= 1
+            self.__running -= 1
 
     @final
     def require_usable(self) -> None:
@@ -212,44 +212,44 @@ class Component:
         if status not in _USABLE:
             raise ComponentFailed(f"{self.name} is in status {status}")
 
-    def _announce(self, method: str, values: tuple[object, ...], named: Mapping[str, object]) -> None:
+    def __rois_announce__(self, method: str, values: tuple[object, ...], named: Mapping[str, object]) -> None:
         """Announce the event behind a method, from any thread; one that the class omits is nobody's.
 
         Raises:
             TypeError: the arguments are not the method's.
             ValueError: one is not of its type.
         """
-        message = self._authored.events.get(method)
+        message = self.__authored.events.get(method)
         if message is None:
             return
         payload = message.arguments.bind(values, named)
         results = () if payload is None else payload.named(Result)
-        if self._loop is None or self._loop is _running_loop():
+        if self.__loop is None or self.__loop is _running_loop():
             self.emit(message.name, results)
         else:
             with suppress(RuntimeError):
                 # The loop is closed: there is nobody left to hear it.
-                self._loop.call_soon_threadsafe(self.emit, message.name, results)
+                self.__loop.call_soon_threadsafe(self.emit, message.name, results)
 
     @final
     async def bring_up(self) -> bool:
         """Run `connect` and tell whether the component can be used now; a failure is reported."""
-        self._loop = asyncio.get_running_loop()
+        self.__loop = asyncio.get_running_loop()
         try:
-            with self._containing_bugs("connect"):
+            with self.__containing_bugs("connect"):
                 await self.connect()
         except RoISError as error:
             _log.warning("%s is not connected: %s", self.name, error)
-            self._standing = ComponentStatus.ERROR
+            self.__standing = ComponentStatus.ERROR
             return False
-        self._standing = ComponentStatus.READY
+        self.__standing = ComponentStatus.READY
         return True
 
     @final
     async def take_down(self) -> None:
         """End what runs and run `disconnect`, which has `DISCONNECT_TIMEOUT` seconds; a failure is logged."""
-        await self._abort_start()
-        was_up, self._standing = self._standing is ComponentStatus.READY, ComponentStatus.UNINITIALIZED
+        await self.__abort_start()
+        was_up, self.__standing = self.__standing is ComponentStatus.READY, ComponentStatus.UNINITIALIZED
         if was_up:
             try:
                 async with asyncio.timeout(DISCONNECT_TIMEOUT):
@@ -257,9 +257,9 @@ class Component:
             except Exception as error:
                 _log.warning("%s did not disconnect: %s", self.name, str(error) or "it took too long")
 
-    # How it is done.
+    # How it is done; authors may call their own attributes by the same names.
 
-    def _read(self, message: Message, arguments: tuple[Argument, ...]) -> Payload | None:
+    def __read(self, message: Message, arguments: tuple[Argument, ...]) -> Payload | None:
         profile = self.profile.command(message.name)
         texts = check_arguments(() if profile is None else profile.arguments, arguments)
         try:
@@ -267,18 +267,18 @@ class Component:
         except ValueError as error:
             raise BadParameter(str(error)) from None
 
-    async def _run_checked(self, message: Message, given: Payload | None) -> tuple[Result, ...]:
+    async def __run_checked(self, message: Message, given: Payload | None) -> tuple[Result, ...]:
         if message.name == "start":
-            return await self._run_start(message, given)
-        results = await self._call(message, given)
+            return await self.__run_start(message, given)
+        results = await self.__call(message, given)
         if message.name == "stop":
-            await self._abort_start()
+            await self.__abort_start()
         return results
 
-    async def _run_start(self, message: Message, given: Payload | None) -> tuple[Result, ...]:
-        await self._abort_start()
-        task = asyncio.ensure_future(self._call(message, given))
-        self._start = task
+    async def __run_start(self, message: Message, given: Payload | None) -> tuple[Result, ...]:
+        await self.__abort_start()
+        task = asyncio.ensure_future(self.__call(message, given))
+        self.__start = task
         try:
             await asyncio.wait({task})
         except asyncio.CancelledError:
@@ -286,30 +286,30 @@ class Component:
             await asyncio.gather(task, return_exceptions=True)
             raise
         finally:
-            if self._start is task:
-                self._start = None
+            if self.__start is task:
+                self.__start = None
         if task.cancelled():
             raise Aborted(f"{self.name} was stopped")
         return task.result()
 
-    async def _abort_start(self) -> None:
+    async def __abort_start(self) -> None:
         # While this waits for one to end, another may have begun.
-        while (task := self._start) is not None:
+        while (task := self.__start) is not None:
             task.cancel()
             await asyncio.wait({task})
-            if self._start is task:
-                self._start = None
+            if self.__start is task:
+                self.__start = None
 
-    async def _call(self, message: Message, given: Payload | None) -> tuple[Result, ...]:
+    async def __call(self, message: Message, given: Payload | None) -> tuple[Result, ...]:
         method = getattr(self, message.attribute)
         # An argument that was not given has its default in the payload already, or in the signature.
         arguments = {} if given is None else {name: getattr(given, name) for name in given.model_fields_set}
-        with self._containing_bugs(message.name):
+        with self.__containing_bugs(message.name):
             payload = message.results.read(await method(**arguments))
             return () if payload is None else payload.named(Result)
 
     @contextmanager
-    def _containing_bugs(self, message: str) -> Iterator[None]:
+    def __containing_bugs(self, message: str) -> Iterator[None]:
         try:
             yield
         except RoISError:
@@ -321,9 +321,9 @@ class Component:
             self.report(ErrorType.COMPONENT_INTERNAL_ERROR, sentence)
             raise ComponentFailed(sentence) from error
 
-    def _set_parameters(self, texts: Mapping[str, str]) -> tuple[Result, ...]:
+    def __set_parameters(self, texts: Mapping[str, str]) -> tuple[Result, ...]:
         for name in texts:
-            if name in self._authored.read_only:
+            if name in self.__authored.read_only:
                 raise BadParameter(f"{name} can only be read")
         try:
             wanted = self.parameters.read(texts)

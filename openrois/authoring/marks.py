@@ -124,7 +124,7 @@ def event(function: _Sync | None = None, /, *, name: str = "") -> _Sync | Callab
 
         @wraps(function)
         def announce(self: Any, /, *values: Any, **named: Any) -> None:
-            self._announce(function.__name__, values, named)
+            self.__rois_announce__(function.__name__, values, named)
 
         setattr(announce, _ATTRIBUTE, Mark("event", name))
         return cast(_Sync, announce)

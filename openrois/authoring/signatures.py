@@ -55,7 +55,7 @@ class Results:
             return _validated(self.payload, {self.single: returned})
         if not isinstance(returned, self.payload):
             raise ValueError(f"it returned {returned!r} where a {self.payload.__name__} was declared")
-        return returned
+        return _zoned(returned)
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,9 +90,17 @@ class Arguments:
 
 def _validated(payload: type[Payload], values: Mapping[str, object]) -> Payload:
     try:
-        return payload.model_validate(values)
+        return _zoned(payload.model_validate(values))
     except ValidationError as error:
         raise ValueError(why(error)) from None
+
+
+def _zoned(payload: Payload) -> Payload:
+    """Refuse a moment without time zone: whoever reads it would take it for one of theirs."""
+    for name, value in payload:
+        if isinstance(value, datetime) and value.tzinfo is None:
+            raise ValueError(f"{name}: a moment needs a time zone, as in datetime.now(UTC)")
+    return payload
 
 
 def hints_of(place: str, function: Callable[..., Any]) -> dict[str, Any]:

@@ -342,6 +342,29 @@ class TestMessages:
         with pytest.raises(ComponentFailed, match="weight failed"):
             await Scale().ask("weight")
 
+    async def test_a_moment_without_time_zone_is_a_bug(self) -> None:
+        class Sighting(Payload):
+            at: datetime
+
+        class Clock(Component):
+            @query
+            async def time(self) -> datetime:
+                return datetime(2026, 6, 1)
+
+            @query
+            async def sighting(self) -> Sighting:
+                return Sighting(at=datetime(2026, 6, 1))
+
+            @event
+            def struck(self, at: datetime) -> None: ...
+
+        clock = Clock()
+        for name in ("time", "sighting"):
+            with pytest.raises(ComponentFailed, match=r"a moment needs a time zone, as in datetime.now\(UTC\)"):
+                await clock.ask(name)
+        with pytest.raises(ValueError, match="at: a moment needs a time zone"):
+            clock.struck(datetime(2026, 6, 1))
+
     async def test_nothing_and_a_payload_are_what_was_declared_too(self) -> None:
         class Two(Payload):
             one: int
@@ -491,6 +514,30 @@ async def test_an_own_init_need_not_call_the_component() -> None:
     assert (careless.name, careless.level) == ("lamp", 3)
     assert (await careless.ask("brightness"))[0].value == "3"
     assert careless.profile.name == "lamp"
+
+
+async def test_an_author_may_use_any_private_name() -> None:
+    class Own(Lamp):
+        def __init__(self) -> None:
+            super().__init__()
+            self._running = self._start = self._loop = self._standing = self._kind = self._omitted = "mine"
+
+        def _call(self) -> str:
+            return "mine"
+
+        _read = _run_start = _abort_start = _set_parameters = _run_checked = _call
+
+    own = Own()
+    await own.bring_up()
+    assert own.status.value == "READY"
+    assert (await own.run("switch", (argument("times", "2"),)))[0].value == "2"
+    await own.run("set_parameter", (argument("level", "1"),))
+    running = asyncio.ensure_future(own.run("start", ()))
+    async with asyncio.timeout(5):
+        await own.glowing.wait()
+    await own.take_down()
+    with pytest.raises(Aborted):
+        await running
 
 
 def test_there_is_no_component_as_such() -> None:

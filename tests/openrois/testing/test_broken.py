@@ -262,10 +262,8 @@ class Crowded(Bus):
     async def invoke(
         self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = ()
     ) -> tuple[Result, ...]:
-        if command_type == "start" and not arguments:
-            motor = self._component(component_ref)
-            if motor._start is not None:
-                return ()
+        if command_type == "start" and self._component(component_ref).status == "BUSY":
+            return ()
         return await super().invoke(component_ref, command_type, arguments)
 
 
