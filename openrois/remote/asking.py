@@ -93,4 +93,7 @@ def read_result(name: str, result: Any, model: type[Outcome]) -> Outcome:
     try:
         return model.read(result)
     except ValidationError as error:
-        raise ComponentFailed(f"the engine's answer to {name} is malformed: {error}") from error
+        # One line: it is logged, and what keeps an adapter out is told in a close frame.
+        first = error.errors(include_url=False, include_context=False, include_input=False)[0]
+        path = ".".join(str(step) for step in first["loc"])
+        raise ComponentFailed(f"the engine's answer to {name} is malformed: {path}: {first['msg']}"[:500]) from error

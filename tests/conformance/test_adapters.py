@@ -57,6 +57,7 @@ class TestProfiles:
                     code, reason = await refusal(wrong)
                 assert code == 1008
                 assert words in reason
+                assert "\n" not in reason
         assert gateway.engine.directory.profile.engine_ids() == ("gateway", "robot")
         assert await app.settled() == []
 
