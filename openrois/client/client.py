@@ -1,5 +1,6 @@
 """The client: an application's end of a gateway, on which everything else of this package hangs."""
 
+import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 from types import TracebackType
@@ -14,7 +15,7 @@ from openrois.client.conditions import where
 from openrois.client.connection import Connection, ConnectionState
 from openrois.client.dialling import Dial, websocket
 from openrois.client.feed import BUFFER, Feed
-from openrois.client.notices import Notice, Notification
+from openrois.client.notices import Connected, Notice, Notification, ProfileChanged
 from openrois.client.operations import Operations
 from openrois.client.reconnect import Reconnect
 from openrois.errors import BadParameter, RoISError, Unsupported
@@ -152,17 +153,28 @@ class Client(Operations):
         return proxy
 
     @overload
-    async def find(self, kind: type[Proxy], condition: str = "") -> Proxy: ...
+    async def find(self, kind: type[Proxy], condition: str = "", *, within: float = 0) -> Proxy: ...
     @overload
-    async def find(self, kind: ComponentType, condition: str = "") -> ComponentProxy: ...
-    async def find(self, kind: Any, condition: str = "") -> ComponentProxy:
+    async def find(self, kind: ComponentType, condition: str = "", *, within: float = 0) -> ComponentProxy: ...
+    async def find(self, kind: Any, condition: str = "", *, within: float = 0) -> ComponentProxy:
         """Return the one component of a type, or the one of them that meets a condition.
+
+        Args:
+            kind: the type, as `component` takes it.
+            condition: which of them, if there are several.
+            within: seconds to wait for it, where its engine may start later than the application.
 
         Raises:
             Unsupported: there is none.
             BadParameter: there are several.
         """
+        changes = self.notices(ProfileChanged, Connected)
         found: list[ComponentProxy] = await self.find_all(kind, condition)
+        with suppress(TimeoutError):
+            async with asyncio.timeout(within):
+                while not found:
+                    await anext(changes)
+                    found = await self.find_all(kind, condition)
         code = _type_of(kind).code
         if not found:
             raise Unsupported(f"there is no {code}{condition and f' where {condition}'}")

@@ -1,5 +1,6 @@
 """Component proxies: the basic ones with every message of the catalog, and those of types that are in none."""
 
+import asyncio
 from typing import Annotated, Any
 
 import pytest
@@ -137,6 +138,17 @@ async def test_of_several_the_condition_says_which(ground: Ground, client: Clien
     ]
     with pytest.raises(Unsupported, match="there is no Navigation where component_ref = 'third/navigation'"):
         await client.find(Navigation, where(component_ref="third/navigation"))
+
+
+async def test_a_component_may_be_waited_for(ground: Ground, client: Client) -> None:
+    ground.engine.detach(ground.robot.registry)
+    finding = asyncio.ensure_future(client.find(Navigation, within=5))
+    with pytest.raises(Unsupported, match="there is no Navigation"):
+        await client.find(Navigation)
+    await ground.engine.attach(everything("late").registry)
+    assert (await finding).component_ref == "late/navigation"
+    with pytest.raises(Unsupported, match="there is no Navigation where component_ref = 'x'"):
+        await client.find(Navigation, where(component_ref="x"), within=0.01)
 
 
 async def test_of_blocks_inside_each_other_the_last_gives_the_component_back(ground: Ground, client: Client) -> None:
