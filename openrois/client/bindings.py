@@ -1,7 +1,9 @@
 """The components that an application wants to have for itself, over as many connections as it takes."""
 
+import asyncio
 from collections.abc import Callable
 from dataclasses import dataclass
+from weakref import WeakValueDictionary
 
 from openrois.client.asking import ask
 from openrois.client.notices import BindingLost, BindingRestored, Notice
@@ -14,10 +16,18 @@ __all__ = ["Bindings"]
 
 @dataclass
 class _Binding:
-    """One component. `missed` says that the application was told it lost it; `uses` counts the blocks that need it."""
+    """One component.
+
+    Attributes:
+        held: whether the gateway has it bound, as far as is known.
+        missed: whether the application was told that it is not.
+        kept: whether it is wanted until it is released.
+        uses: how many blocks want it.
+    """
 
     held: bool = True
     missed: bool = False
+    kept: bool = False
     uses: int = 0
 
 
@@ -31,35 +41,45 @@ class Bindings:
     def __init__(self, tell: Callable[[Notice], None]) -> None:
         self._tell = tell
         self._wanted: dict[str, _Binding] = {}
+        self._turns: WeakValueDictionary[str, asyncio.Lock] = WeakValueDictionary()
 
     @property
     def incomplete(self) -> bool:
         """Whether something that is wanted is not held."""
         return not all(binding.held for binding in self._wanted.values())
 
+    def turn(self, component_ref: str) -> asyncio.Lock:
+        """Return what is held while a block begins or ends: a release must not overtake the bind of another block."""
+        return self._turns.setdefault(component_ref, asyncio.Lock())
+
     def wants(self, component_ref: str) -> bool:
         """Tell whether a component is wanted."""
         return component_ref in self._wanted
 
-    def took(self, component_ref: str) -> None:
-        """Note that a component was bound."""
-        self._wanted.setdefault(component_ref, _Binding()).held = True
+    def keep(self, component_ref: str) -> None:
+        """Note that a component was bound until it is released."""
+        self._took(component_ref).kept = True
+
+    def use(self, component_ref: str) -> None:
+        """Note that a component was bound for one more block."""
+        self._took(component_ref).uses += 1
+
+    def _took(self, component_ref: str) -> _Binding:
+        binding = self._wanted.setdefault(component_ref, _Binding())
+        binding.held, binding.missed = True, False
+        return binding
 
     def gave_back(self, component_ref: str) -> None:
         """Note that a component is not wanted any more."""
         self._wanted.pop(component_ref, None)
 
-    def use(self, component_ref: str) -> None:
-        """Count one more block that needs the component."""
-        self._wanted[component_ref].uses += 1
-
     def unuse(self, component_ref: str) -> bool:
-        """Count one block less; tell whether it was the last one and the component is still wanted."""
+        """Note that a block has ended; tell whether the component is not needed any more."""
         binding = self._wanted.get(component_ref)
         if binding is None:
             return False
         binding.uses -= 1
-        return binding.uses <= 0
+        return binding.uses <= 0 and not binding.kept
 
     def lost(self) -> None:
         """Learn that the connection has ended, and with it what was bound."""

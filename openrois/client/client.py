@@ -195,20 +195,36 @@ class Client(Operations):
 
     @asynccontextmanager
     async def bound(self, component_ref: str) -> AsyncIterator[None]:
-        """Reserve a component for as long as the block runs; of blocks inside each other the last one gives it back.
+        """Reserve a component for as long as the block runs.
+
+        Of blocks inside each other and in several tasks the last one gives it back; what `bind` has bound stays bound.
 
         Raises:
             OutOfResources: another application has it.
         """
-        await self.bind(component_ref)
-        self._bindings.use(component_ref)
+        bound = False
+
+        def use() -> None:
+            nonlocal bound
+            bound = True
+            self._bindings.use(component_ref)
+
+        turn = self._bindings.turn(component_ref)
         try:
+            async with turn:
+                await self._bind(component_ref, use)
             yield
         finally:
-            if self._bindings.unuse(component_ref):
-                # A component that is gone meanwhile need not be given back.
-                with suppress(RoISError, TimeoutError):
-                    await self.release(component_ref)
+            # It may be bound although the block was not entered: whoever waited was cancelled at that moment.
+            if bound:
+                async with turn:
+                    await self._unuse(component_ref)
+
+    async def _unuse(self, component_ref: str) -> None:
+        if self._bindings.unuse(component_ref):
+            # A component that is gone meanwhile need not be given back.
+            with suppress(RoISError, TimeoutError):
+                await self.release(component_ref)
 
 
 def _type_of(kind: type[ComponentProxy] | ComponentType) -> ComponentType:

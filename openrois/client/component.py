@@ -85,7 +85,7 @@ class ComponentProxy:
 
     @asynccontextmanager
     async def bound(self) -> AsyncIterator[None]:
-        """Reserve the component for as long as the block runs; of blocks inside each other the last one gives it back.
+        """Reserve the component for as long as the block runs, see `Client.bound`.
 
         Raises:
             OutOfResources: another application has it.

@@ -84,11 +84,14 @@ class Operations:
             OutOfResources: another application has it.
             Unsupported: there is no such component.
         """
+        await self._bind(component_ref, lambda: self._bindings.keep(component_ref))
+
+    async def _bind(self, component_ref: str, bound: Callable[[], None]) -> None:
         await self._connection.ask(
             "rois.command.bind",
             ComponentParams(component_ref=component_ref),
             ReturnResult,
-            accepted=lambda _result: self._bindings.took(component_ref),
+            accepted=lambda _result: bound(),
             too_late=lambda _result: self._release_late(component_ref),
         )
 
@@ -98,7 +101,7 @@ class Operations:
             "rois.command.bind_any",
             ConditionParams(condition=condition),
             ReferenceResult,
-            accepted=lambda result: self._bindings.took(result.component_ref),
+            accepted=lambda result: self._bindings.keep(result.component_ref),
             too_late=lambda result: self._release_late(result.component_ref),
         )
         return result.component_ref

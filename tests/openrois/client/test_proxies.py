@@ -162,6 +162,28 @@ async def test_of_blocks_inside_each_other_the_last_gives_the_component_back(gro
         await other.bind(navigation.component_ref)
 
 
+async def test_blocks_of_several_tasks_do_not_give_away_what_another_has(client: Client) -> None:
+    lamp = client.component(LAMP, "toys/lamp")
+
+    async def switch() -> None:
+        for _ in range(20):
+            async with lamp.bound():
+                await lamp.command("switch", times=1)
+
+    await asyncio.gather(*(switch() for _ in range(5)))
+
+
+async def test_a_block_does_not_give_back_what_was_bound_for_good(ground: Ground, client: Client) -> None:
+    lamp = client.component(LAMP, "toys/lamp")
+    await lamp.bind()
+    async with lamp.bound():
+        pass
+    await lamp.command("switch", times=1)
+    await lamp.release()
+    async with ground.client() as other:
+        await other.bind("toys/lamp")
+
+
 async def test_a_component_may_be_given_back_inside_the_block(ground: Ground, client: Client) -> None:
     navigation = await client.find(Navigation)
     async with ground.client() as other, navigation.bound():

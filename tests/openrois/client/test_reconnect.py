@@ -172,6 +172,28 @@ async def test_what_is_given_back_while_it_is_bound_again_is_free(line: Line, cl
         await other.bind(LAMP)
 
 
+async def test_whoever_is_cancelled_at_the_moment_of_binding_holds_nothing(
+    line: Line, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with Client(dial=line.dial) as client, Client(dial=line.dial) as other:
+
+        async def hold() -> None:
+            async with client.bound(LAMP):
+                await asyncio.Event().wait()
+
+        use = client._bindings.use
+
+        def use_and_cancel(component_ref: str) -> None:
+            use(component_ref)
+            asyncio.get_running_loop().call_soon(holding.cancel)
+
+        monkeypatch.setattr(client._bindings, "use", use_and_cancel)
+        holding = asyncio.ensure_future(hold())
+        await asyncio.wait({holding})
+        assert holding.cancelled()
+        await other.bind(LAMP)
+
+
 class _Held:
     """A stream that keeps requests of one method to itself until it may pass them on."""
 
