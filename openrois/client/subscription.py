@@ -62,6 +62,7 @@ class Subscription(Generic[T]):
         self._table = table
         self._entry = Entry(event_type, condition, Feed(buffer))
         self._read = read
+        self._opening = asyncio.Lock()
         self._open = False
         self._unreadable = Tally(_log, f"{event_type} events that cannot be read", logging.WARNING)
 
@@ -115,8 +116,15 @@ class Subscription(Generic[T]):
                 yield await self._next()
 
     async def _ensure_open(self) -> None:
-        if not self._open:
-            await self._table.open(self._entry)
+        async with self._opening:
+            if self._open:
+                return
+            try:
+                await self._table.open(self._entry)
+            except BaseException:
+                # It may be open all the same: whoever waited was cancelled at that moment.
+                self._table.forget(self._entry)
+                raise
             self._open = True
             loop = asyncio.get_running_loop()
             weakref.finalize(self, _unread, loop, self._table, self._entry).atexit = False

@@ -3,6 +3,7 @@
 import asyncio
 import gc
 from datetime import datetime
+from typing import Any
 
 import pytest
 
@@ -83,6 +84,38 @@ async def test_two_subscriptions_to_the_same_event_hear_it_both(ground: Ground, 
     async with bell.event("rang") as one, bell.event("rang") as other:
         ground.bell.ring("a scale")
         assert await anext(one) == await anext(other) == {"tune": "a scale"}
+
+
+async def test_two_readers_of_one_subscription_share_it(ground: Ground, client: Client) -> None:
+    rang = client.component("toys/bell").event("rang")
+    reading = [asyncio.ensure_future(anext(rang)) for _ in range(2)]
+    await eventually(client, lambda: len(ground.engine._subscriptions) > 0)
+    for tune in ("a", "b"):
+        ground.bell.ring(tune)
+    assert sorted([each["tune"] for each in await asyncio.gather(*reading)]) == ["a", "b"]
+    assert len(ground.engine._subscriptions) == 1
+    await rang.close()
+
+
+async def test_whoever_is_cancelled_at_the_moment_of_subscribing_hears_nothing(
+    ground: Ground, client: Client, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    route = client._subscriptions._route
+
+    def route_and_cancel(*arguments: Any) -> None:
+        route(*arguments)
+        asyncio.get_running_loop().call_soon(reading.cancel)
+
+    monkeypatch.setattr(client._subscriptions, "_route", route_and_cancel)
+    rang = client.component("toys/bell").event("rang")
+    reading = asyncio.ensure_future(anext(rang))
+    await asyncio.wait({reading})
+    assert reading.cancelled()
+    await eventually(client, lambda: not ground.engine._subscriptions)
+    monkeypatch.undo()
+    async with rang:
+        ground.bell.ring("a scale")
+        assert await anext(rang) == {"tune": "a scale"}
 
 
 async def test_what_cannot_be_subscribed_is_said_to_who_reads(client: Client) -> None:
