@@ -22,8 +22,8 @@ def emit(document: Document) -> str:
             "info": {
                 "title": "RoIS 2.0 over JSON-RPC",
                 "description": "What an application calls, and is told by a gateway, over WebSocket: one JSON-RPC "
-                "object per text frame. A failure in RoIS terms is a result whose `return_code` is not OK. Between a gateway "
-                "and its adapters the messages of extensions also carry the `client_id` of the application.",
+                "object per text frame. A failure in RoIS terms is a result whose `return_code` is not OK. Between a "
+                "gateway and its adapters the messages of extensions also carry the `client_id` of the application.",
                 "version": document.version,
                 "license": {"name": "Apache-2.0"},
             },
