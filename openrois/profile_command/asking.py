@@ -45,7 +45,8 @@ async def ask_profiles(url: str, component_ref: str = "", *, timeout: float = CA
             finally:
                 await session.close()
                 await asyncio.wait({running})
-    except InvalidURI:
+    except (InvalidURI, ValueError):
+        # A port beyond all ports is a ValueError of the library below.
         raise NoProfile(f"{url!r} is no address of a gateway, such as ws://127.0.0.1:8765/") from None
     except TimeoutError:
         raise NoProfile(f"{url} does not answer in time") from None

@@ -2,6 +2,7 @@
 
 import argparse
 import asyncio
+import os
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -28,7 +29,10 @@ class _Failed(Exception):
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Run the command and return its exit status: 0 when done, 1 when something is wrong, 2 for wrong usage."""
+    """Run the command and return its exit status.
+
+    That is 0 when done, 1 when something is wrong, 2 for wrong usage, and 130 where Ctrl-C ended it.
+    """
     chosen = _parser().parse_args(arguments)
     try:
         if chosen.action == "export":
@@ -38,9 +42,14 @@ def main(arguments: Sequence[str]) -> int:
     except (_Failed, NoProfile, ValueError) as error:
         _say(str(error))
         return 1
+    except BrokenPipeError:
+        # Whoever reads has seen enough. What is left to be flushed when Python ends has to go somewhere.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     except OSError as error:
-        _say(f"{error.filename}: {error.strerror}" if error.filename else str(error))
+        _say(f"{error.filename}: {error.strerror}" if error.filename else error.strerror or str(error))
         return 1
+    except KeyboardInterrupt:
+        return 130
     return 0
 
 
@@ -138,7 +147,9 @@ def _read_all(paths: Sequence[Path]) -> list[EngineDocument | ComponentDocument]
 
 def _put(text: str, output: Path | None) -> None:
     if output is None:
-        sys.stdout.write(text)
+        # UTF-8 wherever it goes: that is what the XML declaration says, and what JSON is.
+        sys.stdout.buffer.write(text.encode())
+        sys.stdout.buffer.flush()
     else:
         output.write_text(text, encoding="utf-8")
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Final
 
-from pydantic import BaseModel, ValidationError
+from pydantic import BaseModel, TypeAdapter, ValidationError
 
 from openrois.profile_command.problems import problem
 from openrois.profile_xml.documents import Profiles
@@ -17,6 +17,7 @@ from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile
 __all__ = ["documents_in", "json_text", "plain", "profile_files", "write_set"]
 
 _SUFFIXES: Final = (".xml", ".json")
+_LIST: Final = TypeAdapter(list[HRIComponentProfile])
 
 
 def profile_files(path: Path) -> list[Path]:
@@ -47,21 +48,32 @@ def documents_in(path: Path) -> list[EngineDocument | ComponentDocument]:
     if len(data) > MAX_SIZE:
         raise ValueError(f"the file has more than {MAX_SIZE} bytes")
     try:
-        return list(_from_json(json.loads(data)))
+        found = list(_documents(_value(data)))
     except ValidationError as error:
         raise ValueError(problem(error)) from None
+    if not found:
+        raise ValueError("there is no profile in it")
+    return found
+
+
+def _value(data: bytes) -> Any:
+    try:
+        return json.loads(data)
     except json.JSONDecodeError as error:
         raise ValueError(f"line {error.lineno}: this is no JSON: {error.msg}") from None
     except UnicodeDecodeError:
         raise ValueError("this is no JSON: the text is not UTF-8") from None
     except RecursionError:
         raise ValueError("this is nested too deeply for a profile") from None
+    except ValueError:
+        # Python reads no integer of thousands of digits, which would take long.
+        raise ValueError("a number in it has too many digits") from None
 
 
-def _from_json(value: Any) -> Iterator[EngineDocument | ComponentDocument]:
+def _documents(value: Any) -> Iterator[EngineDocument | ComponentDocument]:
     if isinstance(value, list):
-        for item in value:
-            yield ComponentDocument(HRIComponentProfile.model_validate(item))
+        for profile in _LIST.validate_python(value):
+            yield ComponentDocument(profile)
     elif "component_profiles" in value or "profile" in value:
         result = ProfileResult.model_validate(value)
         if result.profile is not None:
@@ -95,7 +107,13 @@ def plain(profiles: Profiles) -> Any:
 def json_text(value: Any) -> str:
     """Return a value or model as JSON for people."""
     plain_value = value.model_dump(mode="json") if isinstance(value, BaseModel) else value
-    return json.dumps(plain_value, indent=2, ensure_ascii=False) + "\n"
+    text = json.dumps(plain_value, indent=2, ensure_ascii=False) + "\n"
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        # JSON can name half a surrogate pair, and UTF-8 cannot carry one.
+        text = json.dumps(plain_value, indent=2) + "\n"
+    return text
 
 
 def write_set(directory: Path, documents: Mapping[str, str]) -> None:

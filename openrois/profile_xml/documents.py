@@ -3,20 +3,32 @@
 The engine's document names a component by the XML id that the component's own document has.
 """
 
-from collections.abc import Iterable, Mapping
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Final, TypeAlias
 
 from openrois.profile_xml.names import write_id
 from openrois.profile_xml.read import ComponentDocument, EngineDocument
 from openrois.profile_xml.write import component_xml, engine_xml
-from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile, ParameterProfile
+from openrois.types.profiles import (
+    CommandMessageProfile,
+    EventMessageProfile,
+    HRIComponentProfile,
+    HRIEngineProfile,
+    ParameterProfile,
+    QueryMessageProfile,
+)
+from openrois.types.references import engine_of, is_engine_id
 from openrois.types.values import check_value
 
 __all__ = ["ENGINE_DOCUMENT", "Profiles", "assemble", "doubts", "write_documents"]
 
 ENGINE_DOCUMENT: Final = "engine.xml"
 _MAX_NAME: Final = 200
+
+_Message: TypeAlias = CommandMessageProfile | QueryMessageProfile | EventMessageProfile
+_Described: TypeAlias = _Message | ParameterProfile
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +56,10 @@ def write_documents(engine: HRIEngineProfile, components: Mapping[str, HRICompon
     for number, (component_ref, profile) in enumerate(components.items(), 1):
         xml_id = write_id(component_ref)
         name = xml_id if len(xml_id) <= _MAX_NAME else f"{xml_id[:_MAX_NAME]}-{number}"
-        documents[f"components/{name}.xml"] = component_xml(profile, component_ref)
+        try:
+            documents[f"components/{name}.xml"] = component_xml(profile, component_ref)
+        except ValueError as error:
+            raise ValueError(f"{component_ref!r}: {error}") from None
     return documents
 
 
@@ -78,13 +93,13 @@ def assemble(documents: Iterable[EngineDocument | ComponentDocument]) -> Profile
 
 def doubts(profiles: Profiles) -> list[str]:
     """Return sentences about what a gateway would not take, or what could not be used, in profiles that can be read."""
-    found = []
+    found = [] if profiles.engine is None else list(_of_engines(profiles.engine))
     refs = profiles.engine.component_refs() if profiles.engine is not None else ()
     missing = [ref for ref in refs if ref not in profiles.components]
     if missing and profiles.components:
         found.append(f"the component {missing[0]!r} has no profile" + _others(len(missing) - 1))
     for component in (*profiles.components.values(), *profiles.types):
-        found += [f"{component.name}: {doubt}" for doubt in _defaults(_values(component))]
+        found += [f"{component.name}: {doubt}" for doubt in _of_component(component)]
     return found
 
 
@@ -92,20 +107,54 @@ def _others(count: int) -> str:
     return f", and {count} more have none" if count else ""
 
 
-def _values(component: HRIComponentProfile) -> Iterable[ParameterProfile]:
-    yield from component.parameter_profiles
+def _of_engines(engine: HRIEngineProfile) -> Iterator[str]:
+    ids, refs = engine.engine_ids(), engine.component_refs()
+    for engine_id in ids:
+        if not is_engine_id(engine_id):
+            yield f"{engine_id!r} is no engine id: it is empty, too long, or has a slash"
+    yield from (f"the engine id {engine_id!r} stands twice" for engine_id in _repeated(ids))
+    yield from (f"the component {ref!r} stands twice" for ref in _repeated(refs))
+    for ref in dict.fromkeys(refs):
+        if engine_of(ref) not in ids:
+            yield f"the component {ref!r} does not begin with the id of an engine that offers it"
+
+
+def _of_component(component: HRIComponentProfile) -> Iterator[str]:
+    if not component.identifier.code:
+        yield "its identifier is empty"
+    for kind, whose, group in _groups(component):
+        names = [each.name for each in group]
+        if "" in names:
+            yield f"{'an' if kind == 'argument' else 'a'} {kind}{whose} has no name"
+        yield from (f"the {kind} {name!r}{whose} stands twice" for name in _repeated(names) if name)
+    yield from _defaults(each for _, _, group in _groups(component) for each in group)
+
+
+def _groups(component: HRIComponentProfile) -> Iterator[tuple[str, str, Sequence[_Described]]]:
+    """Yield what is named within a component: the kind, whose they are if a message's, and all of them."""
+    yield "command", "", component.command_profiles
+    yield "query", "", component.query_profiles
+    yield "event", "", component.event_profiles
+    yield "parameter", "", component.parameter_profiles
     for command in component.command_profiles:
-        yield from (*command.arguments, *command.results)
-    for query in component.query_profiles:
-        yield from query.results
-    for event in component.event_profiles:
-        yield from event.results
+        yield "argument", f" of {command.name!r}", command.arguments
+    messages: tuple[_Message, ...] = (
+        *component.command_profiles,
+        *component.query_profiles,
+        *component.event_profiles,
+    )
+    for message in messages:
+        yield "result", f" of {message.name!r}", message.results
 
 
-def _defaults(values: Iterable[ParameterProfile]) -> Iterable[str]:
-    for value in values:
+def _repeated(names: Iterable[str]) -> list[str]:
+    return [name for name, count in Counter(names).items() if count > 1]
+
+
+def _defaults(described: Iterable[_Described]) -> Iterator[str]:
+    for value in described:
         try:
-            if value.default_value:
+            if isinstance(value, ParameterProfile) and value.default_value:
                 check_value(value.data_type_ref.code, value.default_value)
         except ValueError as error:
             yield f"the default of {value.name!r}: {error}"

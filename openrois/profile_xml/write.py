@@ -20,7 +20,7 @@ from openrois.profile_xml.names import (
     no_component,
     write_id,
 )
-from openrois.profile_xml.parse import without_layout
+from openrois.profile_xml.parse import MAX_DEPTH, MAX_SIZE, without_layout
 from openrois.types.profiles import (
     CommandMessageProfile,
     EventMessageProfile,
@@ -53,8 +53,8 @@ def engine_xml(profile: HRIEngineProfile) -> str:
     """Return an engine's profile, sub-engines included, as the text of an XML document: RoIS's `get_profile`.
 
     Raises:
-        ValueError: a text has what XML cannot carry, such as a control character, or a reference or an engine id
-            stands twice, which an XML id cannot.
+        ValueError: a text has what XML cannot carry, such as a control character, a reference or an engine id stands
+            twice, which an XML id cannot, or the document would be too large or too deep to be read.
     """
     return _document(_engine("rois:HRIEngineProfile", profile), unique_ids=_ids(profile))
 
@@ -68,7 +68,8 @@ def component_xml(profile: HRIComponentProfile, component_ref: str = "") -> str:
             type.
 
     Raises:
-        ValueError: a text has what XML cannot carry, such as a control character.
+        ValueError: a text has what XML cannot carry, such as a control character, or the document would be too large
+            to be read.
     """
     extra = {} if profile.function is None else {"function": profile.function.value}
     return _document(
@@ -174,10 +175,16 @@ def _document(root: _Node, unique_ids: Iterable[tuple[str, str]] = ()) -> str:
             raise ValueError(f"{what} {text!r} stands twice, which an XML id cannot")
         seen.add((what, text))
     root = _Node(root.name, {**_NAMESPACES, **root.attributes}, root.content)
-    return '<?xml version="1.0" encoding="UTF-8"?>\n' + "".join(_lines(root, ""))
+    text = '<?xml version="1.0" encoding="UTF-8"?>\n' + "".join(_lines(root, 1))
+    if len(text.encode()) > MAX_SIZE:
+        raise ValueError(f"the document would have more than {MAX_SIZE} bytes")
+    return text
 
 
-def _lines(node: _Node, indent: str) -> Iterator[str]:
+def _lines(node: _Node, depth: int) -> Iterator[str]:
+    if depth > MAX_DEPTH:
+        raise ValueError(f"elements stand at most {MAX_DEPTH} deep")
+    indent = "  " * (depth - 1)
     attributes = "".join(
         f' {name}="{_escaped(node.name, value, _IN_ATTRIBUTE)}"' for name, value in node.attributes.items()
     )
@@ -189,7 +196,7 @@ def _lines(node: _Node, indent: str) -> Iterator[str]:
     else:
         yield f"{opening}>\n"
         for child in node.content:
-            yield from _lines(child, indent + "  ")
+            yield from _lines(child, depth + 1)
         yield f"{indent}</{node.name}>\n"
 
 

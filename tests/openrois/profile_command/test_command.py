@@ -2,6 +2,8 @@
 
 import asyncio
 import json
+import os
+import signal
 import socket
 import sys
 from collections.abc import AsyncIterator, Callable
@@ -25,6 +27,7 @@ from tests.support.fleet import everything, fleet
 from tests.support.profiles import structural_errors
 
 Run = Callable[..., Any]
+FULL = Path("/dev/full")
 
 
 @pytest.fixture
@@ -60,29 +63,58 @@ def answer(running: Gateway) -> dict[str, Any]:
     }
 
 
+async def openrois(*arguments: object, **environment: str) -> asyncio.subprocess.Process:
+    """Start the command as a process of its own."""
+    return await asyncio.create_subprocess_exec(
+        *(sys.executable, "-m", "openrois.cli", "profile", *map(str, arguments)),
+        stdout=asyncio.subprocess.PIPE,
+        stderr=asyncio.subprocess.PIPE,
+        env={**os.environ, **environment},
+    )
+
+
 async def test_as_processes_of_their_own(house: Gateway, tmp_path: Path) -> None:
-    async def openrois(*arguments: object) -> tuple[int | None, str, str]:
-        process = await asyncio.create_subprocess_exec(
-            *(sys.executable, "-m", "openrois.cli", "profile", *map(str, arguments)),
-            stdout=asyncio.subprocess.PIPE,
-            stderr=asyncio.subprocess.PIPE,
-        )
+    async def run(*arguments: object) -> tuple[int | None, str, str]:
+        process = await openrois(*arguments)
         out, err = await process.communicate()
         return process.returncode, out.decode(), err.decode()
 
     system = tmp_path / "system"
-    assert await openrois("export", "--url", address(house), "--output", system) == (0, "", "")
+    assert await run("export", "--url", address(house), "--output", system) == (0, "", "")
     assert len(list(system.rglob("*.xml"))) == 18
-    status, out, err = await openrois("import", system)
+    status, out, err = await run("import", system)
     assert (status, err) == (0, "")
     assert json.loads(out) == answer(house)
     (system / "components" / "robot_x002F_move.xml").write_text("<a>\n</b>")
-    status, out, err = await openrois("import", system)
+    status, out, err = await run("import", system)
     assert (status, out) == (1, "")
     assert err.splitlines() == [
         f"openrois profile: {system}/components/robot_x002F_move.xml: line 2: this is no XML: mismatched tag",
         "openrois profile: nothing is imported: 1 of 18 files cannot be used",
     ]
+
+
+async def test_what_it_prints_is_utf_8_wherever_it_goes(tmp_path: Path) -> None:
+    profile = component_xml(NAVIGATION.profile("乗り物"), "robot/legs")
+    file = tmp_path / "legs.xml"
+    file.write_text(profile, encoding="utf-8")
+    process = await openrois("import", file, PYTHONIOENCODING="ascii")
+    out, err = await process.communicate()
+    assert (process.returncode, err) == (0, b"")
+    assert json.loads(out)["name"] == "乗り物"
+
+
+async def test_a_reader_that_goes_away_is_no_error() -> None:
+    reader, writer = os.pipe()
+    os.close(reader)
+    process = await asyncio.create_subprocess_exec(
+        *(sys.executable, "-m", "openrois.cli", "profile", "export", "--type", "Navigation"),
+        stdout=writer,
+        stderr=asyncio.subprocess.PIPE,
+    )
+    os.close(writer)
+    assert (await process.communicate())[1] == b""
+    assert process.returncode == 0
 
 
 class TestExport:
@@ -146,6 +178,22 @@ class TestExport:
 
 
 class TestNoGateway:
+    async def test_a_port_that_is_none(self, run: Run) -> None:
+        status, _, err = await run("export", "--url", "ws://127.0.0.1:99999/")
+        sentence = "'ws://127.0.0.1:99999/' is no address of a gateway, such as ws://127.0.0.1:8765/"
+        assert (status, err) == (1, f"openrois profile: {sentence}\n")
+
+    async def test_who_waits_no_longer_ends_it(self) -> None:
+        async def keep_silent(connection: ServerConnection) -> None:
+            process.send_signal(signal.SIGINT)
+            await connection.wait_closed()
+
+        async with serve(keep_silent, "127.0.0.1", 0) as server:
+            url = f"ws://127.0.0.1:{next(iter(server.sockets)).getsockname()[1]}/"
+            process = await openrois("export", "--url", url)
+            assert await process.communicate() == (b"", b"")
+        assert process.returncode == 130
+
     async def test_nobody_listens(self, run: Run) -> None:
         with socket.create_server(("127.0.0.1", 0)) as closed:
             url = f"ws://127.0.0.1:{closed.getsockname()[1]}/"
@@ -276,11 +324,15 @@ class TestImport:
             (b"<a/>", "line 1: a is no profile: rois:HRIEngineProfile or rois:HRIComponentProfile is expected"),
             (b'{"name": "x",\n}', "line 2: this is no JSON: "),
             (b'{"name": "x"}', "identifier: Field required"),
-            (b'[{"name": "x"}]', "identifier: Field required"),
-            (b"[5]", "Input should be a valid dictionary"),
+            (b'[{"name": "x"}]', "0.identifier: Field required"),
+            (b"[5]", "0: Input should be a valid dictionary"),
             (b"{}", "identifier: Field required"),
             (b'{"profile": null, "mood": 1}', "mood: Extra inputs are not permitted"),
             (b'{"name": "\xff"}', "this is no JSON: the text is not UTF-8"),
+            (b"[]", "there is no profile in it"),
+            (b'{"profile": null}', "there is no profile in it"),
+            (b'[{"name": "x", "identifier": {"code": "x"}}, 5]', "1: Input should be a valid dictionary"),
+            (b'{"timeout": ' + b"9" * 5000 + b"}", "a number in it has too many digits"),
             (b"[" * 100_000, "this is nested too deeply for a profile"),
             (b" [" + b" " * MAX_SIZE, f"the file has more than {MAX_SIZE} bytes"),
             (b"<a>" + b" " * MAX_SIZE, f"line 1: the document has more than {MAX_SIZE} bytes"),
@@ -294,6 +346,28 @@ class TestImport:
         first, second = err.splitlines()
         assert first.startswith(f"openrois profile: {file}: {sentence}")
         assert second == "openrois profile: nothing is imported"
+
+    async def test_half_a_surrogate_pair_is_printed_as_json_writes_it(self, run: Run, tmp_path: Path) -> None:
+        file = tmp_path / "lamp.json"
+        file.write_text('{"identifier": {"code": "x"}, "name": "\\ud800"}')
+        status, out, err = await run("import", file)
+        assert (status, json.loads(out)["name"], err) == (0, "\ud800", "")
+
+    async def test_a_long_way_to_what_is_wrong_is_told_by_its_end(self, run: Run, tmp_path: Path) -> None:
+        engine: dict[str, Any] = {"identifier": {"code": 5}}
+        for _ in range(50):
+            engine = {"identifier": {"code": "x"}, "sub_profiles": [engine]}
+        file = tmp_path / "engine.json"
+        file.write_text(json.dumps(engine))
+        status, _, err = await run("import", file)
+        assert status == 1
+        assert err.splitlines()[0].endswith(".sub_profiles.0.identifier.code: Input should be a valid string")
+        assert len(err) < 400
+
+    @pytest.mark.skipif(not FULL.exists(), reason="this system has no device that is always full")
+    async def test_a_full_disk(self, run: Run) -> None:
+        status, _, err = await run("export", "--type", "Navigation", "--output", FULL)
+        assert (status, err) == (1, "openrois profile: No space left on device\n")
 
     async def test_files_that_are_not_there(self, run: Run, tmp_path: Path) -> None:
         status, _, err = await run("import", tmp_path / "a", tmp_path / "b")

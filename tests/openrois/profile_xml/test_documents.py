@@ -35,6 +35,11 @@ def test_names_of_files_are_bounded_and_distinct() -> None:
     assert tuple(read.components) == refs
 
 
+def test_whose_profile_cannot_be_written_is_said() -> None:
+    with pytest.raises(ValueError, match=r"^'robot/legs': gml:name: .* has a character that XML cannot carry"):
+        write_documents(ROBOT, {"robot/legs": NAVIGATION.profile("\1")})
+
+
 def test_types_are_kept_apart() -> None:
     documents = (ComponentDocument(NAVIGATION.definition()), ComponentDocument(SPEECH_RECOGNITION.definition()))
     assert assemble(documents) == Profiles(types=(NAVIGATION.definition(), SPEECH_RECOGNITION.definition()))
@@ -87,3 +92,42 @@ class TestDoubts:
         sentence = "lamp: the default of 'level': 'high' is not of type int"
         assert doubts(Profiles(types=(profile,))) == [sentence] * 5
         assert doubts(Profiles(components={"robot/lamp": profile})) == [sentence] * 5
+
+    def test_names_that_are_empty_or_stand_twice(self) -> None:
+        text = {"name": "text", "data_type_ref": {"code": "string"}}
+        profile = HRIComponentProfile.model_validate(
+            {
+                "identifier": {"code": ""},
+                "name": "lamp",
+                "command_profiles": [
+                    {"name": "say", "arguments": [text, text, text]},
+                    {"name": "say"},
+                    {"name": "", "results": [{**text, "name": ""}]},
+                ],
+                "query_profiles": [{"name": "mood", "results": [text, text]}],
+                "event_profiles": [{"name": "mood"}],
+                "parameter_profiles": [text, text],
+            }
+        )
+        assert doubts(Profiles(types=(profile,))) == [
+            "lamp: its identifier is empty",
+            "lamp: a command has no name",
+            "lamp: the command 'say' stands twice",
+            "lamp: the parameter 'text' stands twice",
+            "lamp: the argument 'text' of 'say' stands twice",
+            "lamp: a result of '' has no name",
+            "lamp: the result 'text' of 'mood' stands twice",
+        ]
+
+    def test_engines_and_components_that_no_gateway_takes(self) -> None:
+        below = HRIEngineProfile(identifier=RoISIdentifier(code="robot"), component_ids=("robot/legs", "arm/hand"))
+        engine = HRIEngineProfile(
+            identifier=RoISIdentifier(code="a/b"), sub_profiles=(below, below), component_ids=("robot/legs",)
+        )
+        assert doubts(Profiles(engine)) == [
+            "'a/b' is no engine id: it is empty, too long, or has a slash",
+            "the engine id 'robot' stands twice",
+            "the component 'robot/legs' stands twice",
+            "the component 'arm/hand' stands twice",
+            "the component 'arm/hand' does not begin with the id of an engine that offers it",
+        ]

@@ -8,6 +8,7 @@ from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.catalog.common import ROIS_COMMON
 from openrois.catalog.component_type import ComponentType
 from openrois.profile_xml.names import engine_id_text, no_component, read_id, stands_for_no_component, write_id
+from openrois.profile_xml.parse import MAX_DEPTH, MAX_SIZE
 from openrois.profile_xml.read import ComponentDocument, EngineDocument, read_profile
 from openrois.profile_xml.write import component_xml, engine_xml
 from openrois.types.profiles import (
@@ -167,6 +168,16 @@ class TestWhatXmlCannotCarry:
     def test_line_breaks_at_the_ends_of_a_text(self, name: str) -> None:
         with pytest.raises(ValueError, match=r"gml:name: .* begins or ends with a line break"):
             component_xml(self.component(name=name))
+
+    def test_more_than_is_read(self) -> None:
+        engine = HRIEngineProfile(identifier=RoISIdentifier(code="0"))
+        for number in range(1, MAX_DEPTH - 1):
+            engine = HRIEngineProfile(identifier=RoISIdentifier(code=str(number)), sub_profiles=(engine,))
+        assert read_profile(engine_xml(engine)) == EngineDocument(engine)
+        with pytest.raises(ValueError, match=f"^elements stand at most {MAX_DEPTH} deep$"):
+            engine_xml(HRIEngineProfile(identifier=RoISIdentifier(code="robot"), sub_profiles=(engine,)))
+        with pytest.raises(ValueError, match=f"^the document would have more than {MAX_SIZE} bytes$"):
+            component_xml(self.component(name="あ" * (MAX_SIZE // 3)))
 
     def test_endless_timeouts(self) -> None:
         profile = self.component(command_profiles=[{"name": "start", "timeout": 10**20}])
