@@ -4,10 +4,10 @@ import asyncio
 import logging
 import time
 from collections import deque
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Coroutine
 from dataclasses import dataclass, field
 from datetime import UTC
-from typing import Final
+from typing import Any, Final
 
 from openrois.contract import Event, SubscriptionLost
 from openrois.engine import Engine
@@ -106,9 +106,14 @@ class EventLog:
         if subscription is not None and subscription.bus_id:
             await self._engine.unsubscribe(subscription.bus_id)
 
-    async def clear(self) -> None:
-        """End every subscription; one that cannot be ended properly does not keep the others."""
-        ending = (self.unsubscribe(subscribe_id) for subscribe_id in tuple(self._subscriptions))
+    def clear(self) -> Coroutine[Any, Any, None]:
+        """Forget every subscription at once, so that none is meant that comes after; return what ends them."""
+        former, self._subscriptions = self._subscriptions, {}
+        return self._end([subscription.bus_id for subscription in former.values() if subscription.bus_id])
+
+    async def _end(self, bus_ids: list[str]) -> None:
+        """End subscriptions at the engine; one that cannot be ended properly does not keep the others."""
+        ending = (self._engine.unsubscribe(bus_id) for bus_id in bus_ids)
         for outcome in await asyncio.gather(*ending, return_exceptions=True):
             if isinstance(outcome, Exception):
                 _log.info("a subscription could not be ended: %s", outcome)

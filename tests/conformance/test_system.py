@@ -60,6 +60,24 @@ async def test_disconnect_gives_everything_back_and_leaves_the_socket_open(
     assert await app.code("rois.command.bind", component_ref="robot/lamp") == "OUT_OF_RESOURCES"
 
 
+async def test_what_is_asked_right_behind_disconnect_stands(app: Application, robot: deployment.Robot) -> None:
+    await app.ask("rois.event.subscribe", event_type="rang")
+    leaving = await app.begin("rois.system.disconnect")
+    of_streams = "component_ref = 'robot/camera'"
+    asked = [
+        await app.begin("rois.system.connect"),
+        await app.begin("rois.command.bind", component_ref="robot/lamp"),
+        await app.begin("rois.event.subscribe", event_type="notify_stream_status", condition=of_streams),
+        await app.begin("rois.event.subscribe", event_type="rang"),
+    ]
+    answers = [(await app.answer(request_id))["result"] for request_id in (leaving, *asked)]
+    assert [answer["return_code"] for answer in answers] == ["OK"] * 5
+    robot.bell.ring("ding")
+    assert (await app.next("rois.event.notify_event"))["subscribe_id"] == answers[4]["subscribe_id"]
+    await app.ask("rois.stream.connect_stream", component_ref="robot/camera")
+    assert (await app.next("rois.event.notify_event"))["subscribe_id"] == answers[3]["subscribe_id"]
+
+
 async def test_every_session_hears_that_the_tree_changed(
     app: Application, other: Application, gateway: Gateway, stack: AsyncExitStack
 ) -> None:
