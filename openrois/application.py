@@ -147,20 +147,22 @@ class ApplicationSession:
 
     def _tree_changed(self) -> None:
         for notice in lost_streams(self.streams, self.engine.directory, self.host.wall_clock()):
-            self._deliver(notice.method, notice.model_dump(mode="json"))
+            self._deliver(notice.method, notice.model_dump(mode="json"), notice)
         self.events.keep_only(self.engine.directory.component_profiles.keys())
         self.bound &= self.engine.directory.component_profiles.keys()
         self.stream_parameters.keep_only(self.engine.directory.component_profiles.keys())
         self._notify("rois.system.profile_changed", {})
 
     def _take_extension_notification(self, method: str, params: Mapping[str, Any]) -> None:
-        self.order.tell(engine_of(subject_of(params)), lambda: self._deliver(method, params))
+        # Read before it waits: a malformed one is the fault of who tells it, not of the call that it waits for.
+        is_status = method == StreamStatusNotification.method
+        notice = StreamStatusNotification.model_validate(params) if is_status else None
+        self.order.tell(engine_of(subject_of(params)), lambda: self._deliver(method, params, notice))
 
-    def _deliver(self, method: str, params: Mapping[str, Any]) -> None:
+    def _deliver(self, method: str, params: Mapping[str, Any], notice: StreamStatusNotification | None) -> None:
         if not self._passes(method, params):
             return
-        if method == StreamStatusNotification.method:
-            notice = StreamStatusNotification.model_validate(params)
+        if notice is not None:
             self.events.stream_status(notice)
             if notice.status is StreamStatus.STREAMING_NOT_CONNECTED:
                 self.streams.pop(notice.stream_id, None)

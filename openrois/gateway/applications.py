@@ -1,23 +1,30 @@
 """Applications at the gateway: each connection's session, its methods, and its share of signaling."""
 
+import logging
 import time
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Final
 
-from openrois_signaling.messages import Bye, IceServer, Offer
+from openrois_signaling.messages import Bye, Candidate, IceServer, Offer
 from openrois_signaling.methods import IceServers, signaling_methods
 from openrois_signaling.methods import InvalidParams as InvalidSignaling
 from openrois_signaling.relay import Relay, Upward
+from pydantic import ValidationError
 
 from openrois.application import ApplicationSession, EngineHost
 from openrois.errors import RoISError
 from openrois.interfaces import base_methods, stream_methods
 from openrois.interfaces.operation import reply_first
 from openrois.jsonrpc.session import Handler, InvalidParams, RpcSession
+from openrois.logs import Tally
 from openrois.transport.stream import MessageStream, StreamClosed
 from openrois.types.references import engine_of
 
 __all__ = ["serve_application"]
+
+_log = logging.getLogger(__name__)
+
+_TO_APPLICATION: Final = {message.method: message for message in (Offer, Candidate, Bye)}
 
 ICE_SERVERS_TTL = 3600
 """Seconds for which an application may keep the answer of `signaling.ice_servers`."""
@@ -49,10 +56,17 @@ class _Signaling:
         self._host = host
         self._relay: Relay[str, str] = Relay(self._forward, time.monotonic)
         self._peers: set[str] = set()
+        self._malformed = Tally(_log, "malformed messages of signaling from an engine")
 
     def passes(self, method: str, params: Mapping[str, Any]) -> bool:
         """Note which peers an engine opens and ends; an offer for a peer that the application can't have is dropped."""
-        peer_id = str(params.get("peer_id", ""))
+        if method not in _TO_APPLICATION:
+            return True
+        try:
+            peer_id = _TO_APPLICATION[method].model_validate(params).peer_id
+        except ValidationError:
+            self._malformed.note(method)
+            return False
         if method == Offer.method:
             if not self._relay.register(peer_id, self.app.client_id, engine_of(peer_id)):
                 return False

@@ -3,7 +3,7 @@
 import asyncio
 import json
 from contextlib import AsyncExitStack
-from typing import Any
+from typing import Any, ClassVar
 
 import pytest
 from websockets.asyncio.client import connect
@@ -162,3 +162,35 @@ class TestMisbehaviour:
                 await app.hear()
             closed.append((app.socket.close_code, app.socket.close_reason))
         assert [code for code, _ in closed] == [1001, 1001]
+
+
+class TestStreams:
+    """What an adapter tells of streams is read before it waits for anything."""
+
+    HELLO: ClassVar = {
+        "return_code": "OK",
+        "version": "1",
+        "extensions": ["rois.stream"],
+        "engines": [],
+        "client_id": "",
+    }
+
+    async def test_nonsense_while_a_command_of_a_stream_runs(self, gateway: Gateway, stack: AsyncExitStack) -> None:
+        plain = await stack.enter_async_context(plain_adapter(gateway, openrois__hello=self.HELLO))
+        await attached(gateway)
+        app = await stack.enter_async_context(deployment.application(gateway))
+        await app.ask("openrois.hello", version="1")
+        plain.answers["rois.stream.connect_stream"] = None
+        units = [
+            {"component_ref": TOY, "command_type": command, "command_id": command}
+            for command in ("connect_stream", "start")
+        ]
+        await app.ask("rois.command.execute", command_unit_list=units)
+        async with deployment.patience():
+            connect_stream = await plain.unanswered.get()
+        told = {"client_id": connect_stream["params"]["client_id"], "stream_id": "plain/1", "component_ref": TOY}
+        await plain.tell("rois.stream.notify_stream_status", **told, status="NONSENSE")
+        await plain.tell("signaling.offer", **told)
+        await plain.answer(connect_stream, return_code="OK", stream_id="plain/1")
+        assert await app.completed("connect_stream", "start") == {"connect_stream": "OK", "start": "OK"}
+        assert await app.settled() == []

@@ -53,7 +53,8 @@ class PlainAdapter:
 
     Attributes:
         asked: every request: its method and params.
-        answers: what a method answers, instead of the usual; None is no answer.
+        answers: what a method answers, instead of the usual; None leaves it to the test.
+        unanswered: the requests that were left to the test.
         profile: what `get_profile` answers.
         refusals: the codes of the errors that it was answered.
         hold_completed: whether `completed` is left to the test.
@@ -63,6 +64,7 @@ class PlainAdapter:
     profile: dict[str, Any]
     answers: dict[str, Any] = field(default_factory=dict)
     asked: list[tuple[str, dict[str, Any]]] = field(default_factory=list)
+    unanswered: asyncio.Queue[dict[str, Any]] = field(default_factory=asyncio.Queue)
     refusals: list[int] = field(default_factory=list)
     hold_completed: bool = False
     minted: int = 0
@@ -84,6 +86,7 @@ class PlainAdapter:
         self.asked.append((method, params))
         answer = self.answers.get(method, ...)
         if answer is None:
+            self.unanswered.put_nowait(request)
             return
         envelope: dict[str, Any] = {"jsonrpc": "2.0", "id": request["id"]}
         if isinstance(answer, str):
@@ -114,6 +117,9 @@ class PlainAdapter:
             "rois.event.unsubscribe": {"return_code": "OK"},
         }
         return usual.get(method)
+
+    async def answer(self, request: dict[str, Any], **result: Any) -> None:
+        await self.socket.send(json.dumps({"jsonrpc": "2.0", "id": request["id"], "result": result}))
 
     async def tell(self, method: str, **params: Any) -> None:
         await self.socket.send(json.dumps({"jsonrpc": "2.0", "method": method, "params": params}))
@@ -146,14 +152,18 @@ def profile_result(*names: str, engine_id: str = "plain") -> dict[str, Any]:
     }
 
 
+def _method(name: str) -> str:
+    return name.replace("__", ".") if name.startswith("openrois__") else f"rois.{name.replace('__', '.')}"
+
+
 @asynccontextmanager
 async def plain_adapter(
     gateway: Gateway, profile: dict[str, Any] | None = None, path: str = "adapter", **answers: Any
 ) -> AsyncIterator[PlainAdapter]:
-    """Connect a plain adapter; `answers` are by the last part of the method's name."""
+    """Connect a plain adapter; `answers` are by the method's name, with `__` for its dots."""
     async with connect(gateway.url.replace("http", "ws") + path) as socket:
         adapter = PlainAdapter(socket, profile or profile_result("toy"))
-        adapter.answers = {f"rois.{name.replace('__', '.')}": answer for name, answer in answers.items()}
+        adapter.answers = {_method(name): answer for name, answer in answers.items()}
         running = asyncio.ensure_future(adapter.run())
         try:
             yield adapter
