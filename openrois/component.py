@@ -16,7 +16,7 @@ from openrois.errors import Aborted, BadParameter, ComponentFailed, RoISError, T
 from openrois.types.codes import ComponentFunction, ComponentStatus, ErrorType
 from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIComponentProfile
-from openrois.types.references import is_engine_id
+from openrois.types.references import flaw_of_name
 
 __all__ = ["Component", "Emit", "Report"]
 
@@ -117,8 +117,8 @@ class Component:
     def __init__(self, name: str | None = None) -> None:
         if name is None:
             return
-        if not is_engine_id(name):
-            raise BadParameter(f"{name!r} cannot name a component: it is empty, too long, or has a slash")
+        if flaw := flaw_of_name(name):
+            raise BadParameter(f"{name!r} cannot name a component: {flaw}")
         self.name = name
 
     @cached_property

@@ -27,7 +27,7 @@ from openrois.listeners import Listeners
 from openrois.types.codes import ErrorType
 from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIEngineProfile, RoISIdentifier
-from openrois.types.references import engine_of, is_engine_id
+from openrois.types.references import engine_of, flaw_of_name
 from openrois.types.streams import subject_of
 
 __all__ = ["Engine"]
@@ -63,8 +63,8 @@ class Engine:
     """
 
     def __init__(self, engine_id: str) -> None:
-        if not is_engine_id(engine_id):
-            raise BadParameter(f"{engine_id!r} is no engine id: it is empty, too long, or has a slash")
+        if flaw := flaw_of_name(engine_id):
+            raise BadParameter(f"{engine_id!r} is no engine id: {flaw}")
         self.engine_id = engine_id
         self.faults: Listeners[Fault] = Listeners()
         self.on_fault: OnFault = ignore_fault
@@ -141,18 +141,18 @@ class Engine:
             if other is not child:
                 taken.update(other.directory.profile.engine_ids())
         for engine_id in ids:
-            if not is_engine_id(engine_id):
-                raise BadParameter(f"{engine_id!r} is no engine id: it is empty, too long, or has a slash")
+            if flaw := flaw_of_name(engine_id):
+                raise BadParameter(f"{engine_id[:200]!r} is no engine id: {flaw}")
             if engine_id in taken:
                 raise BadParameter(f"the engine id {engine_id!r} is taken in this tree")
             taken.add(engine_id)
         if _depth(directory.profile) >= MAX_DEPTH:
             raise BadParameter(f"engines stand at most {MAX_DEPTH} deep")
+        offering, seen = frozenset(ids), set[str]()
         for ref in directory.profile.component_refs():
-            if engine_of(ref) not in ids:
-                raise BadParameter(f"the component {ref!r} does not begin with the id of an engine that offers it")
-            if ref not in directory.component_profiles:
-                raise BadParameter(f"the component {ref!r} has no profile")
+            if flaw := _flaw_of(ref, offering, directory) or ("it stands twice" if ref in seen else ""):
+                raise BadParameter(f"the component {ref[:300]!r} cannot be in this tree: {flaw}")
+            seen.add(ref)
 
     def _changed(self) -> None:
         self._directory = self._merge()
@@ -254,6 +254,14 @@ class Engine:
         """Return the extensions of the buses attached here that have one."""
         found = (getattr(child.bus, "extension", None) for child in self._children)
         return tuple(extension for extension in found if extension is not None)
+
+
+def _flaw_of(ref: str, engine_ids: frozenset[str], directory: Directory) -> str:
+    """Return what is wrong with a component that an engine offers; empty where nothing is."""
+    engine_id, _, name = ref.partition("/")
+    if engine_id not in engine_ids:
+        return "it does not begin with the id of an engine that offers it"
+    return flaw_of_name(name) or ("" if ref in directory.component_profiles else "it has no profile")
 
 
 def _depth(profile: HRIEngineProfile) -> int:

@@ -12,7 +12,7 @@ from openrois.faults import FaultMint
 from openrois.types.codes import ComponentStatus, ErrorType
 from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIEngineProfile, RoISIdentifier
-from openrois.types.references import is_engine_id, new_id, reference
+from openrois.types.references import flaw_of_name, new_id, reference
 from openrois.types.values import date_time
 
 __all__ = ["LocalRegistry"]
@@ -49,8 +49,8 @@ class LocalRegistry:
         extension: Extension | None = None,
         wall_clock: Callable[[], float] = time.time,
     ) -> None:
-        if not is_engine_id(engine_id):
-            raise BadParameter(f"{engine_id!r} is no engine id: it is empty, too long, or has a slash")
+        if flaw := flaw_of_name(engine_id):
+            raise BadParameter(f"{engine_id!r} is no engine id: {flaw}")
         self.engine_id = engine_id
         self.extension = extension
         self.on_fault: OnFault = ignore_fault
@@ -64,8 +64,8 @@ class LocalRegistry:
     def _add(self, component: Component) -> None:
         name = component.profile.name
         component_ref = reference(self.engine_id, name)
-        if not is_engine_id(name) or component_ref in self._components:
-            raise BadParameter(f"{name!r} cannot name a component: it is empty, has a slash, or is taken")
+        if flaw := flaw_of_name(name) or ("it is taken" if component_ref in self._components else ""):
+            raise BadParameter(f"{name!r} cannot name a component: {flaw}")
         self._components[component_ref] = component
 
         def emit(event_type: str, results: tuple[Result, ...]) -> None:

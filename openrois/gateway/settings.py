@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from openrois.gateway.loopback import is_loopback
 from openrois.jsonrpc.session import CALL_TIMEOUT
-from openrois.types.references import is_engine_id
+from openrois.types.references import flaw_of_name
 
 __all__ = ["GatewaySettings"]
 
@@ -40,8 +40,8 @@ class GatewaySettings:
             )
         if not 0 <= self.port <= 65535:
             raise ValueError(f"{self.port} is no TCP port")
-        if not is_engine_id(self.engine_id):
-            raise ValueError(f"{self.engine_id!r} is no engine id: it is empty, too long, or has a slash")
+        if flaw := flaw_of_name(self.engine_id):
+            raise ValueError(f"{self.engine_id!r} is no engine id: {flaw}")
         for url in self.ice_servers:
             if not url.startswith(_ICE_SCHEMES) or len(url) > 512:
                 raise ValueError(f"{url[:80]!r} is no address of a STUN server, such as stun:stun.example.org:3478")

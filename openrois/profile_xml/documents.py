@@ -19,7 +19,7 @@ from openrois.types.profiles import (
     ParameterProfile,
     QueryMessageProfile,
 )
-from openrois.types.references import engine_of, is_engine_id
+from openrois.types.references import engine_of, flaw_of_name
 from openrois.types.values import check_value
 
 __all__ = ["ENGINE_DOCUMENT", "Profiles", "assemble", "doubts", "write_documents"]
@@ -110,8 +110,8 @@ def _others(count: int) -> str:
 def _of_engines(engine: HRIEngineProfile) -> Iterator[str]:
     ids, refs = engine.engine_ids(), engine.component_refs()
     for engine_id in ids:
-        if not is_engine_id(engine_id):
-            yield f"{engine_id!r} is no engine id: it is empty, too long, or has a slash"
+        if flaw := flaw_of_name(engine_id):
+            yield f"{engine_id!r} is no engine id: {flaw}"
     yield from (f"the engine id {engine_id!r} stands twice" for engine_id in _repeated(ids))
     yield from (f"the component {ref!r} stands twice" for ref in _repeated(refs))
     for ref in dict.fromkeys(refs):

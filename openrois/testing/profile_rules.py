@@ -8,7 +8,7 @@ from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.catalog.common import ROIS_COMMON
 from openrois.testing.subject import Subject, require
 from openrois.types.profiles import HRIComponentProfile, ParameterProfile
-from openrois.types.references import reference
+from openrois.types.references import flaw_of_name, reference
 from openrois.types.values import check_value
 
 __all__ = ["it_has_an_identity", "its_profile_can_be_read", "its_profile_keeps_to_its_type"]
@@ -22,7 +22,7 @@ async def it_has_an_identity(subject: Subject) -> None:
     """Its reference ends in its name, and its identifier is the URN of a type."""
     name, code = subject.profile.name, subject.profile.identifier.code
     engine_id = subject.component_ref.partition("/")[0]
-    require(bool(name) and "/" not in name, f"{name!r} is no name of a component: it is empty or has a slash")
+    require(not flaw_of_name(name), f"{name!r} cannot name a component: {flaw_of_name(name)}")
     due = reference(engine_id, name)
     require(subject.component_ref == due, f"its reference is {subject.component_ref!r}, its name asks for {due!r}")
     require(

@@ -3,16 +3,22 @@
 import secrets
 from typing import Final
 
-__all__ = ["engine_of", "is_engine_id", "new_id", "reference"]
-
+__all__ = ["engine_of", "flaw_of_name", "new_id", "reference"]
 
 MAX_ID: Final = 128
 """Characters of an engine's id, or of a component's name."""
 
 
-def is_engine_id(text: str) -> bool:
-    """Tell whether `text` can name an engine: not empty, without a slash, at most `MAX_ID` characters."""
-    return 0 < len(text) <= MAX_ID and "/" not in text
+def flaw_of_name(text: str) -> str:
+    """Return what keeps `text` from naming an engine, or a component of one; empty where nothing does."""
+    if not text:
+        return "it is empty"
+    if len(text) > MAX_ID:
+        return f"it has more than {MAX_ID} characters"
+    if "/" in text:
+        return "it has a slash"
+    # It stands in logs and on screens: a line break or a change of direction would make it look like something else.
+    return "" if text.isprintable() else "it has a character that cannot be printed"
 
 
 def engine_of(reference: str) -> str:

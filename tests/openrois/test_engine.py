@@ -117,6 +117,12 @@ class TestAttach:
             tree("b", refs=("a/lamp",)),
             tree("b", refs=("lamp",)),
             tree("b", refs=("bb/lamp",)),
+            tree("b", refs=("b",)),
+            tree("b", refs=("b/",)),
+            tree("b", refs=("b/a/lamp",)),
+            tree("b", refs=("b/" + "x" * 129,)),
+            tree("b", refs=("b/lamp\n",)),
+            tree("b", refs=("b/lamp", "b/lamp")),
         ],
         ids=repr,
     )

@@ -125,7 +125,7 @@ class TestDoubts:
             identifier=RoISIdentifier(code="a/b"), sub_profiles=(below, below), component_ids=("robot/legs",)
         )
         assert doubts(Profiles(engine)) == [
-            "'a/b' is no engine id: it is empty, too long, or has a slash",
+            "'a/b' is no engine id: it has a slash",
             "the engine id 'robot' stands twice",
             "the component 'robot/legs' stands twice",
             "the component 'arm/hand' stands twice",

@@ -2,17 +2,21 @@
 
 import pytest
 
-from openrois.types.references import engine_of, is_engine_id, new_id, reference
+from openrois.types.references import engine_of, flaw_of_name, new_id, reference
 
 
-@pytest.mark.parametrize("text", ["", "a/b", "/", "x" * 129])
-def test_what_cannot_name_an_engine(text: str) -> None:
-    assert not is_engine_id(text)
+@pytest.mark.parametrize(
+    ("text", "flaw"),
+    [("", "empty"), ("a/b", "slash"), ("/", "slash"), ("x" * 129, "more than 128 characters")]
+    + [(text, "cannot be printed") for text in ("a\n", "a\0", "a\x1b[31m", "\ud800", "a\u202eb", "\u2028")],
+)
+def test_what_cannot_name_an_engine(text: str, flaw: str) -> None:
+    assert flaw in flaw_of_name(text)
 
 
-@pytest.mark.parametrize("text", ["a", "robot_a", "ロボット", "x" * 128, " "])
+@pytest.mark.parametrize("text", ["a", "robot_a", "ロボット", "é", "🤖", "x" * 128, " "])
 def test_what_can(text: str) -> None:
-    assert is_engine_id(text)
+    assert flaw_of_name(text) == ""
 
 
 @pytest.mark.parametrize(
