@@ -111,8 +111,11 @@ class RemoteProxy:
             raise ComponentFailed("the engine has no profile")
         if not self._plain:
             await self._hello(result.profile)
-        self._claims.directory = Directory(result.profile, result.component_profiles)
-        self._subscriptions.keep_only(result.component_profiles, SubscriptionLost("the component is gone"))
+        # It speaks for the components that it lists: a profile beside them could be that of somebody else's.
+        listed = {ref: result.component_profiles.get(ref) for ref in result.profile.component_refs()}
+        profiles = {ref: profile for ref, profile in listed.items() if profile is not None}
+        self._claims.directory = Directory(result.profile, profiles)
+        self._subscriptions.keep_only(profiles, SubscriptionLost("the component is gone"))
         return self._claims.directory
 
     async def _hello(self, profile: HRIEngineProfile) -> None:
@@ -170,7 +173,7 @@ class RemoteProxy:
         if status is None:
             raise EngineUnreachable(f"the engine went away during {command_type} of {component_ref}")
         if status is not CompletedStatus.OK:
-            raise _failure(status, f"{command_type} of {component_ref} ended {status}")
+            raise _failure(status, f"{status} from its adapter, whose log says why")
         return await self._command_results(component_ref, command_type, command_id)
 
     async def _set_parameter(self, component_ref: str, arguments: tuple[Argument, ...], ended: _Ended) -> str:

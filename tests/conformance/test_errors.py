@@ -19,7 +19,7 @@ from openrois.types.codes import ErrorType
 from openrois.types.values import check_value
 from tests.support import deployment, wire
 from tests.support.deployment import Adapter, Application, Door, Robot
-from tests.support.plain import TOY, PlainAdapter, attached, plain_adapter
+from tests.support.plain import TOY, PlainAdapter, attached, component_profile, plain_adapter
 
 LAMP, BELL, DOOR = "robot/lamp", "robot/bell", "robot/door"
 NO_DETAILS = {"return_code": "BAD_PARAMETER", "results": []}
@@ -350,6 +350,9 @@ class TestPlainAdapters:
             {"error_id": "plain/e"},
         ):
             await plain.tell("rois.system.notify_error", **params)
+        plain.profile["component_profiles"]["robot/lamp"] = component_profile("lamp")
+        await plain.tell("rois.system.profile_changed")
+        await app.next("rois.system.profile_changed")
         foreign = {"name": "component_ref", "data_type_ref": "string", "value": "robot/lamp"}
         plain.answers["rois.system.get_error_detail"] = {"return_code": "OK", "results": [foreign]}
         await plain.tell("rois.system.notify_error", error_id="plain/last", error_type=kind)
