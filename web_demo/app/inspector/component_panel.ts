@@ -170,23 +170,23 @@ export class ComponentPanel {
       ...sub_component_profiles.map((urn) => copyable("Includes", urn)),
     );
     const kept = new Set<string>();
-    const fill = <T>(group: Group, profiles: readonly T[], count: number, make_: (each: T) => Card): void => {
+    const fill = <T>(group: Group, profiles: readonly T[], make_: (each: T) => Card): void => {
       const cards = profiles.map((each) =>
         this.#card(`${group.element.dataset["group"]} ${JSON.stringify(each)}`, kept, () => make_(each)),
       );
-      arrange(
-        group.body,
-        cards.map(({ element }) => element),
-      );
-      group.count = count;
-      group.shown = count > 0;
+      // A message that a profile lists twice is one.
+      const elements = [...new Set(cards.map(({ element }) => element))];
+      arrange(group.body, elements);
+      group.count = elements.length;
+      group.shown = elements.length > 0;
     };
     const bench = this.#bench;
     const sets = parameter_profiles.length > 0 ? [parameter_profiles] : [];
-    fill(this.#parameters, sets, parameter_profiles.length, (each) => new ParameterCard(bench, each));
-    fill(this.#commands, command_profiles, command_profiles.length, (each) => new CommandCard(bench, each));
-    fill(this.#queries, query_profiles, query_profiles.length, (each) => new QueryCard(bench, each));
-    fill(this.#events, event_profiles, event_profiles.length, (each) => new EventCard(bench, each));
+    fill(this.#parameters, sets, (each) => new ParameterCard(bench, each));
+    this.#parameters.count = parameter_profiles.length;
+    fill(this.#commands, command_profiles, (each) => new CommandCard(bench, each));
+    fill(this.#queries, query_profiles, (each) => new QueryCard(bench, each));
+    fill(this.#events, event_profiles, (each) => new EventCard(bench, each));
     for (const [key, card] of this.#cards) {
       if (kept.has(key)) continue;
       card.close?.();
