@@ -192,8 +192,8 @@ class Component:
         message = self.__authored.commands.get(command_type)
         if message is None:
             raise Unsupported(f"{self.name} has no command {command_type!r}")
-        given = self.__read(message, arguments)
         self.require_usable()
+        given = self.__read(message, arguments)
         self.__running += 1
         try:
             async with asyncio.timeout(None if message.timeout is None else message.timeout * _MILLISECOND):
@@ -236,7 +236,7 @@ class Component:
         """Run `connect` and tell whether the component can be used now; a failure is reported."""
         self.__loop = asyncio.get_running_loop()
         try:
-            with self.__containing_bugs("connect"):
+            with self.__containing_bugs("connect", expected=OSError):
                 await self.connect()
         except RoISError as error:
             _log.warning("%s is not connected: %s", self.name, error)
@@ -309,14 +309,14 @@ class Component:
             return () if payload is None else payload.named(Result)
 
     @contextmanager
-    def __containing_bugs(self, message: str) -> Iterator[None]:
+    def __containing_bugs(self, message: str, expected: type[Exception] | tuple[()] = ()) -> Iterator[None]:
         try:
             yield
         except RoISError:
             raise
         except Exception as error:
-            # Whoever asked learns that it failed; only the log of this process can tell where.
-            _log.exception("%s: %s failed", self.name, message)
+            if not isinstance(error, expected):  # Only the log of this process can tell where it failed.
+                _log.exception("%s: %s failed", self.name, message)
             sentence = f"{self.name}: {message} failed: {error}"
             self.report(ErrorType.COMPONENT_INTERNAL_ERROR, sentence)
             raise ComponentFailed(sentence) from error

@@ -34,6 +34,8 @@ async def serve_adapter(host: EngineHost, stream: MessageStream, answer_timeout:
     try:
         return await session.run()
     finally:
+        if not attaching.done():
+            _log.info("%s left", ", ".join(proxy.engine_ids) or "an adapter that told no profile")
         attaching.cancel()
         engine.detach(proxy)
         proxy.lost("the connection to the engine has ended")
@@ -43,7 +45,7 @@ async def serve_adapter(host: EngineHost, stream: MessageStream, answer_timeout:
 async def _keep_attached(host: EngineHost, session: RpcSession, proxy: RemoteProxy, changed: asyncio.Event) -> None:
     try:
         await host.engine.attach(proxy, own=False)
-        _log.info("attached %s", ", ".join(host.engine.directory.profile.engine_ids()[1:]))
+        _log.info("attached %s", ", ".join(proxy.engine_ids))
         while True:
             await changed.wait()
             changed.clear()

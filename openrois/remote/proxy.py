@@ -104,6 +104,12 @@ class RemoteProxy:
         params = {"error_id": error_id, "condition": ""}
         return await self._asking.ask("rois.system.get_error_detail", params, ResultsResult)
 
+    @property
+    def engine_ids(self) -> tuple[str, ...]:
+        """The ids of the other side's engines, as far as they are known."""
+        directory = self._claims.directory
+        return () if directory is None else directory.profile.engine_ids()
+
     async def discover(self) -> Directory:
         """Read the other side's profile, and ask which extensions it speaks unless it has said that it speaks none."""
         result = await self._asking.ask("rois.system.get_profile", {"condition": ""}, ProfileResult)

@@ -1,6 +1,7 @@
 """The leg between gateway and adapter: what an adapter is asked, what it may be, and what it may not do."""
 
 import json
+import logging
 from contextlib import AsyncExitStack
 
 import pytest
@@ -69,6 +70,16 @@ class TestProfiles:
             code, reason = await refusal(changing)
             assert (code, "taken" in reason) == (1008, True)
         await deployment.until(gateway.engine, lambda ids: ids == ("gateway", "robot"))
+
+    async def test_the_log_tells_who_came_and_who_left(
+        self, gateway: Gateway, adapter: Adapter, caplog: pytest.LogCaptureFixture
+    ) -> None:
+        caplog.set_level(logging.INFO, "openrois.gateway.adapters")
+        async with plain_adapter(gateway):
+            await attached(gateway)
+        await deployment.until(gateway.engine, lambda ids: ids == ("gateway", "robot"))
+        told = [record.getMessage() for record in caplog.records if record.name == "openrois.gateway.adapters"]
+        assert told[-2:] == ["attached plain", "plain left"]
 
     async def test_one_that_does_not_answer(self) -> None:
         async with (

@@ -58,6 +58,16 @@ async def test_what_fails_is_tried_again_ever_more_seldom(caplog: pytest.LogCapt
     assert time.delays == [1, 1.5, 2.25]
     assert robot.log == ["connect"] * 4 + ["disconnect"]
     assert caplog.text.count("a is not connected: a: connect failed: no route to the body") == 3
+    assert "Traceback" not in caplog.text
+
+
+async def test_a_bug_in_connect_is_told_with_its_place(caplog: pytest.LogCaptureFixture) -> None:
+    class Clumsy(Robot):
+        async def connect(self) -> None:
+            raise KeyError("port")
+
+    assert not await Clumsy("a").bring_up()
+    assert "in connect" in caplog.text
 
 
 async def test_what_was_never_connected_is_not_let_go() -> None:

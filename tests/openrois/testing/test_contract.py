@@ -1,7 +1,11 @@
 """The contract suite on components that keep it, here and behind a gateway."""
 
-import pytest
+from typing import Annotated
 
+import pytest
+from pydantic import Field
+
+from openrois.adapter import command
 from openrois.component import Component
 from openrois.registry import LocalRegistry
 from openrois.testing import ComponentContract, findings, memory_gateway
@@ -16,6 +20,19 @@ NEEDS = {"speech_text": "hello"}
 class TestLamp(ComponentContract):
     async def component(self) -> Lamp:
         return Lamp()
+
+
+class Heater(Component, authority="Example", function="actuation"):
+    """What a command takes has limits, which its profile does not tell."""
+
+    @command
+    async def heat(self, until: Annotated[float, Field(ge=5, le=30)]) -> float:
+        return until
+
+
+class TestHeater(ComponentContract):
+    async def component(self) -> Heater:
+        return Heater("heater")
 
 
 class TestBell(ComponentContract):
