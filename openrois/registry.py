@@ -1,13 +1,15 @@
 """Components that live in this process, under one engine id."""
 
+import asyncio
 import time
+from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Final
 
 from openrois.component import Component
 from openrois.contract import Directory, Event, Extension, OnFault, Sink, ignore_fault
-from openrois.errors import BadParameter, ComponentFailed, Unsupported
+from openrois.errors import BadParameter, ComponentFailed, OutOfResources, TimedOut, Unsupported
 from openrois.faults import FaultMint
 from openrois.types.codes import ComponentStatus, ErrorType
 from openrois.types.messages import Argument, Result
@@ -19,6 +21,14 @@ __all__ = ["LocalRegistry"]
 
 EVENT_LIFETIME: Final = 60.0
 """Seconds for which an event's details are kept by whoever received it."""
+
+MAX_QUERIES: Final = 32
+"""Queries of one component that run at a time: one that hangs cannot use up its adapter's connection."""
+
+QUERY_TIMEOUT: Final = 60.0
+"""Seconds after which a query is cancelled: whoever asked has given up by then."""
+
+_AT_ONCE: Final = ("component_status", "get_parameter")
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +68,7 @@ class LocalRegistry:
         self._mint = FaultMint(engine_id, wall_clock)
         self._components: dict[str, Component] = {}
         self._subscriptions: dict[str, _Subscription] = {}
+        self._queries: Counter[str] = Counter()
         for component in components:
             self._add(component)
 
@@ -94,7 +105,19 @@ class LocalRegistry:
 
     async def query(self, component_ref: str, query_type: str) -> tuple[Result, ...]:
         """Ask a component."""
-        return await self._component(component_ref).ask(query_type)
+        component = self._component(component_ref)
+        if query_type in _AT_ONCE:
+            return await component.ask(query_type)
+        if self._queries[component_ref] >= MAX_QUERIES:
+            raise OutOfResources(f"{component_ref} answers at most {MAX_QUERIES} queries at a time")
+        self._queries[component_ref] += 1
+        try:
+            async with asyncio.timeout(QUERY_TIMEOUT):
+                return await component.ask(query_type)
+        except TimeoutError:
+            raise TimedOut(f"{component_ref} did not answer {query_type} in {QUERY_TIMEOUT:.0f} s") from None
+        finally:
+            self._queries[component_ref] -= 1
 
     async def invoke(
         self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = ()

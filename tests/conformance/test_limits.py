@@ -13,7 +13,7 @@ from openrois_signaling import messages as signaling
 from openrois_signaling import relay
 from openrois_streaming.sessions import SESSIONS_LIMIT
 
-from openrois import command_log, condition, engine, error_log, event_log, faults, remembered
+from openrois import command_log, condition, engine, error_log, event_log, faults, registry, remembered
 from openrois.application import EngineHost
 from openrois.errors import OutOfResources
 from openrois.gateway import server
@@ -132,6 +132,14 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
     "extensions in `openrois.hello`; parameters of `connect_stream`": (
         (streams.MAX_EXTENSIONS, streams.MAX_PARAMETERS, 32602),
         (f"{HERE}::test_lists_of_extensions",),
+    ),
+    "queries of one component that run at a time in its adapter; how long one may take there": (
+        (registry.MAX_QUERIES, registry.QUERY_TIMEOUT),
+        (
+            "tests/openrois/test_registry.py::test_only_so_many_queries_at_a_time",
+            "tests/openrois/test_registry.py::test_a_query_ends",
+            "tests/conformance/test_query.py::test_a_component_that_hangs_blocks_no_other",
+        ),
     ),
     "answer of an adapter": (
         (session.CALL_TIMEOUT,),
@@ -368,13 +376,20 @@ class TestConnections:
         with pytest.raises(outbox.OutboxOverflow):
             waiting.put("one more")
 
-    async def test_requests_that_run(self, app: wire.Application, door: Door) -> None:
+    async def test_requests_that_run(self, host: EngineHost, app: wire.Application, door: Door) -> None:
         door.may_answer.clear()
+        doors = [Door(str(number)) for number in range(session.MAX_RUNNING_REQUESTS // registry.MAX_QUERIES)]
+        for other in doors:
+            other.may_answer = door.may_answer
+        await host.engine.attach(LocalRegistry("house", doors))
         asked = [
-            asyncio.ensure_future(app.ask("rois.query.query", query_type="view"))
-            for _ in range(session.MAX_RUNNING_REQUESTS)
+            asyncio.ensure_future(
+                app.ask("rois.query.query", query_type="view", condition=f"component_ref = 'house/{other.name}'")
+            )
+            for other in doors
+            for _ in range(registry.MAX_QUERIES)
         ]
-        await door.asked.wait()
+        await doors[-1].asked.wait()
         after = asyncio.ensure_future(app.ask("rois.system.connect"))
         await settle()
         assert not after.done()

@@ -3,6 +3,8 @@
 import pytest
 
 from openrois.gateway.server import Gateway
+from openrois.jsonrpc.session import MAX_RUNNING_REQUESTS
+from openrois.registry import MAX_QUERIES
 from openrois.types.codes import ComponentStatus
 from tests.support import deployment
 from tests.support.components import Lamp
@@ -75,3 +77,16 @@ async def test_no_answer_in_time(robot: Robot, monkeypatch: pytest.MonkeyPatch) 
         assert await ask(app, "view") == ("TIMEOUT", [])
         sessions[0].call_timeout = 10
         assert (await ask(app, "view"))[0] == "OK"
+
+
+async def test_a_component_that_hangs_blocks_no_other(app: Application, other: Application, robot: Robot) -> None:
+    robot.door.may_answer.clear()
+    asked = [await app.begin("rois.query.query", query_type="view") for _ in range(MAX_RUNNING_REQUESTS)]
+    async with deployment.patience():
+        await robot.door.asked.wait()
+        assert (await ask(other, "brightness"))[0] == "OK"
+        refused = [await app.answer(request_id) for request_id in asked[MAX_QUERIES:]]
+    assert {answer["result"]["return_code"] for answer in refused} == {"OUT_OF_RESOURCES"}
+    robot.door.may_answer.set()
+    answers = [await app.answer(request_id) for request_id in asked[:MAX_QUERIES]]
+    assert {answer["result"]["return_code"] for answer in answers} == {"OK"}

@@ -1,11 +1,15 @@
 """Components under one engine id. What every bus does is in `tests/contract`."""
 
+import asyncio
+
 import pytest
 
 from openrois.contract import Event, Sink, SubscriptionLost
-from openrois.errors import BadParameter, Unsupported
-from openrois.registry import LocalRegistry
+from openrois.errors import BadParameter, OutOfResources, TimedOut, Unsupported
+from openrois.registry import MAX_QUERIES, LocalRegistry
 from tests.support.components import Bell, Lamp
+from tests.support.deployment import Door
+from tests.support.session import settle
 
 
 @pytest.mark.parametrize("engine_id", ["", "a/b", "x" * 129])
@@ -53,3 +57,27 @@ async def test_only_declared_events_can_be_listened_to() -> None:
     registry = LocalRegistry("robot", [Lamp()])
     with pytest.raises(Unsupported):
         await registry.subscribe("robot/lamp", "rang", lambda _item: None)
+
+
+class TestComponentsThatHang:
+    async def test_only_so_many_queries_at_a_time(self) -> None:
+        door = Door("hung")
+        door.may_answer.clear()
+        registry = LocalRegistry("robot", [door, Door("other")])
+        asking = [asyncio.ensure_future(registry.query("robot/hung", "view")) for _ in range(MAX_QUERIES)]
+        await settle()
+        with pytest.raises(OutOfResources):
+            await registry.query("robot/hung", "view")
+        assert len(await registry.query("robot/hung", "component_status")) == 1
+        assert len(await registry.query("robot/other", "view")) == 1
+        door.may_answer.set()
+        await asyncio.gather(*asking)
+        assert len(await registry.query("robot/hung", "view")) == 1
+
+    async def test_a_query_ends(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr("openrois.registry.QUERY_TIMEOUT", 0.01)
+        door = Door()
+        door.may_answer.clear()
+        registry = LocalRegistry("robot", [door])
+        with pytest.raises(TimedOut, match="robot/door"):
+            await registry.query("robot/door", "view")
