@@ -322,9 +322,6 @@ class Component:
             raise ComponentFailed(sentence) from error
 
     def __set_parameters(self, texts: Mapping[str, str]) -> tuple[Result, ...]:
-        for name in texts:
-            if name in self.__authored.read_only:
-                raise BadParameter(f"{name} can only be read")
         try:
             wanted = self.parameters.read(texts)
             accepted = self.accept_parameters(dict(wanted))

@@ -96,6 +96,7 @@ class Field:
         default: what its absence means, as JSON; None also where its absence has no meaning of its own.
         doc: a sentence, where there is one.
         code: of a value in a payload its `data_type_ref`; else empty.
+        read_only: of a parameter, whether the component alone sets it.
     """
 
     name: str
@@ -105,6 +106,7 @@ class Field:
     default: object = None
     doc: str = ""
     code: str = ""
+    read_only: bool = False
 
 
 @dataclass(frozen=True, slots=True)

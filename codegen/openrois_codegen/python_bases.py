@@ -9,13 +9,10 @@ from typing import Any, Final, get_args, get_origin
 from openrois.catalog.common import ROIS_COMMON
 from openrois.catalog.component_type import CommandType, ComponentType, EventType, QueryType
 from openrois.catalog.payload import Payload
+from openrois_codegen.python_source import call, import_line
 
 __all__ = ["emit"]
 
-_WIDTH: Final = 120
-
-_READ_ONLY: Final = frozenset({"available_encodings", "available_transports", "recognizable_gestures"})
-"""What the IDL lets applications read and not set."""
 
 _HEADER: Final = '''"""The basic components of RoIS 2.0 to be implemented: extend one and write what it does.
 
@@ -48,17 +45,8 @@ def _imports(kinds: tuple[ComponentType, ...]) -> str:
             for found in _classes(annotation):
                 if found.__module__ not in ("builtins", "datetime"):
                     wanted.setdefault(found.__module__, set()).add(found.__name__)
-    lines = [_import(module, names) for module, names in sorted(wanted.items())]
+    lines = [import_line(module, names) for module, names in sorted(wanted.items())]
     return "\n".join([lines[0], "", *lines[1:]])
-
-
-def _import(module: str, names: set[str]) -> str:
-    # As isort orders them: constants, classes, functions.
-    ordered = sorted(names, key=lambda name: (not name.isupper(), not name[0].isupper(), name))
-    line = f"from {module} import {', '.join(ordered)}"
-    if len(line) <= _WIDTH:
-        return line
-    return "\n".join([f"from {module} import (", *(f"    {name}," for name in ordered), ")"])
 
 
 def _constant(kind: ComponentType) -> tuple[str, str]:
@@ -115,11 +103,11 @@ def _component(kind: ComponentType) -> str:
 
 
 def _parameter(payload: type[Payload], name: str) -> str:
-    field = payload.model_fields[name]
-    arguments = [_literal(field.default), f"description={_literal(payload.data()[name].description)}"]
-    if name in _READ_ONLY:
+    field, data = payload.model_fields[name], payload.data()[name]
+    arguments = [_literal(field.default), f"description={_literal(data.description)}"]
+    if data.read_only:
         arguments.append("read_only=True")
-    return _call(f"    {name}: {_written(field.annotation)} = parameter", arguments, "", 4)
+    return call(f"    {name}: {_written(field.annotation)} = parameter", arguments, "", 4)
 
 
 def _message(message: CommandType | QueryType) -> str:
@@ -131,7 +119,7 @@ def _message(message: CommandType | QueryType) -> str:
         [
             "    @optional",
             f"    @{decorator}",
-            _call(f"    async def {message.name}", parameters, f" -> {returned}:", 4),
+            call(f"    async def {message.name}", parameters, f" -> {returned}:", 4),
             _docstring(message.description, 8),
             "        raise NotImplementedError",
         ]
@@ -149,7 +137,7 @@ def _event(event: EventType) -> str:
             required.append(f"{name}: {_written(annotation)}")
         else:
             moments.append(f"{name}: {_written(annotation)} = {_literal(field.default)}")
-    signature = _call(f"    def {event.name}", ["self", *required, *moments], " -> None:", 4)
+    signature = call(f"    def {event.name}", ["self", *required, *moments], " -> None:", 4)
     return "\n".join(["    @event", signature, _docstring(event.description, 8)])
 
 
@@ -187,15 +175,3 @@ def _literal(value: object) -> str:
 
 def _docstring(text: str, indent: int) -> str:
     return f'{" " * indent}"""{text}"""'
-
-
-def _call(head: str, arguments: list[str], tail: str, indent: int) -> str:
-    """Return `head(arguments)tail`, broken where it is too long for a line."""
-    line = f"{head}({', '.join(arguments)}){tail}"
-    if len(line) <= _WIDTH:
-        return line
-    margin = " " * (indent + 4)
-    joined = f"{margin}{', '.join(arguments)}"
-    if len(joined) <= _WIDTH:
-        return f"{head}(\n{joined}\n{' ' * indent}){tail}"
-    return "\n".join([f"{head}(", *(f"{margin}{argument}," for argument in arguments), f"{' ' * indent}){tail}"])

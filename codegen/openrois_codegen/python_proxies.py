@@ -1,17 +1,17 @@
 """Python classes for applications, one for each type of the catalog: its commands, queries, events and parameters."""
 
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from types import NoneType
 from typing import Any, Final, get_args, get_origin
 
 from openrois.catalog.component_type import CommandType, ComponentType, EventType, QueryType
-from openrois.catalog.payload import Payload
+from openrois.catalog.payload import Data, Payload
 from openrois.types.streams import STREAM_METHODS
+from openrois_codegen.python_source import call, import_line
 
 __all__ = ["emit"]
 
-_WIDTH: Final = 120
 
 _HEADER: Final = '''"""The basic components of RoIS 2.0 as an application sees them, with every name and type.
 
@@ -54,15 +54,12 @@ class _Imports:
         """Return the import lines in the order of isort."""
         library = sorted(module for module in self._wanted if not module.startswith("openrois."))
         ours = sorted(module for module in self._wanted if module.startswith("openrois."))
-        blocks = ["\n".join(self._line(module) for module in modules) for modules in (library, ours) if modules]
+        blocks = [
+            "\n".join(import_line(module, self._wanted[module]) for module in modules)
+            for modules in (library, ours)
+            if modules
+        ]
         return "\n\n".join(blocks)
-
-    def _line(self, module: str) -> str:
-        names = sorted(self._wanted[module], key=lambda name: (not name.isupper(), not name[0].isupper(), name))
-        line = f"from {module} import {', '.join(names)}"
-        if len(line) <= _WIDTH:
-            return line
-        return "\n".join([f"from {module} import (", *(f"    {name}," for name in names), ")"])
 
 
 def _component(kind: ComponentType, imports: _Imports) -> str:
@@ -81,7 +78,9 @@ def _component(kind: ComponentType, imports: _Imports) -> str:
 
 def _members(kind: ComponentType, imports: _Imports, *, streams: bool) -> Iterator[str]:
     if kind.parameters is not None:
-        yield _setter(kind.parameters, imports)
+        settable = [name for name, data in kind.parameters.data().items() if not data.read_only]
+        if settable:
+            yield _setter(kind.parameters, settable, imports)
         yield _getter(kind.parameters, imports)
     if streams:
         # Its verbs are written by hand: they take the extension where the gateway has it.
@@ -91,16 +90,21 @@ def _members(kind: ComponentType, imports: _Imports, *, streams: bool) -> Iterat
     yield from (_event(event, imports) for event in kind.events)
 
 
-def _setter(parameters: type[Payload], imports: _Imports) -> str:
+def _setter(parameters: type[Payload], names: list[str], imports: _Imports) -> str:
     step = imports.take("openrois.client.steps", "Step")
-    fields = parameters.model_fields.items()
-    arguments = [f"{name}: {_taken(field.annotation, imports)} | None = None" for name, field in fields]
-    values = [f"{name}={name}" for name in parameters.model_fields]
+    fields = parameters.model_fields
+    arguments = [f"{name}: {_taken(fields[name].annotation, imports)} | None = None" for name in names]
+    values = [f"{name}={name}" for name in names]
+    said = parameters.data()
     return "\n".join(
         [
-            _call("    def set", ["self", "*", *arguments], f" -> {step}[None]:", 4),
-            _docstring("Change parameters, all at once; None and those not named stay as they are.", 8, parameters),
-            _call("        return self.set_parameter", values, "", 8),
+            call("    def set", ["self", "*", *arguments], f" -> {step}[None]:", 4),
+            _docstring(
+                "Change parameters, all at once; None and those not named stay as they are.",
+                8,
+                {name: said[name] for name in names},
+            ),
+            call("        return self.set_parameter", values, "", 8),
         ]
     )
 
@@ -130,9 +134,9 @@ def _command(command: CommandType, imports: _Imports) -> str:
     values = [f'"{command.name}"', results, *(f"{name}={name}" for name in fields)]
     return "\n".join(
         [
-            _call(f"    def {command.name}", ["self", *arguments], f" -> {step}[{results}]:", 4),
-            _docstring(command.description, 8, command.arguments),
-            _call("        return self.command", values, "", 8),
+            call(f"    def {command.name}", ["self", *arguments], f" -> {step}[{results}]:", 4),
+            _docstring(command.description, 8, _said(command.arguments)),
+            call("        return self.command", values, "", 8),
         ]
     )
 
@@ -148,7 +152,7 @@ def _query(query: QueryType, imports: _Imports) -> str:
     return "\n".join(
         [
             f"    async def {query.name}(self) -> {answer}:",
-            _docstring(query.description, 8, query.results if len(fields) == 1 else None, "Returns"),
+            _docstring(query.description, 8, _said(query.results) if len(fields) == 1 else None, "Returns"),
             f"        return {given}",
         ]
     )
@@ -160,7 +164,7 @@ def _event(event: EventType, imports: _Imports) -> str:
     buffer = imports.take("openrois.client.feed", "BUFFER")
     return "\n".join(
         [
-            _call(f"    def {event.name}", ["self", "*", f"buffer: int = {buffer}"], f" -> {subscription}[{name}]:", 4),
+            call(f"    def {event.name}", ["self", "*", f"buffer: int = {buffer}"], f" -> {subscription}[{name}]:", 4),
             _docstring(f"{event.description} `buffer` is how many may wait to be read.", 8),
             f'        return self.event("{event.name}", {name}, buffer=buffer)',
         ]
@@ -205,30 +209,22 @@ def _taken(annotation: Any, imports: _Imports) -> str:
     return _type_of(annotation, imports)
 
 
-def _docstring(text: str, indent: int, payload: type[Payload] | None = None, heading: str = "Args") -> str:
-    """Write a docstring; what is said of each value of `payload` follows under `heading`."""
+def _said(payload: type[Payload] | None) -> Mapping[str, Data] | None:
+    return None if payload is None else payload.data()
+
+
+def _docstring(text: str, indent: int, said: Mapping[str, Data] | None = None, heading: str = "Args") -> str:
+    """Write a docstring; what is said of values by name follows under `heading`."""
     margin = " " * indent
-    if payload is None:
+    if said is None:
         return f'{margin}"""{text}"""'
     named = heading == "Args"
     lines = [
         f"{margin}    {f'{name}: ' if named else ''}{data.description if named else _sentence(data.description)}."
-        for name, data in payload.data().items()
+        for name, data in said.items()
     ]
     return "\n".join([f'{margin}"""{text}', "", f"{margin}{heading}:", *lines, f'{margin}"""'])
 
 
 def _sentence(text: str) -> str:
     return text[:1].upper() + text[1:]
-
-
-def _call(head: str, arguments: list[str], tail: str, indent: int) -> str:
-    """Return `head(arguments)tail`, broken where it is too long for a line."""
-    line = f"{head}({', '.join(arguments)}){tail}"
-    if len(line) <= _WIDTH:
-        return line
-    margin = " " * (indent + 4)
-    joined = f"{margin}{', '.join(arguments)}"
-    if len(joined) <= _WIDTH:
-        return f"{head}(\n{joined}\n{' ' * indent}){tail}"
-    return "\n".join([f"{head}(", *(f"{margin}{argument}," for argument in arguments), f"{' ' * indent}){tail}"])

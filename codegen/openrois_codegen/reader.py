@@ -79,7 +79,7 @@ class Reader:
         found, nullable = self._nullable(field.annotation, _limits([*field.metadata, field]))
         required = field.is_required() or wire_required
         default = None if required else to_jsonable_python(field.get_default(call_default_factory=True))
-        return Field(name, found, required, nullable, default, data.description, data.code)
+        return Field(name, found, required, nullable, default, data.remark, data.code, data.read_only)
 
     def _nullable(self, annotation: Any, limits: Mapping[str, int]) -> tuple[Type, bool]:
         alternatives = _alternatives(annotation)

@@ -80,7 +80,7 @@ def components(document: Document) -> str:
             if name not in written:
                 written.add(name)
                 parts.append(_payload(document.payloads[name], parameters=name in parameters))
-        parts.append(_proxy(component, generic=component.name in included))
+        parts.append(_proxy(document, component, generic=component.name in included))
     enumerations = sorted({name for payload in document.payloads.values() for name in _named(payload)})
     return _module(
         "The component types of the catalog: what their messages carry, and a proxy for each.",
@@ -155,14 +155,20 @@ def _payload(payload: Structure, *, parameters: bool) -> str:
     return f"{interface}\n{head}{_group('{ ', codes, ' }', head, 1)};"
 
 
-def _proxy(component: Component, *, generic: bool) -> str:
+def _proxy(document: Document, component: Component, *, generic: bool) -> str:
     (base,) = component.includes or ("ComponentProxy",)
     name = component.name
     if generic:
-        name += "<Parameters extends object = object>"
-        base += "<Parameters>"
+        name += "<\n  Parameters extends object = object,\n  ReadOnly extends keyof Parameters = never,\n>"
+        base += "<Parameters, ReadOnly>"
     elif component.parameters:
-        base += f"<{component.parameters}>"
+        fields = document.payloads[component.parameters].fields
+        read_only = " | ".join(_quoted(field.name) for field in fields if field.read_only)
+        arguments = [component.parameters, *([read_only] if read_only else [])]
+        base += f"<{', '.join(arguments)}>"
+        if len(f"export class {name} extends {base} {{") > _WIDTH:
+            # prettier has no comma after the last of them.
+            base = base.replace("<", "<\n  ").replace(", ", ",\n  ").replace(">", "\n>")
     members = list(_members(component, typed=not generic))
     body = "".join("\n" * (index > 0) + member for index, member in enumerate(members))
     return f"{_doc(component.doc)}export class {name} extends {base} {{\n{body}}}"

@@ -276,12 +276,8 @@ class AudioStreaming(BasicComponent, implements=AUDIO_STREAMING):
 
     encoding_parameters: str | None = parameter(None, description="the encoding to use")
     transport_parameters: str | None = parameter(None, description="the transport to use")
-    available_encodings: str | None = parameter(
-        None, description="the encodings to choose from; read only", read_only=True
-    )
-    available_transports: str | None = parameter(
-        None, description="the transports to choose from; read only", read_only=True
-    )
+    available_encodings: str | None = parameter(None, description="the encodings to choose from", read_only=True)
+    available_transports: str | None = parameter(None, description="the transports to choose from", read_only=True)
 
     @optional
     @command
@@ -325,12 +321,8 @@ class VideoStreaming(BasicComponent, implements=VIDEO_STREAMING):
 
     encoding_parameters: str | None = parameter(None, description="the encoding to use")
     transport_parameters: str | None = parameter(None, description="the transport to use")
-    available_encodings: str | None = parameter(
-        None, description="the encodings to choose from; read only", read_only=True
-    )
-    available_transports: str | None = parameter(
-        None, description="the transports to choose from; read only", read_only=True
-    )
+    available_encodings: str | None = parameter(None, description="the encodings to choose from", read_only=True)
+    available_transports: str | None = parameter(None, description="the transports to choose from", read_only=True)
 
     @optional
     @command

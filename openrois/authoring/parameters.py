@@ -105,11 +105,15 @@ class ParameterStore(Mapping[str, Any]):
         self._written.update(written or {})
 
     def read(self, texts: Mapping[str, str]) -> dict[str, Any]:
-        """Return the values that texts stand for, without storing them.
+        """Return the values that an application's texts stand for, without storing them.
 
         Raises:
-            ValueError: one is not of its type.
+            ValueError: one is not of its type, or read only.
         """
+        data = self._payload.data()
+        for name in texts:
+            if data[name].read_only:
+                raise ValueError(f"{name} can only be read")
         payload = self._payload.from_texts(texts)
         return {name: getattr(payload, name) for name in texts}
 

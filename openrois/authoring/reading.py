@@ -75,7 +75,6 @@ class AuthoredType:
         commands, queries: by their names on the wire.
         events: by the names of their methods.
         parameters: their names, types and defaults.
-        read_only: the parameters that applications may not set.
     """
 
     component_type: ComponentType
@@ -83,7 +82,6 @@ class AuthoredType:
     queries: Mapping[str, Message]
     events: Mapping[str, Message]
     parameters: type[Payload]
-    read_only: frozenset[str]
 
 
 def read_class(cls: type, kind: ComponentType, reserved: Collection[str], omit: Collection[str]) -> AuthoredType:
@@ -104,10 +102,10 @@ def read_class(cls: type, kind: ComponentType, reserved: Collection[str], omit: 
     commands = reader.messages("command")
     queries = reader.messages("query")
     events = {name: message for name, message in reader.messages("event").items() if name not in omit}
-    parameters, read_only = reader.parameters(omit)
+    parameters = reader.parameters(omit)
     implemented = _implemented(kind, commands, queries, events, parameters)
     by_attribute = {message.attribute: message for message in events.values()}
-    return AuthoredType(implemented, commands, queries, by_attribute, parameters or NoParameters, read_only)
+    return AuthoredType(implemented, commands, queries, by_attribute, parameters or NoParameters)
 
 
 def _implemented(
@@ -218,10 +216,9 @@ class _Reader:
         standard = next((message for message in self._standard(mark.kind) if message.name == mark.name), None)
         return read if standard is None else _fitted(place, read, standard)
 
-    def parameters(self, omit: Collection[str]) -> tuple[type[Payload] | None, frozenset[str]]:
-        """Return the parameters as a payload, and the names of those that only the component sets."""
+    def parameters(self, omit: Collection[str]) -> type[Payload] | None:
+        """Return the parameters as a payload, or None where there are none."""
         fields: dict[str, Any] = {}
-        read_only: set[str] = set()
         for base in reversed(self._cls.__mro__):
             for name, value in vars(base).items():
                 if not isinstance(value, ParameterField):
@@ -229,10 +226,9 @@ class _Reader:
                         raise TypeError(f"{base.__qualname__}.{name} overrides a parameter: write `parameter(...)`")
                     continue
                 fields[name] = self._parameter(base, name, value)
-                (read_only.add if value.read_only else read_only.discard)(name)
         place = f"{self._cls.__qualname__} (parameters)"
         kept = {name: field for name, field in fields.items() if name not in omit}
-        return payload_of(place, f"{self._cls.__name__}Parameters", kept), frozenset(read_only)
+        return payload_of(place, f"{self._cls.__name__}Parameters", kept)
 
     def _parameter(self, base: type, name: str, field: ParameterField) -> tuple[Any, Any]:
         place = f"{base.__qualname__}.{name}"
@@ -245,13 +241,14 @@ class _Reader:
             raise TypeError(f"{place}: {annotation} has no text on the wire") from None
         if code.endswith("[]") and "list[" in str(annotation):
             raise TypeError(f"{place}: write `tuple[..., ...]`: a list could be changed without anybody noticing")
-        data = Data(description=field.description, source="OpenRoIS")
+        data = Data(description=field.description, source="OpenRoIS", read_only=field.read_only)
         standard = self._kind.parameters
         if standard is not None and name in standard.model_fields:
             expected = type_code(standard.model_fields[name].annotation)
             if code != expected:
                 raise TypeError(f"{place}: in {self._kind.code} it is of type {expected}, not {code}")
-            data = standard.data()[name]
+            said = standard.data()[name]
+            data = replace(said, read_only=said.read_only or field.read_only)
         return with_data(annotation, data), field.default
 
 

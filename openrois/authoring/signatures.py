@@ -3,7 +3,7 @@
 import inspect
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from types import NoneType
 from typing import Annotated, Any, Final, get_args, get_origin, get_type_hints
@@ -198,9 +198,12 @@ def _field(place: str, name: str, annotation: Any, default: Any, description: st
 
 
 def with_data(annotation: Any, data: Data) -> Any:
-    """Return an annotation that says `data` of its values, unless it says something already."""
-    if get_origin(annotation) is Annotated and any(isinstance(more, Data) for more in get_args(annotation)[1:]):
-        return annotation
+    """Return an annotation that says `data` of its values; where it says something already, no more than read only."""
+    if get_origin(annotation) is Annotated:
+        inner, *more = get_args(annotation)
+        said = next((each for each in more if isinstance(each, Data)), data)
+        kept = [each for each in more if each is not said]
+        return Annotated[(inner, *kept, replace(said, read_only=said.read_only or data.read_only))]
     return Annotated[annotation, data]
 
 

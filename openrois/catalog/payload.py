@@ -40,6 +40,7 @@ class Data:
         description: a sentence for the profile.
         source: where the value is defined: `XML`, `IDL`, `text`, or `OpenRoIS` for a value of our own.
         note: what differs between the sources, or why what stands here is not theirs.
+        read_only: of a parameter, whether the component alone sets it.
     """
 
     code: str = ""
@@ -47,6 +48,12 @@ class Data:
     description: str = ""
     source: Literal["XML", "IDL", "text", "OpenRoIS"] = "XML"
     note: str = ""
+    read_only: bool = False
+
+    @property
+    def remark(self) -> str:
+        """The description as applications read it: a profile has no other place that says what is read only."""
+        return "; ".join(part for part in (self.description, "read only" if self.read_only else "") if part)
 
 
 class Payload(BaseModel):
@@ -72,7 +79,7 @@ class Payload(BaseModel):
                 name=name,
                 data_type_ref=RoISIdentifier(code=data.code),
                 default_value=_default(cls, name, data.code),
-                description=data.description,
+                description=data.remark,
             )
             for name, data in cls.data().items()
         )

@@ -158,7 +158,8 @@ class GestureRecognitionParameters(Payload):
     """What gestures can be recognised."""
 
     recognizable_gestures: Annotated[
-        tuple[str, ...] | None, Data("RoISIdentifier[]", "M", "the gestures it knows", note="read only in the IDL")
+        tuple[str, ...] | None,
+        Data("RoISIdentifier[]", "M", "the gestures it knows", note="the IDL's set_parameter lacks it", read_only=True),
     ] = None
 
 

@@ -64,10 +64,10 @@ class StreamingParameters(Payload):
     encoding_parameters: Annotated[str | None, Data("String", "M", "the encoding to use", note=_SET)] = None
     transport_parameters: Annotated[str | None, Data("String", "M", "the transport to use", note=_SET)] = None
     available_encodings: Annotated[
-        str | None, Data("String", "M", "the encodings to choose from; read only", note=_READ)
+        str | None, Data("String", "M", "the encodings to choose from", note=_READ, read_only=True)
     ] = None
     available_transports: Annotated[
-        str | None, Data("String", "M", "the transports to choose from; read only", note=_READ)
+        str | None, Data("String", "M", "the transports to choose from", note=_READ, read_only=True)
     ] = None
 
 

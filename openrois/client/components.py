@@ -282,14 +282,6 @@ class GestureRecognition(RoISCommon):
 
     component_type = GESTURE_RECOGNITION
 
-    def set(self, *, recognizable_gestures: list[str] | tuple[str, ...] | None = None) -> Step[None]:
-        """Change parameters, all at once; None and those not named stay as they are.
-
-        Args:
-            recognizable_gestures: the gestures it knows.
-        """
-        return self.set_parameter(recognizable_gestures=recognizable_gestures)
-
     async def parameters(self) -> GestureRecognitionParameters:
         """Return the parameters; one without a value has the standard's default."""
         return await self.get_parameter(GestureRecognitionParameters)
@@ -458,28 +450,14 @@ class AudioStreaming(Streaming, RoISCommon):
 
     component_type = AUDIO_STREAMING
 
-    def set(
-        self,
-        *,
-        encoding_parameters: str | None = None,
-        transport_parameters: str | None = None,
-        available_encodings: str | None = None,
-        available_transports: str | None = None,
-    ) -> Step[None]:
+    def set(self, *, encoding_parameters: str | None = None, transport_parameters: str | None = None) -> Step[None]:
         """Change parameters, all at once; None and those not named stay as they are.
 
         Args:
             encoding_parameters: the encoding to use.
             transport_parameters: the transport to use.
-            available_encodings: the encodings to choose from; read only.
-            available_transports: the transports to choose from; read only.
         """
-        return self.set_parameter(
-            encoding_parameters=encoding_parameters,
-            transport_parameters=transport_parameters,
-            available_encodings=available_encodings,
-            available_transports=available_transports,
-        )
+        return self.set_parameter(encoding_parameters=encoding_parameters, transport_parameters=transport_parameters)
 
     async def parameters(self) -> StreamingParameters:
         """Return the parameters; one without a value has the standard's default."""
@@ -491,28 +469,14 @@ class VideoStreaming(Streaming, RoISCommon):
 
     component_type = VIDEO_STREAMING
 
-    def set(
-        self,
-        *,
-        encoding_parameters: str | None = None,
-        transport_parameters: str | None = None,
-        available_encodings: str | None = None,
-        available_transports: str | None = None,
-    ) -> Step[None]:
+    def set(self, *, encoding_parameters: str | None = None, transport_parameters: str | None = None) -> Step[None]:
         """Change parameters, all at once; None and those not named stay as they are.
 
         Args:
             encoding_parameters: the encoding to use.
             transport_parameters: the transport to use.
-            available_encodings: the encodings to choose from; read only.
-            available_transports: the transports to choose from; read only.
         """
-        return self.set_parameter(
-            encoding_parameters=encoding_parameters,
-            transport_parameters=transport_parameters,
-            available_encodings=available_encodings,
-            available_transports=available_transports,
-        )
+        return self.set_parameter(encoding_parameters=encoding_parameters, transport_parameters=transport_parameters)
 
     async def parameters(self) -> StreamingParameters:
         """Return the parameters; one without a value has the standard's default."""

@@ -1,6 +1,7 @@
 """Proxies for types that are not the standard's: what the basic components do not show."""
 
 import sys
+from dataclasses import replace
 from types import ModuleType
 from typing import Annotated
 
@@ -61,6 +62,31 @@ def catalog(monkeypatch: pytest.MonkeyPatch) -> None:
     module = ModuleType("openrois.catalog.coffee")
     module.__dict__.update(BARISTA=BARISTA, __all__=["BARISTA"])
     monkeypatch.setitem(sys.modules, module.__name__, module)
+
+
+@pytest.mark.usefixtures("catalog")
+def test_what_is_only_read_cannot_be_set(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Levels(Payload):
+        """What there is."""
+
+        beans: Annotated[int, Data(description="grams of beans", read_only=True)] = 0
+
+    class Settings(Levels):
+        """How to work."""
+
+        strength: Annotated[int, Data(description="how strong")] = 3
+
+    for parameters, setter in (
+        (Levels, None),
+        (Settings, "    def set(self, *, strength: int | None = None) -> Step[None]:"),
+    ):
+        barista = replace(BARISTA, parameters=parameters)
+        monkeypatch.setattr(sys.modules["openrois.catalog.coffee"], "BARISTA", barista)
+        written = emit([barista])
+        compile(written, "components.py", "exec")
+        assert f"    async def parameters(self) -> {parameters.__name__}:" in written
+        assert "beans" not in written
+        assert [line for line in written.splitlines() if "def set(" in line] == ([setter] if setter else [])
 
 
 @pytest.mark.usefixtures("catalog")

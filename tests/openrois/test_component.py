@@ -9,10 +9,10 @@ from typing import Annotated, Any
 import pytest
 from pydantic import Field
 
-from openrois.adapter.components import PersonDetection
+from openrois.adapter.components import GestureRecognition, PersonDetection
 from openrois.authoring.marks import command, event, query
 from openrois.authoring.parameters import parameter
-from openrois.catalog.payload import Payload
+from openrois.catalog.payload import Data, Payload
 from openrois.component import Component
 from openrois.errors import Aborted, BadParameter, ComponentFailed, TimedOut, Unsupported
 from openrois.registry import LocalRegistry
@@ -447,6 +447,19 @@ class TestParameters:
         assert (await radio.ask("get_parameter"))[1].value == '["two"]'
         with pytest.raises(ValueError, match="volume"):
             radio.volume = 101
+
+    async def test_what_the_standard_lets_be_read_stays_so_in_a_subclass(self) -> None:
+        class Hands(GestureRecognition):
+            recognizable_gestures: tuple[str, ...] | None = parameter(("wave",))
+
+        class Loud(Component):
+            volume: Annotated[int, Data(description="how loud")] = parameter(50, read_only=True)
+
+        for component, name, value in ((Hands(), "recognizable_gestures", '["nod"]'), (Loud(), "volume", "1")):
+            with pytest.raises(BadParameter, match=f"{name} can only be read"):
+                await component.run("set_parameter", (argument(name, value),))
+            (profile,) = component.profile.parameter_profiles
+            assert profile.description.endswith("; read only")
 
     async def test_what_a_component_accepts_fits_too(self) -> None:
         class Careless(Lamp):

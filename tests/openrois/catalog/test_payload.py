@@ -113,6 +113,19 @@ def test_every_type_is_read_back(built: Everything) -> None:
     assert Everything.from_texts(built.texts()) == built
 
 
+def test_what_is_only_read_says_so_in_the_profile() -> None:
+    class Radio(Payload):
+        stations: Annotated[str | None, Data(description="what it receives", read_only=True)] = None
+        band: Annotated[str | None, Data(read_only=True)] = None
+        volume: Annotated[int, Data(description="how loud")] = 5
+
+    assert [profile.description for profile in Radio.profiles()] == [
+        "what it receives; read only",
+        "read only",
+        "how loud",
+    ]
+
+
 def test_profiles_say_name_type_default_and_description() -> None:
     profiles = {each.name: each for each in SpeechSynthesisParameters.profiles()}
     assert list(profiles) == ["speech_text", "ssml_text", "volume", "language", "character"]

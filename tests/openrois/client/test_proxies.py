@@ -60,14 +60,17 @@ class TestBasicComponents:
                 assert ground.robot.parts[kind.code].tell(event.name) == await anext(heard)
 
     async def test_every_parameter_is_set_and_read(self, client: Client, kind: ComponentType) -> None:
+        data = {} if kind.parameters is None else kind.parameters.data()
+        settable = {name for name, said in data.items() if not said.read_only}
+        assert hasattr(proxy_class(kind), "set") == bool(settable)
         if kind.parameters is None:
-            assert not hasattr(proxy_class(kind), "set")
             return
         proxy: Any = await client.find(proxy_class(kind))
-        chosen = example(kind.parameters)
-        async with proxy.bound():
-            await proxy.set(**{name: getattr(chosen, name) for name in chosen.model_fields_set})
-        assert await proxy.parameters() == chosen
+        chosen = example(kind.parameters).model_dump(include=settable)
+        if settable:
+            async with proxy.bound():
+                await proxy.set(**chosen)
+        assert (await proxy.parameters()).model_dump(include=settable) == chosen
 
     async def test_the_common_commands_run(self, ground: Ground, client: Client, kind: ComponentType) -> None:
         if ROIS_COMMON not in kind.includes:

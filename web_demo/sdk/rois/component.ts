@@ -19,6 +19,11 @@ export interface ComponentClass<Component> {
   new (client: Client, componentRef: string): Component;
 }
 
+/** What an application may set of parameters: not those that the component alone knows. */
+export type Settable<Parameters, ReadOnly extends keyof Parameters> = Partial<Parameters> & {
+  readonly [Name in ReadOnly]?: never;
+};
+
 /**
  * One component of an engine, with its commands, queries and events as methods. Subclasses are generated for the basic
  * components; one's own kind of component is written in the same way:
@@ -34,7 +39,7 @@ export interface ComponentClass<Component> {
  * Commands resolve when they have ended, and throw `CommandFailed` when they have not ended well. All operations throw
  * what those of the `Client` throw, and `ValueError` when a value does not fit its type.
  */
-export class ComponentProxy<Parameters extends object = object> {
+export class ComponentProxy<Parameters extends object = object, ReadOnly extends keyof Parameters = never> {
   /** Where the component is: `<engine id>/<name>`. */
   readonly componentRef: string;
   /** The `data_type_ref` of each parameter. */
@@ -81,8 +86,8 @@ export class ComponentProxy<Parameters extends object = object> {
     return decode(this.parameterTypes, await this.#client.getParameter(this.componentRef), true);
   }
 
-  /** Changes parameters, all in one, and waits until that is done. */
-  async setParameter(values: Partial<Parameters>): Promise<void> {
+  /** Changes parameters, all in one, and waits until that is done. Those that are read only are the component's. */
+  async setParameter(values: Settable<Parameters, ReadOnly>): Promise<void> {
     const parameters = encode(this.parameterTypes, values);
     await this.#ended("set_parameter", await this.#client.setParameter(this.componentRef, parameters));
   }
@@ -94,7 +99,10 @@ export class ComponentProxy<Parameters extends object = object> {
    * @param onStart is called when the engine has accepted it
    * @throws CommandFailed (ABORT: it was stopped) | RoISError (OUT_OF_RESOURCES: another application has it)
    */
-  async perform(values: Partial<Parameters>, onStart: () => void = () => undefined): Promise<void> {
+  async perform(
+    values: Settable<Parameters, ReadOnly>,
+    onStart: () => void = () => undefined,
+  ): Promise<void> {
     const parameters = encode(this.parameterTypes, values);
     await this.bound(async () => {
       const { componentRef: component_ref } = this;

@@ -87,7 +87,7 @@ describe("the installed package", { timeout: 60_000 }, () => {
     writeFileSync(
       `${folder}/user.ts`,
       `
-      import { Client, CommandFailed, Navigation, PersonDetection, RoISCommon, onlyComponent, where } from "openrois";
+      import { Client, CommandFailed, Navigation, PersonDetection, RoISCommon, VideoStreaming, onlyComponent, where } from "openrois";
       import type { ComponentStatus, ReachedTarget, Result } from "openrois";
       import { MediaReceiver } from "openrois/media";
 
@@ -130,6 +130,10 @@ describe("the installed package", { timeout: 60_000 }, () => {
         await navigation.setParameter({ target_positions: [1] });
         // @ts-expect-error there is no such parameter
         await navigation.setParameter({ colour: "red" });
+        const camera = await client.find(VideoStreaming);
+        const { available_encodings: encodings = "" } = await camera.getParameter();
+        // @ts-expect-error this one is only read
+        await camera.setParameter({ available_encodings: encodings });
         // @ts-expect-error a method's params are known
         await client.call("rois.command.bind", { component: "robot/navigation" });
         // @ts-expect-error so is its result

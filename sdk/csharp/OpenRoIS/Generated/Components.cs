@@ -352,7 +352,7 @@ namespace OpenRoIS.Components
 
         public static class Parameters
         {
-            /// <summary>the gestures it knows</summary>
+            /// <summary>the gestures it knows; read only</summary>
             public const string RecognizableGestures = "recognizable_gestures";
         }
     }

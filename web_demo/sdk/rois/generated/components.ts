@@ -12,7 +12,10 @@ export interface ComponentStatusResult {
 const COMPONENT_STATUS_RESULT: Types<ComponentStatusResult> = { status: "Component_Status" };
 
 /** Messages shared by the basic components. */
-export class RoISCommon<Parameters extends object = object> extends ComponentProxy<Parameters> {
+export class RoISCommon<
+  Parameters extends object = object,
+  ReadOnly extends keyof Parameters = never,
+> extends ComponentProxy<Parameters, ReadOnly> {
   /** Begin what the component is for. */
   start(): Promise<void> {
     return this.execute("start");
@@ -312,7 +315,7 @@ const GESTURE_RECOGNIZED: Types<GestureRecognized> = {
 
 /** What gestures can be recognised. */
 export interface GestureRecognitionParameters {
-  /** the gestures it knows */
+  /** the gestures it knows; read only */
   readonly recognizable_gestures?: readonly string[];
 }
 const GESTURE_RECOGNITION_PARAMETERS: Types<GestureRecognitionParameters> = {
@@ -320,7 +323,7 @@ const GESTURE_RECOGNITION_PARAMETERS: Types<GestureRecognitionParameters> = {
 };
 
 /** Tells which gestures are made. */
-export class GestureRecognition extends RoISCommon<GestureRecognitionParameters> {
+export class GestureRecognition extends RoISCommon<GestureRecognitionParameters, "recognizable_gestures"> {
   static readonly componentType = "urn:x-rois:def:component:OMG::GestureRecognition";
   protected override readonly parameterTypes = GESTURE_RECOGNITION_PARAMETERS;
 
@@ -532,7 +535,10 @@ const STREAMING_PARAMETERS: Types<StreamingParameters> = {
 };
 
 /** Streams sound; the media flow beside RoIS. */
-export class AudioStreaming extends RoISCommon<StreamingParameters> {
+export class AudioStreaming extends RoISCommon<
+  StreamingParameters,
+  "available_encodings" | "available_transports"
+> {
   static readonly componentType = "urn:x-rois:def:component:OMG::AudioStreaming";
   protected override readonly parameterTypes = STREAMING_PARAMETERS;
 
@@ -566,7 +572,10 @@ export class AudioStreaming extends RoISCommon<StreamingParameters> {
 }
 
 /** Streams pictures; the media flow beside RoIS. */
-export class VideoStreaming extends RoISCommon<StreamingParameters> {
+export class VideoStreaming extends RoISCommon<
+  StreamingParameters,
+  "available_encodings" | "available_transports"
+> {
   static readonly componentType = "urn:x-rois:def:component:OMG::VideoStreaming";
   protected override readonly parameterTypes = STREAMING_PARAMETERS;
 
