@@ -58,13 +58,14 @@ def written(found: Mapping[str, Any]) -> str:
 
 
 def _definition(found: Definition, place: str) -> Schema:
+    about = {"title": found.name, "description": found.doc}
     if isinstance(found, Enumeration):
-        return {"description": found.doc, "type": "string", "enum": list(found.members)}
+        return {**about, "type": "string", "enum": list(found.members)}
     if isinstance(found, Union):
-        return {"description": found.doc, "oneOf": [{"$ref": place + member} for member in found.members]}
+        return {**about, "oneOf": [{"$ref": place + member} for member in found.members]}
     required = [field.name for field in found.fields if field.required]
     return {
-        "description": found.doc,
+        **about,
         "type": "object",
         "properties": {field.name: field_schema(field, place) for field in found.fields},
         **({"required": required} if required else {}),

@@ -13,7 +13,6 @@ from openrois_codegen.python_source import call, import_line
 
 __all__ = ["emit"]
 
-
 _HEADER: Final = '''"""The basic components of RoIS 2.0 to be implemented: extend one and write what it does.
 
 Parameters and events are there already. A command or query is in the profile once a subclass has written it, without

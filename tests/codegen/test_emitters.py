@@ -135,6 +135,9 @@ class TestJsonSchema:
         assert objects
         assert all(found["additionalProperties"] is False for found in objects)
 
+    def test_every_type_has_its_name_as_title(self) -> None:
+        assert [name for name, found in self.schema()["$defs"].items() if found["title"] != name] == []
+
     def test_every_reference_leads_somewhere(self) -> None:
         defined = {f"#/$defs/{name}" for name in self.schema()["$defs"]}
         assert set(references(self.schema())) <= defined
@@ -164,6 +167,11 @@ class TestOpenRpc:
         found = self.found()
         places = {f"#/components/{kind}/{name}" for kind, named in found["components"].items() for name in named}
         assert set(references(found)) <= places
+
+    def test_what_may_be_left_out_stands_last(self) -> None:
+        for method in self.found()["methods"]:
+            required = [param["required"] for param in method["params"]]
+            assert required == sorted(required, reverse=True), method["name"]
 
     def test_a_name_stands_once(self) -> None:
         for listed in (self.found()["methods"], self.found()["x-notifications"]):
