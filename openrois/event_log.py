@@ -27,6 +27,8 @@ MAX_SUBSCRIPTIONS: Final = 1024
 MAX_DETAILS: Final = 1024
 MAX_HELD: Final = 256
 DETAIL_LIFETIME: Final = 60.0
+MAX_DATE_TIME: Final = 64
+"""Characters of what an event says of its end; a longer text is no DateTime anyway."""
 
 _STATUS_EVENT: Final = "notify_stream_status"
 
@@ -45,7 +47,8 @@ class _Subscription:
 
 @dataclass(slots=True)
 class _Told:
-    event: Event
+    results: tuple[Result, ...]
+    expire: str
     at: float
 
 
@@ -137,12 +140,12 @@ class EventLog:
         told = self._details.get(event_id)
         if told is None or self._is_over(told):
             raise BadParameter(f"there are no details of an event {event_id[:200]!r}")
-        return told.event.results
+        return told.results
 
     def _is_over(self, told: _Told) -> bool:
         """Tell whether the details have expired: when the event says, or a while after it was told."""
         try:
-            expire = read_date_time(told.event.expire)
+            expire = read_date_time(told.expire)
         except ValueError:
             return self._clock() >= told.at + DETAIL_LIFETIME
         if expire.tzinfo is None:
@@ -177,7 +180,8 @@ class EventLog:
             subscription.held.append(item)
 
     def _tell(self, subscription: _Subscription, event: Event) -> None:
-        self._details.put(event.event_id, _Told(event, self._clock()), event.results)
+        told = _Told(event.results, event.expire[:MAX_DATE_TIME], self._clock())
+        self._details.put(event.event_id, told, event.results)
         notification = EventNotification(
             event_id=event.event_id,
             event_type=event.event_type,

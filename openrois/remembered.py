@@ -6,10 +6,13 @@ from typing import Final, Generic, TypeVar
 
 from openrois.types.messages import Result
 
-__all__ = ["MAX_TEXT", "Remembered"]
+__all__ = ["MAX_TEXT", "RESULT_OVERHEAD", "Remembered"]
 
 MAX_TEXT: Final = 16 * 1024 * 1024
-"""Characters of all results together; messages are long enough to fill a memory with few entries."""
+"""Characters of all entries together; messages are long enough to fill a memory with few entries."""
+
+RESULT_OVERHEAD: Final = 256
+"""Characters that a result counts as beside its text: very many very short ones fill a memory, too."""
 
 Entry = TypeVar("Entry")
 
@@ -19,7 +22,7 @@ class Remembered(Generic[Entry]):
 
     Args:
         most: entries.
-        most_text: characters in their results.
+        most_text: characters in their keys and results.
     """
 
     def __init__(self, most: int, most_text: int = MAX_TEXT) -> None:
@@ -37,10 +40,10 @@ class Remembered(Generic[Entry]):
         return None if found is None else found[0]
 
     def put(self, key: str, entry: Entry, results: tuple[Result, ...]) -> None:
-        """Remember an entry, which weighs as much as the text of `results`; one that is known is replaced."""
-        text = 0
+        """Remember an entry, which weighs as much as its key and `results`; one that is known is replaced."""
+        text = len(key)
         for result in results:
-            text += len(result.value)
+            text += len(result.name) + len(result.data_type_ref) + len(result.value) + RESULT_OVERHEAD
         former = self._entries.get(key)
         self._text += text if former is None else text - former[1]
         self._entries[key] = entry, text

@@ -96,9 +96,13 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
             "tests/openrois/test_event_log.py::test_details_are_kept_for_a_while",
         ),
     ),
-    "text of the results that one application may ask for again: of commands / of events": (
-        (remembered.MAX_TEXT / MIB,),
-        (f"{HERE}::test_text_of_events", f"{HERE}::test_text_of_commands"),
+    "text of the results and ids that one application may ask for again: of commands / of events / of errors": (
+        (remembered.MAX_TEXT / MIB, remembered.RESULT_OVERHEAD),
+        (
+            f"{HERE}::test_text_of_events",
+            f"{HERE}::test_text_of_commands",
+            "tests/openrois/test_remembered.py::test_whatever_takes_room_counts",
+        ),
     ),
     "faults of one engine that are told; errors that one application may ask about": (
         (faults.FAULTS_AT_ONCE, faults.FAULTS_PER_SECOND, error_log.MAX_ERRORS),
@@ -276,8 +280,8 @@ class TestCommands:
             assert (command_id, answer["return_code"]) == (command_id, code)
 
     async def test_text_of_commands(self, app: wire.Application) -> None:
-        how = "x" * (MIB // 2)
-        count = remembered.MAX_TEXT // len(how) + 1
+        how = "x" * (MIB // 2 - KIB)
+        count = remembered.MAX_TEXT // (MIB // 2) + 1
         for number in range(count):
             assert await execute(app, sequence(number, 1, how)) == "OK"
             await app.next("rois.command.completed")
@@ -360,8 +364,8 @@ class TestEvents:
 
     async def test_text_of_events(self, app: wire.Application, bell: Bell) -> None:
         await self.subscribe(app)
-        tune = "x" * (MIB // 2)
-        ids = await self.ring(app, bell, remembered.MAX_TEXT // len(tune) + 1, tune)
+        tune = "x" * (MIB // 2 - KIB)
+        ids = await self.ring(app, bell, remembered.MAX_TEXT // (MIB // 2) + 1, tune)
         assert [await self.details(app, event_id) for event_id in ids[:2]] == ["BAD_PARAMETER", "OK"]
 
 
