@@ -17,7 +17,7 @@ def main(arguments: list[str] | None = None, root: Path = _ROOT) -> int:
     parser = argparse.ArgumentParser("openrois_codegen", description=__doc__)
     parser.add_argument("--check", action="store_true", help="write nothing; fail where a file is out of date")
     checking = parser.parse_args(arguments).check
-    generated = targets()
+    generated = targets(root)
     stale = [path for path, text in generated.items() if _read(root / path) != text]
     stale += [path for path in _present(root) if path not in generated]
     if checking:

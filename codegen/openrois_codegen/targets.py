@@ -1,8 +1,11 @@
 """Which files are generated, and with what."""
 
+from pathlib import Path
 from typing import Final
 
 from openrois.catalog.basic import BASIC_COMPONENTS
+from openrois.conformance.manifest import read_manifest
+from openrois.conformance.table import as_markdown
 from openrois.schema import VERSION
 from openrois_codegen import (
     corpus,
@@ -28,9 +31,17 @@ GENERATED: Final = (
 )
 """Where nothing stands but what is generated."""
 
+_PAGE: Final = "docs/conformance.md"
+_MADE_BY: Final = "<!-- made by: openrois conformance --markdown -->"
+"""Of a page that is written by hand, what stands after this line is generated."""
 
-def targets() -> dict[str, str]:
-    """Return the text of every generated file by its path in the repository."""
+
+def targets(root: Path) -> dict[str, str]:
+    """Return the text of every generated file by its path in the repository.
+
+    Args:
+        root: the repository, for what is only generated in part.
+    """
     found = document()
     folder = f"openrois/schema/{found.version}"
     messages = corpus.emit(found, by_hand())
@@ -48,4 +59,11 @@ def targets() -> dict[str, str]:
         "web_demo/sdk/rois/generated/methods.ts": typescript.methods(found),
         "web_demo/sdk/rois/generated/components.ts": typescript.components(found),
         "web_demo/sdk/rois/generated/checks.ts": typescript_checks.emit(found),
+        _PAGE: _page(root / _PAGE),
     }
+
+
+def _page(path: Path) -> str:
+    written = path.read_text(encoding="utf-8") if path.is_file() else ""
+    head, _, _ = written.partition(_MADE_BY)
+    return "\n".join([f"{head}{_MADE_BY}", "", *as_markdown(read_manifest()), ""])
