@@ -16,14 +16,22 @@ _log = logging.getLogger(__name__)
 MAX_LATE: Final = 1024
 """Abandoned requests whose late answer still matters; the oldest of more is forgotten."""
 
+_SHOWN: Final = 3
+_LONGEST: Final = 300
+
 OnResult = Callable[[Any], None]
 
 
 class RpcError(Exception):
-    """The other side answered with a JSON-RPC error."""
+    """The other side answered with a JSON-RPC error.
+
+    Attributes:
+        code: its code.
+        data: what else it said; what is wrong with params is a list of `{path, message}`.
+    """
 
     def __init__(self, code: int, message: str, data: Any = None) -> None:
-        super().__init__(f"{message} ({code})")
+        super().__init__(f"{message} ({code}){_details(data)}")
         self.code = code
         self.data = data
 
@@ -34,6 +42,7 @@ class SessionClosed(Exception):
 
 @dataclass(frozen=True, slots=True)
 class _Waiter:
+    method: str
     answer: asyncio.Future[Any]
     on_result: OnResult | None
     on_late: OnResult | None
@@ -53,7 +62,7 @@ class Calls:
         """Return a new request's id, its text, and the future that its answer settles."""
         request_id, text = self._peer.request(name, params)
         answer: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
-        self._waiters[request_id] = _Waiter(answer, on_result, on_late)
+        self._waiters[request_id] = _Waiter(name, answer, on_result, on_late)
         return request_id, text, answer
 
     def settle(self, response: Response) -> None:
@@ -84,7 +93,7 @@ class Calls:
         self._late.pop(refusal.id, None)
         waiter = self._waiters.pop(refusal.id, None)
         if waiter is not None and not waiter.answer.done():
-            waiter.answer.set_exception(RpcError(refusal.code, refusal.message, refusal.data))
+            waiter.answer.set_exception(RpcError(refusal.code, f"{waiter.method}: {refusal.message}", refusal.data))
 
     def abandon(self, request_id: int) -> None:
         """Stop waiting, if the answer has not come: it is dropped, or given to `on_late`."""
@@ -106,3 +115,10 @@ class Calls:
                 waiter.answer.set_exception(SessionClosed(reason))
         self._waiters.clear()
         self._late.clear()
+
+
+def _details(data: Any) -> str:
+    """Return what is wrong with params as the end of a sentence; whoever answers may send anything as `data`."""
+    wrong = [each for each in data if isinstance(each, dict)] if isinstance(data, list) else []
+    told = "; ".join(f"{each.get('path', '')}: {each.get('message', '')}" for each in wrong[:_SHOWN])
+    return f": {' '.join(told.split())[:_LONGEST]}" if told else ""

@@ -81,7 +81,7 @@ class Asking:
         except SessionClosed as closed:
             raise EngineUnreachable(str(closed)) from closed
         except RpcError as refused:
-            raise ComponentFailed(f"the engine refused {name}: {refused}") from refused
+            raise ComponentFailed(f"the engine refused {refused}") from refused
 
 
 def read_result(name: str, result: Any, model: type[Outcome]) -> Outcome:

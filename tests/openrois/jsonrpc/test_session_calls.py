@@ -28,6 +28,29 @@ async def test_an_error_answer_is_raised() -> None:
         with pytest.raises(RpcError) as raised:
             await call
         assert (raised.value.code, raised.value.data) == (-32601, 5)
+        assert str(raised.value) == "m: no (-32601)"
+
+
+@pytest.mark.parametrize(
+    ("data", "shown"),
+    [
+        (
+            [{"path": "name", "message": "is\nmissing"}, {"path": "x", "message": "is unknown"}],
+            "name: is missing; x: is unknown",
+        ),
+        ([{}, 7], ":"),
+        ([{"path": "x", "message": "m"}] * 9, "x: m; x: m; x: m"),
+        ([{"path": "x" * 900, "message": ""}], "x" * 300),
+    ],
+)
+async def test_an_error_answer_says_which_params_are_wrong(data: Any, shown: str) -> None:
+    async with connected() as other:
+        call = asyncio.ensure_future(other.session.call("m", {}))
+        question = await other.hear()
+        await other.say(id=question["id"], error={"code": -32602, "message": "Invalid params", "data": data})
+        with pytest.raises(RpcError) as raised:
+            await call
+        assert str(raised.value) == f"m: Invalid params (-32602): {shown}"
 
 
 async def test_on_result_sees_the_result_before_the_next_message_is_looked_at() -> None:
