@@ -6,7 +6,7 @@ import pytest
 from playwright.async_api import Browser, expect
 
 from tests.support.browser import PATIENCE, visiting
-from tests.support.plain import attached, engine_profile, plain_adapter
+from tests.support.plain import attached, engine_profile, plain_adapter, profile_result
 from tests.support.premises import running_gateway
 
 pytestmark = [pytest.mark.browser, pytest.mark.timeout(90), pytest.mark.asyncio(loop_scope="session")]
@@ -98,3 +98,21 @@ async def test_a_flood_of_events(browser: Browser) -> None:
                 await expect(card).to_contain_text(f"{heard} heard", timeout=PATIENCE * 1000)
             await expect(card).to_contain_text("the newest 100 are kept")
             await expect(card.locator(".heard > li")).to_have_count(100)
+
+
+async def test_of_components_that_leave_only_those_that_were_opened_are_kept(browser: Browser) -> None:
+    async with (
+        running_gateway() as gateway,
+        plain_adapter(gateway, profile_result("opened", "ignored")) as adapter,
+    ):
+        await attached(gateway)
+        async with visiting(browser, f"{gateway.url}#inspector/plain/opened") as visit:
+            place = visit.page.locator(".place")
+            await expect(place.locator("h2")).to_have_text("opened", timeout=PATIENCE * 1000)
+            adapter.profile = profile_result("other")
+            await adapter.tell("rois.system.profile_changed")
+            await expect(place).to_contain_text("has left", timeout=PATIENCE * 1000)
+            await visit.page.evaluate("location.hash = '#inspector/plain/ignored'")
+            await expect(place).to_contain_text("There is no component plain/ignored here")
+            await visit.page.evaluate("location.hash = '#inspector/plain/opened'")
+            await expect(place).to_contain_text("has left")

@@ -26,7 +26,7 @@ export class Inspector {
   #seen: ReadonlyMap<string, string> = new Map();
   #engines: readonly EngineNode[] | null = null;
   #components = new Map<string, ComponentNode>();
-  /** Those that were there once: what is known of one that has left. */
+  /** Those that were opened and have left: what was typed in their panels is still of use. */
   readonly #left = new Map<string, ComponentNode>();
   #selected = "";
   /** What is selected was brought into view in the tree. */
@@ -61,7 +61,8 @@ export class Inspector {
     if (profile !== null) {
       this.#engines = engineTree(profile);
       const now = new Map(componentsOf(this.#engines).map((each) => [each.ref, each]));
-      for (const [ref, component] of this.#components) if (!now.has(ref)) this.#left.set(ref, component);
+      for (const [ref, component] of this.#components)
+        if (!now.has(ref) && this.#panels.has(ref)) this.#left.set(ref, component);
       this.#components = now;
     }
     this.#holdings.lose((ref) => !connected || !this.#components.has(ref));
