@@ -10,7 +10,7 @@ from openrois.errors import error_for
 from openrois.jsonrpc.protocol import INVALID_REQUEST
 from openrois.jsonrpc.session import RpcError, RpcSession, SessionClosed
 from openrois.types.codes import ReturnCode
-from openrois.types.messages import ReturnResult
+from openrois.types.messages import CommandUnit, ConcurrentCommands, ExecuteParams, ReturnResult
 from openrois.types.model import Model
 
 __all__ = ["Outcome", "ask", "read_result"]
@@ -37,6 +37,9 @@ _HINTS: Final[Mapping[tuple[str, ReturnCode], str]] = {
     ("rois.event.get_event_detail", ReturnCode.BAD_PARAMETER): "there is no such event, or it was too long ago",
 }
 """What a code most likely means: the wire carries no more than the code."""
+
+_NAMES: Final = ("component_ref", "query_type", "event_type", "event_id", "command_id", "condition")
+_LONGEST: Final = 200
 
 
 async def ask(
@@ -69,7 +72,7 @@ async def ask(
     outcomes: list[Outcome] = []
 
     def take(raw: Any) -> None:
-        outcome = read_result(method, model, raw)
+        outcome = read_result(method, model, raw, _about(params))
         if accepted is not None:
             accepted(outcome)
         outcomes.append(outcome)
@@ -88,8 +91,14 @@ async def ask(
     return outcomes[0]
 
 
-def read_result(method: str, model: type[Outcome], raw: Any) -> Outcome:
+def read_result(method: str, model: type[Outcome], raw: Any, about: str = "") -> Outcome:
     """Return the result of `method` as its model.
+
+    Args:
+        method: its name.
+        model: of its result.
+        raw: the result.
+        about: what it was asked of, for a person.
 
     Raises:
         RoISError: the return code is not OK.
@@ -102,5 +111,19 @@ def read_result(method: str, model: type[Outcome], raw: Any) -> Outcome:
     code = outcome.return_code
     if code is not ReturnCode.OK:
         hint = _HINTS.get((method, code), "")
-        raise error_for(code, f"{method}: {code}{hint and f' ({hint})'}")
+        raise error_for(code, f"{method}{about}: {code}{hint and f' ({hint})'}")
     return outcome
+
+
+def _about(params: Model) -> str:
+    """Return what was asked as in a call, `(start of robot/navigation)`, and nothing for what has no such names."""
+    if isinstance(params, ExecuteParams):
+        units = [unit for item in params.command_unit_list for unit in _units(item)]
+        named = [f"{unit.command_type} of {unit.component_ref}" for unit in units]
+    else:
+        named = [str(getattr(params, name)) for name in _NAMES if getattr(params, name, "")]
+    return f"({' '.join(', '.join(named).split())[:_LONGEST]})" if named else ""
+
+
+def _units(item: CommandUnit | ConcurrentCommands) -> tuple[CommandUnit, ...]:
+    return item.command_list if isinstance(item, ConcurrentCommands) else (item,)

@@ -13,6 +13,7 @@ from openrois.client.errors import ConnectionFailed, ConnectionLost
 from openrois.client.notices import Connected, Disconnected, Notice
 from openrois.client.reconnect import Reconnect, asked_to_wait
 from openrois.errors import RoISError
+from openrois.jsonrpc.protocol import METHOD_NOT_FOUND
 from openrois.jsonrpc.session import NotificationHandler, RpcError, RpcSession
 from openrois.tasks import TaskScope
 from openrois.transport.stream import StreamClosed
@@ -272,7 +273,9 @@ class Connection:
         except TimeoutError:
             raise ConnectionFailed(f"the gateway did not answer within {self._connect_timeout:g} s") from None
         except (OSError, StreamClosed, RoISError, RpcError) as error:
-            raise ConnectionFailed(f"no connection to the gateway: {error}") from error
+            stranger = isinstance(error, RpcError) and error.code == METHOD_NOT_FOUND
+            what = "what answers does not serve applications" if stranger else "no connection to the gateway"
+            raise ConnectionFailed(f"{what}: {error}") from error
         return session, running
 
 

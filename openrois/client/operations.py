@@ -11,7 +11,7 @@ from openrois.client.commands import Command, Commands, Execution
 from openrois.client.connection import Connection
 from openrois.client.errors import ConnectionLost
 from openrois.client.feed import BUFFER
-from openrois.client.steps import Concurrent, Step
+from openrois.client.steps import Concurrent, Step, no_step
 from openrois.client.subscription import Subscription
 from openrois.client.subscriptions import Subscriptions
 from openrois.types.messages import (
@@ -144,10 +144,15 @@ class Operations:
 
         Returns:
             The handles of the commands, in order; awaiting it waits for all.
+
+        Raises:
+            TypeError: an item is none of these.
         """
         for item in items:
             if isinstance(item, Step | Concurrent):
                 item.used()
+            elif not isinstance(item, CommandUnit | ConcurrentCommands):
+                raise no_step("a sequence", item)
         # To prepare a step may mean to ask for a profile, and that waits for a connection: this one or none.
         session = self._connection.session("rois.command.execute")
         sequence: list[SequenceItem] = []

@@ -7,7 +7,7 @@ from typing import Any, Generic, Protocol, TypeVar
 from openrois.client.commands import Command, Execution
 from openrois.types.messages import Argument, CommandUnit
 
-__all__ = ["Concurrent", "Executor", "Step", "concurrent"]
+__all__ = ["Concurrent", "Executor", "Step", "concurrent", "no_step"]
 
 T = TypeVar("T")
 
@@ -117,8 +117,20 @@ class Concurrent:
 
 
 def concurrent(*steps: Step[Any]) -> Concurrent:
-    """Put steps side by side: `await client.run(concurrent(nav.start(), speech.start()))`."""
+    """Put steps side by side: `await client.run(concurrent(nav.start(), speech.start()))`.
+
+    Raises:
+        TypeError: one is no step.
+    """
+    for step in steps:
+        if not isinstance(step, Step):
+            raise no_step("concurrent", step)
     return Concurrent(steps)
+
+
+def no_step(taker: str, given: object) -> TypeError:
+    """Return the error for what was given in place of a step: mostly what awaiting one returned."""
+    return TypeError(f"{taker} takes steps, such as navigation.start() without await, not {type(given).__name__}")
 
 
 def _milliseconds(seconds: float | None) -> int | None:

@@ -4,11 +4,11 @@ import asyncio
 import itertools
 import json
 from contextlib import suppress
-from typing import Any
+from typing import Any, cast
 
 import pytest
 
-from openrois.client import Client, Command, ComponentProxy, ConnectionLost, concurrent
+from openrois.client import Client, Command, ComponentProxy, Concurrent, ConnectionLost, concurrent
 from openrois.client import commands as commands_module
 from openrois.client.commands import Commands
 from openrois.errors import Aborted, BadParameter, ComponentFailed, OutOfResources, TimedOut, Unsupported
@@ -99,6 +99,21 @@ async def test_the_steps_of_concurrent_run_at_the_same_time(ground: Ground, lamp
     assert repr(started) == "<Command start of toys/lamp: running>"
     ground.lamp.may_end.set()
     assert await afterwards == {"total": 5}
+
+
+async def test_what_is_no_step_is_said_before_anything_is_sent(
+    ground: Ground, client: Client, lamp: ComponentProxy
+) -> None:
+    step = lamp.command("switch", times=1)
+    for wrong in (None, concurrent(step), asyncio.Event()):
+        with pytest.raises(
+            TypeError, match=r"concurrent takes steps, such as navigation.start\(\) without await, not "
+        ):
+            concurrent(step, cast(Any, wrong))
+        if not isinstance(wrong, Concurrent):
+            with pytest.raises(TypeError, match=f"a sequence takes .*, not {type(wrong).__name__}"):
+                await client.run(step, cast(Any, wrong))
+    assert ground.lamp.total == 0
 
 
 async def test_run_waits_for_all(ground: Ground, lamp: ComponentProxy) -> None:

@@ -5,6 +5,7 @@ import asyncio
 import pytest
 
 from openrois.client import Client, ConnectionLost, Fault, RpcError, where
+from openrois.client.components import Navigation
 from openrois.errors import BadParameter, OutOfResources, RoISError, Unsupported
 from openrois.types.codes import CompletedStatus, ErrorType
 from openrois.types.messages import Argument, CommandUnit, ConcurrentCommands, Parameter
@@ -127,6 +128,18 @@ async def test_a_fault_is_told_and_asked_about(ground: Ground, client: Client) -
     fault = await anext(faults)
     assert fault.error_type is ErrorType.COMPONENT_INTERNAL_ERROR
     assert LAMP in [each.value for each in await client.get_error_detail(fault.error_id)]
+
+
+async def test_what_is_refused_is_named(client: Client) -> None:
+    for refused, named in [
+        (client.bind("toys/nothing"), r"rois.command.bind\(toys/nothing\): UNSUPPORTED \(there is no"),
+        (client.query("mood", where(component_ref=LAMP)), rf"rois.query.query\(mood, component_ref = '{LAMP}'\): UNS"),
+        (client.component(Navigation, LAMP).start(), rf"rois.command.execute\(start of {LAMP}\): OUT_OF_RESOURCES"),
+        (client.search("x" * 1000), r"rois.command.search\(x{200}\): BAD_PARAMETER"),
+        (client.search("component_ref =\n'x"), r"rois.command.search\(component_ref = 'x\): BAD_PARAMETER"),
+    ]:
+        with pytest.raises(RoISError, match=named):
+            await refused
 
 
 async def test_any_method_can_be_called(ground: Ground, client: Client) -> None:

@@ -548,7 +548,8 @@ async def test_a_gateway_that_says_nothing_is_given_up(line: Line) -> None:
     [
         ({"result": {"return_code": "ERROR"}}, "rois.system.connect: ERROR"),
         ({"result": {"return_code": "MAYBE"}}, "the answer to rois.system.connect cannot be read"),
-        ({"error": {"code": -32603, "message": "Internal error"}}, r"Internal error \(-32603\)"),
+        ({"error": {"code": -32603, "message": "Internal error"}}, r"no connection .*: Internal error \(-32603\)"),
+        ({"error": {"code": -32601, "message": "Method not found"}}, r"what answers does not serve applications: rois"),
     ],
 )
 async def test_a_gateway_that_refuses_the_greeting_is_no_gateway(line: Line, answer: Any, reason: str) -> None:
