@@ -1,8 +1,11 @@
 """The `openrois` command. A sub-command is an entry point of the package that does its work; none is imported here."""
 
+import ast
 import sys
 from collections.abc import Callable, Sequence
 from importlib.metadata import EntryPoint, entry_points
+from importlib.util import find_spec
+from pathlib import Path
 
 from openrois.version import __version__
 
@@ -27,8 +30,32 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _usage(commands: dict[str, EntryPoint]) -> str:
-    names = "\n".join(f"  openrois {name}" for name in sorted(commands))
-    return f"usage: openrois COMMAND [--help] ...\n\n{names}\n  openrois --version"
+    width = max(len(name) for name in commands) if commands else 0
+    lines = [f"  {name:{width}}  {_purpose(commands[name])}".rstrip() for name in sorted(commands)]
+    return "\n".join(
+        (
+            "usage: openrois COMMAND [--help] ...",
+            "       openrois --version",
+            "",
+            "RoIS 2.0 for robots and virtual avatars.",
+            "",
+            *lines,
+            "",
+            "openrois COMMAND --help says more.",
+        )
+    )
+
+
+def _purpose(entry: EntryPoint) -> str:
+    """Return the first line of a command's module, which is read but not run: to import them all takes seconds."""
+    try:
+        spec = find_spec(entry.module)
+        source = Path(spec.origin or "").read_text(encoding="utf-8") if spec is not None else ""
+        said = (ast.get_docstring(ast.parse(source)) or "").partition("\n")[0]
+    except (ImportError, OSError, SyntaxError, ValueError):
+        return ""
+    called, _, purpose = said.partition(": ")
+    return purpose.rstrip(".") if called == f"`openrois {entry.name}`" else ""
 
 
 if __name__ == "__main__":

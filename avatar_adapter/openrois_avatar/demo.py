@@ -1,4 +1,4 @@
-"""`openrois demo`: gateway and avatar adapter as two processes, watched over until told to stop."""
+"""`openrois demo`: run a gateway and an avatar, as two processes that are watched over, until told to stop."""
 
 import argparse
 import asyncio

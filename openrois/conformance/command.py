@@ -1,4 +1,4 @@
-"""`openrois conformance`: the requirements manifest, and how a gateway does by it."""
+"""`openrois conformance`: what RoIS 2.0 and the wire require, and whether a gateway does it."""
 
 import argparse
 import asyncio

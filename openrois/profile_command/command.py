@@ -1,4 +1,4 @@
-"""`openrois profile export` and `openrois profile import`."""
+"""`openrois profile`: profiles as the XML of the standard or the JSON of the wire, written and read."""
 
 import argparse
 import asyncio

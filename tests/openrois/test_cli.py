@@ -1,8 +1,10 @@
 """The `openrois` command finds its sub-commands among the entry points."""
 
+import re
 import subprocess
 import sys
-from importlib.metadata import entry_points
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
 
 import pytest
 
@@ -14,7 +16,30 @@ from openrois.version import __version__
 def test_usage_names_every_command(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     assert main(arguments) == 0
     shown = capsys.readouterr().out
-    assert all(f"openrois {entry.name}\n" in shown for entry in entry_points(group="openrois.commands"))
+    for entry in entry_points(group="openrois.commands"):
+        assert re.search(rf"^  {entry.name} +\w.+\w$", shown, re.MULTILINE), entry.name
+    assert re.search(r"^  gateway +run a gateway until it is told to stop$", shown, re.MULTILINE)
+
+
+@pytest.mark.parametrize("text", ["import gone\n", '"""Dances."""', '"""', None])
+def test_a_command_that_does_not_describe_itself_is_named(
+    text: str | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    if text is not None:
+        (tmp_path / "dancing.py").write_text(text, encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    entry = EntryPoint("dance", "dancing:main", "openrois.commands")
+    monkeypatch.setattr("openrois.cli.entry_points", lambda *, group: [entry])
+    assert main([]) == 0
+    assert "\n  dance\n" in capsys.readouterr().out
+
+
+def test_the_list_of_commands_imports_none() -> None:
+    script = (
+        "import sys; from openrois.cli import main; main([]); print([m for m in sys.modules if m in ('av', 'aiohttp')])"
+    )
+    shown = subprocess.run([sys.executable, "-c", script], capture_output=True, check=True, text=True, timeout=20)
+    assert shown.stdout.splitlines()[-1] == "[]"
 
 
 def test_version(capsys: pytest.CaptureFixture[str]) -> None:
