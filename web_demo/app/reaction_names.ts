@@ -1,6 +1,6 @@
 /** Names and pictures for reactions. The numbers are those of the standard's Annex D; unknown ones keep their code. */
 
-import { BODY } from "./reaction_icons.ts";
+import { BODY, UNKNOWN } from "./reaction_icons.ts";
 
 export interface ReactionLook {
   /** The last part of the identifier: `1` of `urn:x-rois:def:reaction:OMG::1`. */
@@ -10,37 +10,42 @@ export interface ReactionLook {
   readonly path: string;
 }
 
-const ANNEX_D: Readonly<Record<string, string>> = {
-  "1": "nod",
-  "2": "tilt",
-  "3": "shake_head",
-  "9": "bow",
-  "10": "shake_hands",
-  "50": "glance_at_watch",
-};
+const ANNEX_D: ReadonlyMap<string, string> = new Map(
+  Object.entries({
+    "1": "nod",
+    "2": "tilt",
+    "3": "shake_head",
+    "9": "bow",
+    "10": "shake_hands",
+    "50": "glance_at_watch",
+  }),
+);
 
-const NAMES: Readonly<Record<string, string>> = {
-  nod: "Nod",
-  tilt: "Tilt head",
-  shake_head: "Shake head",
-  bow: "Bow",
-  wave: "Wave",
-  look_around: "Look around",
-  shrug: "Shrug",
-  clap: "Clap",
-  raise_hand: "Raise hand",
-  surprise: "Surprise",
-  shake_hands: "Shake hands",
-  glance_at_watch: "Check watch",
-};
+const NAMES: ReadonlyMap<string, string> = new Map(
+  Object.entries({
+    nod: "Nod",
+    tilt: "Tilt head",
+    shake_head: "Shake head",
+    bow: "Bow",
+    wave: "Wave",
+    look_around: "Look around",
+    shrug: "Shrug",
+    clap: "Clap",
+    raise_hand: "Raise hand",
+    surprise: "Surprise",
+    shake_hands: "Shake hands",
+    glance_at_watch: "Check watch",
+  }),
+);
 
 /** Returns how a reaction is shown. */
 export function reactionLook(reactionRef: string): ReactionLook {
   const code = reactionRef.split(":").at(-1) ?? reactionRef;
-  const key = ANNEX_D[code] ?? code;
+  const key = ANNEX_D.get(code) ?? code;
   const spoken = key.replaceAll(/[_-]+/g, " ").trim();
-  const name = NAMES[key] ?? (/^\d+$/.test(code) ? `Reaction ${code}` : capitalized(spoken || reactionRef));
-  return { code, name, path: BODY[key] ?? BODY["unknown"] ?? "" };
+  const name =
+    NAMES.get(key) ?? (/^\d+$/.test(code) ? `Reaction ${code}` : capitalized(spoken || reactionRef));
+  return { code, name, path: BODY.get(key) ?? UNKNOWN };
 }
 
 /** Returns the number of columns that leaves the fewest places empty; of equals, the one named first. */

@@ -4,24 +4,26 @@ export type FieldKind = "integer" | "number" | "truth" | "status" | "time" | "te
 
 export const STATUSES = ["UNINITIALIZED", "READY", "BUSY", "WARNING", "ERROR"] as const;
 
-const KINDS: Readonly<Record<string, FieldKind>> = {
-  int: "integer",
-  integer: "integer",
-  long: "integer",
-  short: "integer",
-  float: "number",
-  double: "number",
-  bool: "truth",
-  boolean: "truth",
-  component_status: "status",
-  datetime: "time",
-};
+const KINDS: ReadonlyMap<string, FieldKind> = new Map<string, FieldKind>(
+  Object.entries({
+    int: "integer",
+    integer: "integer",
+    long: "integer",
+    short: "integer",
+    float: "number",
+    double: "number",
+    bool: "truth",
+    boolean: "truth",
+    component_status: "status",
+    datetime: "time",
+  }),
+);
 
 /** Returns what a type is edited with. A type that is not known is text. */
 export function fieldKind(code: string): FieldKind {
   if (code.endsWith("[][]")) return "nested";
   if (code.endsWith("[]")) return "list";
-  return KINDS[code.toLowerCase()] ?? "text";
+  return KINDS.get(code.toLowerCase()) ?? "text";
 }
 
 /** Returns the type of a list's items. */

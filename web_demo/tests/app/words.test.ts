@@ -15,6 +15,7 @@ describe("reactionLook", () => {
     ["urn:x-rois:def:reaction:OMG::37", "37", "Reaction 37"],
     ["urn:x-rois:def:reaction:OpenRoIS::look_around", "look_around", "Look around"],
     ["urn:x-rois:def:reaction:Somebody::do-a-flip", "do-a-flip", "Do a flip"],
+    ["urn:x-rois:def:reaction:Somebody::constructor", "constructor", "Constructor"],
     ["plain", "plain", "Plain"],
     ["odd::", "", "Odd::"],
   ])("%s", (reactionRef, code, name) => {

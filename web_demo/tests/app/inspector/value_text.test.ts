@@ -23,6 +23,8 @@ describe("fieldKind", () => {
     ["String", "text"],
     ["Something_Else", "text"],
     ["", "text"],
+    ["constructor", "text"],
+    ["__proto__", "text"],
     ["int[]", "list"],
     ["Unknown[]", "list"],
     ["int[][]", "nested"],
