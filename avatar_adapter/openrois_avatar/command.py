@@ -10,11 +10,11 @@ from typing import Final
 import cv2
 import uvloop
 from openrois_streaming.aiortc_seams import UnsupportedLibrary
-from websockets.exceptions import InvalidURI
 
 from openrois.dialer import serve_parent
 from openrois.errors import BadParameter
 from openrois.logs import set_up_logging
+from openrois.transport.address import adapter_url
 from openrois_avatar.adapter import run_avatar
 from openrois_avatar.game_engines import NoGameEngine
 from openrois_avatar.link.messages import LinkError
@@ -30,18 +30,22 @@ def main(arguments: Sequence[str]) -> int:
     """Run the command and return its exit status: 0 when stopped, 1 when it could not start, 2 for wrong usage."""
     defaults = AvatarSettings()
     parser = argparse.ArgumentParser(prog="openrois avatar", description="An avatar behind a gateway.")
-    parser.add_argument("--gateway", default=defaults.gateway, metavar="URL", help="(%(default)s)")
+    parser.add_argument("--gateway", default=defaults.gateway, metavar="URL", help="where it is (%(default)s)")
     parser.add_argument("--engine-id", default=defaults.engine_id, help="unique behind its gateway (%(default)s)")
     parser.add_argument("--engine", choices=ENGINES, default=defaults.engine, help="what renders it (%(default)s)")
     parser.add_argument("--verbose", action="store_true", help="log more")
     chosen = parser.parse_args(arguments)
+    try:
+        gateway = adapter_url(chosen.gateway)
+    except ValueError as error:
+        parser.error(str(error))
     set_up_logging(verbose=chosen.verbose)
     sys.setswitchinterval(_SWITCH_INTERVAL)
     # Each picture is small and each encoder has a thread already: OpenCV's own threads would only wait for each other.
     cv2.setNumThreads(1)
     try:
-        uvloop.run(_run(AvatarSettings(chosen.gateway, chosen.engine_id, chosen.engine)))
-    except (NoGameEngine, LinkError, UnsupportedLibrary, InvalidURI, BadParameter) as error:
+        uvloop.run(_run(AvatarSettings(gateway, chosen.engine_id, chosen.engine)))
+    except (NoGameEngine, LinkError, UnsupportedLibrary, BadParameter) as error:
         print(f"openrois avatar: {error}", file=sys.stderr)
         return 1
     return 0

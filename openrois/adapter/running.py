@@ -8,9 +8,6 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 from typing import Final
 
-from websockets.exceptions import InvalidURI
-from websockets.uri import parse_uri
-
 from openrois.adapter.lifecycle import connected
 from openrois.application import EngineHost
 from openrois.component import Component
@@ -20,6 +17,7 @@ from openrois.engine import Engine
 from openrois.logs import set_up_logging
 from openrois.registry import LocalRegistry
 from openrois.tasks import TaskScope
+from openrois.transport.address import adapter_url
 
 __all__ = ["GATEWAY", "GATEWAY_VARIABLE", "hosted", "run", "serve"]
 
@@ -64,20 +62,17 @@ async def serve(*components: Component, engine_id: str, gateway: str | None = No
     Args:
         components: each with a name of its own.
         engine_id: unique behind its gateway; leads every component_ref.
-        gateway: its address, `ws://host:port/adapter`; unless given that of the environment (`OPENROIS_GATEWAY`), or
-            else `ws://127.0.0.1:8765/adapter`.
+        gateway: its address, `ws://host:port/adapter` or the `http://host:port/` that it prints; unless given that of
+            the environment (`OPENROIS_GATEWAY`), or else `ws://127.0.0.1:8765/adapter`.
 
     Raises:
         BadParameter: `engine_id` or a component's name cannot be part of a reference, or a name stands twice.
-        ValueError: `gateway` is no WebSocket address.
+        ValueError: `gateway` is no address of a gateway.
     """
     address = gateway or os.environ.get(GATEWAY_VARIABLE) or GATEWAY
-    try:
-        parse_uri(address)
-    except InvalidURI:
-        raise ValueError(f"{address!r} is no address of a gateway; one looks like {GATEWAY}") from None
+    url = adapter_url(address)
     async with hosted(engine_id, *components) as host, TaskScope() as tasks:
-        tasks.start(serve_parent(host, address))
+        tasks.start(serve_parent(host, url))
         yield host
 
 
@@ -89,13 +84,13 @@ def run(*components: Component, engine_id: str, gateway: str | None = None, verb
     Args:
         components: each with a name of its own.
         engine_id: unique behind its gateway; leads every component_ref.
-        gateway: its address, `ws://host:port/adapter`; unless given that of the environment (`OPENROIS_GATEWAY`), or
-            else `ws://127.0.0.1:8765/adapter`.
+        gateway: its address, `ws://host:port/adapter` or the `http://host:port/` that it prints; unless given that of
+            the environment (`OPENROIS_GATEWAY`), or else `ws://127.0.0.1:8765/adapter`.
         verbose: log more.
 
     Raises:
         BadParameter: `engine_id` or a component's name cannot be part of a reference, or a name stands twice.
-        ValueError: `gateway` is no WebSocket address.
+        ValueError: `gateway` is no address of a gateway.
     """
     set_up_logging(verbose=verbose)
     with suppress(KeyboardInterrupt):

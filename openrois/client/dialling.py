@@ -2,34 +2,18 @@
 
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
-from urllib.parse import urlsplit
 
 from websockets.exceptions import InvalidHandshake, InvalidStatus
 
 from openrois.client.errors import ConnectionFailed
+from openrois.transport.address import gateway_url
 from openrois.transport.stream import MessageStream
 from openrois.transport.websocket import dial
 
-__all__ = ["Dial", "gateway_url", "websocket"]
+__all__ = ["Dial", "websocket"]
 
 Dial = Callable[[], AbstractAsyncContextManager[MessageStream]]
 """Opens a connection for as long as the block runs; raises `OSError` or `TimeoutError` where there is none."""
-
-_SCHEMES = {"http": "ws", "https": "wss", "ws": "ws", "wss": "wss"}
-
-
-def gateway_url(url: str) -> str:
-    """Return the WebSocket address of a gateway; what the gateway prints, `http://...`, is one too.
-
-    Raises:
-        ValueError: it is no address, or carries a password.
-    """
-    parts = urlsplit(url)
-    if parts.scheme not in _SCHEMES or not parts.hostname:
-        raise ValueError(f"{url!r} is no address of a gateway, such as ws://127.0.0.1:8765/")
-    if parts.username is not None:
-        raise ValueError("credentials do not belong in an address, where logs would keep them: give a token")
-    return parts._replace(scheme=_SCHEMES[parts.scheme], path=parts.path or "/", fragment="").geturl()
 
 
 def websocket(url: str, token: str | None = None) -> Dial:
@@ -40,7 +24,7 @@ def websocket(url: str, token: str | None = None) -> Dial:
         token: a JSON Web Token; it travels in the `Authorization` header.
 
     Raises:
-        ValueError: `url` is no address of a gateway.
+        ValueError: `url` is no address of a gateway, or carries a password.
     """
     address = gateway_url(url)
     headers = {} if token is None else {"Authorization": f"Bearer {token}"}

@@ -3,19 +3,20 @@
 import argparse
 import asyncio
 import json
+import os
 import shutil
 import sys
 from collections.abc import Sequence
 from fnmatch import fnmatch
 from pathlib import Path
 from typing import Any
-from urllib.parse import urlsplit
 
 from openrois.conformance import report, table
 from openrois.conformance.checks import ALL_CHECKS
 from openrois.conformance.deviation import Deviation
 from openrois.conformance.manifest import Area, Requirement, read_manifest
 from openrois.conformance.suite import Verdict, Visit, run_checks, visit
+from openrois.transport.address import gateway_url
 
 __all__ = ["main"]
 
@@ -40,6 +41,10 @@ def main(arguments: Sequence[str]) -> int:
         if chosen.url is not None:
             return asyncio.run(_try(chosen, areas))
         return _print(chosen, areas)
+    except BrokenPipeError:
+        # Whoever reads has seen enough. What is left to be flushed when Python ends has to go somewhere.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 0
     except OSError as error:
         print(f"openrois conformance: {error}", file=sys.stderr)
         return 1
@@ -71,8 +76,11 @@ def _read(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the manifest, or the run, as JSON, too")
     parser.add_argument("--markdown", action="store_true", help="print the manifest in Markdown")
     chosen = parser.parse_args(arguments)
-    if chosen.url is not None and urlsplit(chosen.url).scheme not in ("ws", "wss"):
-        parser.error(f"{chosen.url!r} is no address of a WebSocket, such as ws://127.0.0.1:8765/")
+    if chosen.url is not None:
+        try:
+            chosen.url = gateway_url(chosen.url)
+        except ValueError as error:
+            parser.error(str(error))
     if not 0 < chosen.timeout <= 60:
         parser.error("a wait takes more than 0 and at most 60 seconds")
     if chosen.url is not None and chosen.markdown:

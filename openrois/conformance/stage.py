@@ -110,6 +110,8 @@ class Stage:
         )
         try:
             socket = await self.stack.enter_async_context(opened)
+        except ConnectionRefusedError:
+            raise Deviation("an application to be let in", "no answer: nothing listens there") from None
         except (OSError, InvalidHandshake, TimeoutError) as error:
             raise Deviation("an application to be let in", str(error)) from None
         name = f"application {len(self._applications) + 1}"

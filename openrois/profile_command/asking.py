@@ -5,10 +5,11 @@ from collections.abc import Mapping
 from typing import Any, Final
 
 from pydantic import ValidationError
-from websockets.exceptions import InvalidHandshake, InvalidURI
+from websockets.exceptions import InvalidHandshake
 
 from openrois.jsonrpc.session import CALL_TIMEOUT, RpcError, RpcSession, SessionClosed
 from openrois.profile_command.problems import problem
+from openrois.transport.address import gateway_url
 from openrois.transport.websocket import dial
 from openrois.types.codes import ReturnCode
 from openrois.types.messages import ProfileResult
@@ -26,7 +27,7 @@ async def ask_profiles(url: str, component_ref: str = "", *, timeout: float = CA
     """Return what `get_profile` answers at `url`.
 
     Args:
-        url: `ws://host:port/` of a gateway.
+        url: of a gateway, as `gateway_url` takes it.
         component_ref: the one component to ask for; empty for all.
         timeout: seconds to wait for each answer.
 
@@ -35,7 +36,7 @@ async def ask_profiles(url: str, component_ref: str = "", *, timeout: float = CA
     """
     condition = "component_ref = '" + component_ref.replace("'", "''") + "'" if component_ref else ""
     try:
-        async with dial(url) as stream:
+        async with dial(gateway_url(url)) as stream:
             session = RpcSession(stream, call_timeout=timeout)
             running = asyncio.ensure_future(session.run())
             try:
@@ -45,13 +46,14 @@ async def ask_profiles(url: str, component_ref: str = "", *, timeout: float = CA
             finally:
                 await session.close()
                 await asyncio.wait({running})
-    except (InvalidURI, ValueError):
-        # A port beyond all ports is a ValueError of the library below.
-        raise NoProfile(f"{url!r} is no address of a gateway, such as ws://127.0.0.1:8765/") from None
+    except ValueError as error:
+        raise NoProfile(str(error)) from None
     except TimeoutError:
         raise NoProfile(f"{url} does not answer in time") from None
     except ConnectionRefusedError:
-        raise NoProfile(f"no gateway is reached at {url}: nothing listens there") from None
+        raise NoProfile(
+            f"no gateway is reached at {url}: nothing listens there (`openrois gateway` starts one)"
+        ) from None
     except OSError as error:
         raise NoProfile(f"no gateway is reached at {url}: {error.strerror or error}") from None
     except (InvalidHandshake, SessionClosed, RpcError) as error:

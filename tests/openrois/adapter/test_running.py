@@ -77,7 +77,11 @@ class TestServe:
             async with serve(Lamp(), engine_id="robot"):
                 await until(running.engine, lambda ids: "robot" in ids)
 
-    @pytest.mark.parametrize("wrong", ["http://127.0.0.1:8765/adapter", "127.0.0.1", "ws://"])
+    async def test_what_the_gateway_prints_is_its_address(self) -> None:
+        async with gateway() as running, serve(Lamp(), engine_id="robot", gateway=running.url):
+            await until(running.engine, lambda ids: "robot" in ids)
+
+    @pytest.mark.parametrize("wrong", ["ftp://127.0.0.1:8765/adapter", "127.0.0.1", "ws://"])
     async def test_an_address_that_is_none(self, wrong: str) -> None:
         with pytest.raises(ValueError, match="no address of a gateway"):
             async with serve(Lamp(), engine_id="robot", gateway=wrong):

@@ -18,7 +18,6 @@ from websockets.http11 import Request, Response
 
 from openrois.client import Client, Connected, ConnectionFailed, Disconnected, ProfileChanged, Reconnect
 from openrois.client.components import PersonDetection
-from openrois.client.dialling import gateway_url
 from openrois.gateway.server import run_gateway
 from openrois.gateway.settings import GatewaySettings
 from openrois.transport import websocket
@@ -33,20 +32,6 @@ def free_port() -> int:
         listening.bind(("127.0.0.1", 0))
         port: int = listening.getsockname()[1]
         return port
-
-
-@pytest.mark.parametrize(
-    ("given", "address"),
-    [
-        ("ws://127.0.0.1:8765/", "ws://127.0.0.1:8765/"),
-        ("ws://127.0.0.1:8765", "ws://127.0.0.1:8765/"),
-        ("http://localhost:8765/", "ws://localhost:8765/"),
-        ("https://robots.example/rois?site=1#top", "wss://robots.example/rois?site=1"),
-        ("wss://[::1]:8765/", "wss://[::1]:8765/"),
-    ],
-)
-def test_what_a_gateway_prints_is_its_address(given: str, address: str) -> None:
-    assert gateway_url(given) == address
 
 
 @pytest.mark.parametrize("given", ["", "127.0.0.1:8765", "ftp://127.0.0.1/", "ws://", "localhost"])

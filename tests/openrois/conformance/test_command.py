@@ -2,6 +2,8 @@
 
 import asyncio
 import json
+import os
+import subprocess
 import sys
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
@@ -40,6 +42,14 @@ class TestManifest:
         named = [line.split(":")[0].strip() for line in lines[at + 1 :]]
         assert [requirement.id for requirement in gaps if requirement.id not in named] == []
         assert all(len(line) <= 100 for line in lines if line.startswith("    "))
+
+    def test_who_reads_may_have_seen_enough(self) -> None:
+        reader, writer = os.pipe()
+        os.close(reader)
+        program = [sys.executable, "-m", "openrois.cli", "conformance"]
+        ended = subprocess.run(program, stdout=writer, stderr=subprocess.PIPE, check=False, timeout=30)
+        os.close(writer)
+        assert (ended.returncode, ended.stderr) == (0, b"")
 
     def test_part_of_it(self, capsys: pytest.CaptureFixture[str]) -> None:
         assert command.main(["--only", "query.*"]) == 0
@@ -146,7 +156,7 @@ async def trying() -> AsyncIterator[str]:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["--url", "http://127.0.0.1:8765/"], "no address of a WebSocket"),
+        (["--url", "127.0.0.1:8765"], "no address of a gateway"),
         (["--timeout", "0"], "more than 0"),
         (["--url", "ws://x/", "--markdown"], "--markdown is for the manifest"),
     ],

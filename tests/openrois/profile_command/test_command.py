@@ -198,11 +198,8 @@ class TestNoGateway:
         with socket.create_server(("127.0.0.1", 0)) as closed:
             url = f"ws://127.0.0.1:{closed.getsockname()[1]}/"
         status, out, err = await run("export", "--url", url)
-        assert (status, out, err) == (
-            1,
-            "",
-            f"openrois profile: no gateway is reached at {url}: nothing listens there\n",
-        )
+        said = f"no gateway is reached at {url}: nothing listens there (`openrois gateway` starts one)"
+        assert (status, out, err) == (1, "", f"openrois profile: {said}\n")
 
     async def test_no_such_host(self, run: Run) -> None:
         status, _, err = await run("export", "--url", "ws://host.invalid/")
