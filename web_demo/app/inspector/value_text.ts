@@ -87,10 +87,19 @@ function itemMisfit(type: string, item: unknown): string | null {
 
 /** Returns the items of a list, each as a text of its own; null when the text is no JSON array. */
 export function listItems(text: string): string[] | null {
-  const items = parsed(text);
+  const items: unknown = parsed(text);
   if (!Array.isArray(items)) return null;
-  return items.map((item: unknown) => (typeof item === "string" ? item : JSON.stringify(item)));
+  // Numbers as they are written: JavaScript's have fewer digits.
+  const written = items.some(isComposed) ? [] : (text.match(ITEM) ?? []);
+  return items.map((item: unknown, index) =>
+    typeof item === "string" ? item : (written[index] ?? JSON.stringify(item)),
+  );
 }
+
+/** One item of a list that has no lists or objects in it. */
+const ITEM = /"(?:[^"\\]|\\.)*"|[^\s,[\]]+/g;
+
+const isComposed = (item: unknown): boolean => typeof item === "object" && item !== null;
 
 /** Returns the text of a list of these items; what does not fit its type stands in it as text. */
 export function listText(code: string, items: readonly string[]): string {
@@ -104,7 +113,8 @@ export function listText(code: string, items: readonly string[]): string {
 export function sameValue(code: string, one: string, other: string): boolean {
   if (one === other || !code.endsWith("[]")) return one === other;
   const [first, second] = [parsed(one), parsed(other)];
-  return first !== undefined && JSON.stringify(first) === JSON.stringify(second);
+  if (first === undefined || JSON.stringify(first) !== JSON.stringify(second)) return false;
+  return JSON.stringify(listItems(one)) === JSON.stringify(listItems(other));
 }
 
 function parsed(text: string): unknown {

@@ -94,6 +94,15 @@ describe("lists", () => {
     expect(listItems(text)).toEqual(items);
   });
 
+  it("keep every digit of a number", () => {
+    const written = [" [12345678901234567890 ,1.0,\t-2e3]", '["]1,\\"", true, null]', "[[1.0], {}]"];
+    expect(written.map(listItems)).toEqual([
+      ["12345678901234567890", "1.0", "-2e3"],
+      [']1,"', "true", "null"],
+      ["[1]", "{}"],
+    ]);
+  });
+
   it("are not what is no JSON array", () => {
     expect([listItems(""), listItems("{}"), listItems("a")]).toEqual([null, null, null]);
     expect(itemType("int[][]")).toBe("int[]");
@@ -106,6 +115,8 @@ describe("sameValue", () => {
     ["string[]", "[]", "", false],
     ["string[]", "", "", true],
     ["int", "1", "01", false],
+    ["int[]", "[12345678901234567890]", "[12345678901234567891]", false],
+    ["int[]", '["1"]', "[1]", false],
     ["string", "[ ]", "[]", false],
   ])("of %s %j and %j is %s", (code, one, other, same) => {
     expect(sameValue(code, one, other)).toBe(same);
