@@ -12,12 +12,18 @@ __all__ = ["Outbox", "OutboxOverflow"]
 
 _log = logging.getLogger(__name__)
 
-CONTROL_LIMIT: Final = 1024
+CONTROL_LIMIT: Final = 4096
 """Messages that may wait, events aside: replies, completions, what streams and signaling tell. They are never dropped:
 one more ends the connection."""
 
+CONTROL_TEXT: Final = 16 * 1024 * 1024
+"""Characters of them all: a profile is long enough for a few to fill a memory. One alone may be longer."""
+
 EVENT_LIMIT: Final = 256
 """Events that may wait. One more drops the oldest waiting event; order never changes."""
+
+EVENT_TEXT: Final = 4 * 1024 * 1024
+"""Characters of them all."""
 
 
 class OutboxOverflow(Exception):
@@ -29,6 +35,31 @@ def _silence(_dropped: int) -> str | None:
     return None
 
 
+class _Lane:
+    """Messages of one kind that wait, each with its number in the order of all."""
+
+    def __init__(self, most: int, most_text: int) -> None:
+        self.entries: deque[tuple[int, str]] = deque()
+        self._most = most
+        self._most_text = most_text
+        self._text = 0
+
+    def has_room_for(self, text: str) -> bool:
+        return not self.entries or (len(self.entries) < self._most and self._text + len(text) <= self._most_text)
+
+    def is_half_empty(self) -> bool:
+        return len(self.entries) * 2 < self._most and self._text * 2 < self._most_text
+
+    def put(self, number: int, text: str) -> None:
+        self.entries.append((number, text))
+        self._text += len(text)
+
+    def take(self) -> str:
+        _, text = self.entries.popleft()
+        self._text -= len(text)
+        return text
+
+
 class Outbox:
     """Messages on their way out, in the order they were put, within two budgets.
 
@@ -37,13 +68,14 @@ class Outbox:
     """
 
     def __init__(self, control_limit: int = CONTROL_LIMIT, event_limit: int = EVENT_LIMIT) -> None:
-        self._control_limit = control_limit
-        self._event_limit = event_limit
-        self._entries: deque[tuple[str, bool]] = deque()
-        self._events = 0
+        self._control = _Lane(control_limit, CONTROL_TEXT)
+        self._events = _Lane(event_limit, EVENT_TEXT)
+        self._put = 0
         self._ready = asyncio.Event()
         self._empty = asyncio.Event()
         self._empty.set()
+        self._roomy = asyncio.Event()
+        self._closed = False
         self.gap: Callable[[int], str | None] = _silence
         self._missing = 0
         self._dropped = Tally(_log, "events dropped because a reader is too slow", logging.WARNING)
@@ -54,7 +86,7 @@ class Outbox:
         return self._dropped.count
 
     def __len__(self) -> int:
-        return len(self._entries)
+        return len(self._control.entries) + len(self._events.entries)
 
     def put(self, text: str, *, droppable: bool = False) -> None:
         """Append one message.
@@ -66,36 +98,46 @@ class Outbox:
         Raises:
             OutboxOverflow: a control message no longer fits.
         """
-        if droppable:
-            if self._events >= self._event_limit:
-                self._drop_oldest_event()
-            self._events += 1
-        elif len(self._entries) - self._events >= self._control_limit:
-            raise OutboxOverflow(f"{self._control_limit} control messages wait to be read")
-        self._entries.append((text, droppable))
+        lane = self._events if droppable else self._control
+        while not lane.has_room_for(text):
+            if not droppable:
+                raise OutboxOverflow(f"{len(lane.entries)} control messages wait to be read")
+            lane.take()
+            self._missing += 1
+            self._dropped.note()
+        self._put += 1
+        lane.put(self._put, text)
         self._ready.set()
         self._empty.clear()
 
-    def _drop_oldest_event(self) -> None:
-        oldest = next(index for index, (_, droppable) in enumerate(self._entries) if droppable)
-        del self._entries[oldest]
-        self._events -= 1
-        self._missing += 1
-        self._dropped.note()
-
     async def get(self) -> str:
         """Wait for the next message to send and take it."""
-        while not self._entries:
+        while not len(self):
             self._empty.set()
             self._ready.clear()
             await self._ready.wait()
-        if self._missing and self._entries[0][1]:
+        control, events = self._control.entries, self._events.entries
+        if not events or (control and control[0] < events[0]):
+            text = self._control.take()
+            if self._control.is_half_empty():
+                self._roomy.set()
+            return text
+        if self._missing:
             missing, self._missing = self._missing, 0
             if (notice := self.gap(missing)) is not None:
                 return notice
-        text, droppable = self._entries.popleft()
-        self._events -= droppable
-        return text
+        return self._events.take()
+
+    async def room(self) -> None:
+        """Wait until one may ask: half of what may wait is kept for what cannot be put off. Closed, it returns."""
+        while not self._closed and not self._control.is_half_empty():
+            self._roomy.clear()
+            await self._roomy.wait()
+
+    def close(self) -> None:
+        """Let go of everybody who waits for room: nothing more will be sent."""
+        self._closed = True
+        self._roomy.set()
 
     async def drained(self) -> None:
         """Wait until the last message was taken and the taker asks for another."""

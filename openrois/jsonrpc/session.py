@@ -149,6 +149,7 @@ class RpcSession:
         finally:
             self._closed = self._closed or StreamClosed(1006)
             self._calls.fail(str(self._closed))
+            self.outbox.close()
         return self._closed
 
     async def close(self, code: int = 1000, reason: str = "") -> None:
@@ -262,7 +263,7 @@ class RpcSession:
         Args:
             name: the method.
             params: its params.
-            timeout: seconds to wait at most, `call_timeout` unless given.
+            timeout: seconds to wait at most, for room to ask as for the answer; `call_timeout` unless given.
             on_result: called with the result before any later message of the other side is looked at.
             on_late: called with a result that comes after the caller gave up, by timeout or cancellation; without it
                 such a result is dropped.
@@ -275,15 +276,17 @@ class RpcSession:
             SessionClosed: the connection ended first.
             TimeoutError: no answer in time.
         """
-        if self._closed is not None:
-            raise SessionClosed(str(self._closed))
-        request_id, text, answer = self._calls.open(name, params, on_result, on_late)
-        try:
-            self._put(text)
-            async with asyncio.timeout(self.call_timeout if timeout is None else timeout):
+        async with asyncio.timeout(self.call_timeout if timeout is None else timeout):
+            # A question can wait: many at once may not end the connection, as answers that nobody reads do.
+            await self.outbox.room()
+            if self._closed is not None:
+                raise SessionClosed(str(self._closed))
+            request_id, text, answer = self._calls.open(name, params, on_result, on_late)
+            try:
+                self._put(text)
                 return await answer
-        finally:
-            self._calls.abandon(request_id)
+            finally:
+                self._calls.abandon(request_id)
 
     def post(self, name: str, params: Mapping[str, Any]) -> None:
         """Ask and let the answer be dropped; nothing happens when the connection has ended."""

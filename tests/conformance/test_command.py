@@ -1,9 +1,12 @@
 """The Command interface: reservation, parameters, sequences, results."""
 
+import asyncio
+from contextlib import AsyncExitStack
 from typing import Any
 
 import pytest
 
+from openrois.command_log import MAX_RUNNING
 from openrois.gateway.server import Gateway
 from tests.support import deployment
 from tests.support.deployment import Adapter, Application, Robot
@@ -359,3 +362,36 @@ async def test_what_is_left_of_a_sequence_runs_on_what_nobody_has_bound(app: App
     await app.ask("rois.command.release", component_ref=LAMP)
     robot.door.may_answer.set()
     assert await app.completed("open", "late") == {"open": "OK", "late": "OK"}
+
+
+class TestVeryMany:
+    """As many commands as one application may have at a time."""
+
+    IDS = tuple(str(number) for number in range(MAX_RUNNING))
+
+    async def begin(self, app: Application) -> None:
+        for first in range(0, MAX_RUNNING, MAX_RUNNING // 2):
+            units = [unit(command_id, "open", DOOR) for command_id in self.IDS[first : first + MAX_RUNNING // 2]]
+            assert await execute(app, {"command_list": units}) == "OK"
+
+    async def test_their_adapter_stays_however_many_start_at_once(
+        self, gateway: Gateway, robot: Robot, other: Application, stack: AsyncExitStack
+    ) -> None:
+        robot.door.may_answer.clear()
+        apps = [await stack.enter_async_context(deployment.application(gateway)) for _ in range(4)]
+        await asyncio.gather(*(self.begin(app) for app in apps))
+        robot.door.may_answer.set()
+        for app in apps:
+            assert set((await app.completed(*self.IDS)).values()) <= {"OK", "OUT_OF_RESOURCES"}
+        assert await other.settled() == []
+
+    async def test_their_application_stays_when_they_end_at_once(
+        self, app: Application, adapter: Adapter, robot: Robot
+    ) -> None:
+        robot.door.may_answer.clear()
+        await self.begin(app)
+        async with deployment.patience():
+            await robot.door.asked.wait()
+        await adapter.stop()
+        assert set((await app.completed(*self.IDS)).values()) == {"ERROR"}
+        assert await app.code("rois.system.connect") == "OK"

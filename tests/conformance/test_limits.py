@@ -55,12 +55,18 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
         (f"{TRANSPORT}::test_a_silent_side_is_cut", f"{TRANSPORT}::test_the_default_bounds"),
     ),
     "messages waiting to be sent on one connection, events aside": (
-        (outbox.CONTROL_LIMIT,),
-        (f"{HERE}::test_messages_that_wait", f"{TRANSPORT}::test_is_cut_off_and_costs_nobody_anything"),
+        (outbox.CONTROL_LIMIT, outbox.CONTROL_TEXT / MIB),
+        (
+            f"{HERE}::test_messages_that_wait",
+            f"{TRANSPORT}::test_is_cut_off_and_costs_nobody_anything",
+            "tests/openrois/jsonrpc/test_outbox.py::test_text_is_bounded_too",
+            "tests/conformance/test_command.py::test_their_adapter_stays_however_many_start_at_once",
+        ),
     ),
     "`notify_event` and `notify_error` waiting on one connection": (
-        (outbox.EVENT_LIMIT,),
+        (outbox.EVENT_LIMIT, outbox.EVENT_TEXT / MIB),
         (
+            "tests/openrois/jsonrpc/test_outbox.py::test_text_is_bounded_too",
             "tests/conformance/test_event.py::test_who_said_hello_is_told_how_many",
             f"{TRANSPORT}::test_loses_events_and_delays_nobody",
         ),

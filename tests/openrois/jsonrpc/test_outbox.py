@@ -98,3 +98,44 @@ async def test_drained_waits_until_the_taker_asks_for_more() -> None:
     async with asyncio.timeout(1):
         await draining
     taking.cancel()
+
+
+async def test_text_is_bounded_too(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("openrois.jsonrpc.outbox.CONTROL_TEXT", 10)
+    monkeypatch.setattr("openrois.jsonrpc.outbox.EVENT_TEXT", 10)
+    outbox = Outbox()
+    outbox.put("a" * 11)
+    with pytest.raises(OutboxOverflow):
+        outbox.put("b")
+    for text in ("c" * 5, "d" * 5, "e" * 6, "f" * 11):
+        outbox.put(text, droppable=True)
+    assert outbox.dropped == 3
+    assert await taken(outbox) == ["a" * 11, "f" * 11]
+    outbox.put("b" * 10)
+    assert await taken(outbox) == ["b" * 10]
+
+
+async def test_who_asks_waits_while_it_is_half_full() -> None:
+    outbox = Outbox(control_limit=4)
+    for text in ("a", "b", "c"):
+        async with asyncio.timeout(1):
+            await (outbox.room() if text != "c" else asyncio.sleep(0))
+        outbox.put(text)
+    waiting = asyncio.ensure_future(outbox.room())
+    for text in ("a", "b"):
+        await asyncio.sleep(0)
+        assert not waiting.done()
+        assert await outbox.get() == text
+    async with asyncio.timeout(1):
+        await waiting
+
+
+async def test_a_closed_one_keeps_nobody_waiting() -> None:
+    outbox = Outbox(control_limit=2)
+    outbox.put("a")
+    waiting = asyncio.ensure_future(outbox.room())
+    await asyncio.sleep(0)
+    outbox.close()
+    async with asyncio.timeout(1):
+        await waiting
+        await outbox.room()

@@ -7,7 +7,8 @@ from typing import Any
 import pytest
 
 from openrois.jsonrpc.calls import MAX_LATE
-from openrois.jsonrpc.session import RpcError
+from openrois.jsonrpc.outbox import Outbox
+from openrois.jsonrpc.session import RpcError, SessionClosed
 from tests.support.session import connected, echo, settle
 
 
@@ -153,3 +154,22 @@ async def test_post_asks_and_drops_the_answer(caplog: pytest.LogCaptureFixture) 
             await other.say(id="next", method="echo")
             assert (await other.hear())["id"] == "next"
     assert not caplog.records
+
+
+async def test_many_questions_at_once_wait_for_room() -> None:
+    async with connected(outbox=Outbox(control_limit=8), capacity=1) as other:
+        calls = [asyncio.ensure_future(other.session.call("m", {"n": n})) for n in range(50)]
+        await settle()
+        for _ in calls:
+            await other.say(id=(await other.hear())["id"], result={})
+        assert await asyncio.gather(*calls) == [{}] * 50
+
+
+async def test_a_question_that_waits_for_room_fails_with_the_connection() -> None:
+    async with connected(outbox=Outbox(control_limit=8), capacity=1) as other:
+        calls = [asyncio.ensure_future(other.session.call("m", {})) for _ in range(50)]
+        await settle()
+        other.stream.abort()
+        async with asyncio.timeout(5):
+            ended = await asyncio.gather(*calls, return_exceptions=True)
+        assert {type(end) for end in ended} == {SessionClosed}
