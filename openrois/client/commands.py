@@ -73,7 +73,8 @@ class Command(Generic[T]):
             return self._outcome
         if self._outcome in (None, CompletedStatus.OK):
             return None
-        return _ERRORS[self._outcome](f"{self.command_type} of {self.component_ref} ended {self._outcome}")
+        why = "; the log of its adapter says why" if self._outcome is CompletedStatus.ERROR else ""
+        return _ERRORS[self._outcome](f"{self.command_type} of {self.component_ref} ended {self._outcome}{why}")
 
     async def wait(self) -> None:
         """Wait until it has ended, however."""

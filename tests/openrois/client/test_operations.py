@@ -123,7 +123,7 @@ async def test_a_fault_is_told_and_asked_about(ground: Ground, client: Client) -
     await client.bind(LAMP)
     faults = client.notices(Fault)
     execution = await client.execute(unit("crash", "1"))
-    with pytest.raises(RoISError, match="crash of toys/lamp ended ERROR"):
+    with pytest.raises(RoISError, match="crash of toys/lamp ended ERROR; the log of its adapter says why"):
         await execution
     fault = await anext(faults)
     assert fault.error_type is ErrorType.COMPONENT_INTERNAL_ERROR
