@@ -25,6 +25,7 @@ __all__ = ["Connection", "ConnectionState", "Tenant"]
 _log = logging.getLogger(__name__)
 
 _FAREWELL: Final = 1.0
+_NO_HANDSHAKE: Final = 1006
 _TOKEN_ENDED: Final = 4401
 
 
@@ -232,8 +233,10 @@ class Connection:
                 raise ConnectionFailed(f"the gateway does not let this application in any more: {closed.reason}")
             delay = again.spread(backoff.after(again.clock() - began)) + asked_to_wait(closed)
             self.state = ConnectionState.WAITING
-            self._tenant.tell(Disconnected(str(closed), delay))
-            _log.info("%s; trying again in %.1f s", closed, delay)
+            # Of an attempt that failed the code is ours, and says nothing.
+            reason = closed.reason if closed.code == _NO_HANDSHAKE and closed.reason else str(closed)
+            self._tenant.tell(Disconnected(reason, delay))
+            _log.info("%s; trying again in %.1f s", reason, delay)
             await again.sleep(delay)
 
     async def _live_once(self, opened: asyncio.Future[None]) -> StreamClosed:
@@ -257,7 +260,7 @@ class Connection:
         except ConnectionFailed as error:
             if error.final or not opened.done():
                 raise
-            return StreamClosed(1006, str(error))
+            return StreamClosed(_NO_HANDSHAKE, str(error))
 
     async def _begin(self, stack: AsyncExitStack) -> tuple[RpcSession, "asyncio.Task[StreamClosed]"]:
         try:
