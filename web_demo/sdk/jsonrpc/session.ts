@@ -47,7 +47,7 @@ export class RpcError extends Error {
   readonly data: Json | undefined;
 
   constructor(error: ErrorObject, method: string) {
-    super(`${method}: ${error.message} (${error.code})`);
+    super(`${method}: ${error.message} (${error.code})${details(error.data)}`);
     this.code = error.code;
     this.method = method;
     this.data = error.data;
@@ -201,4 +201,11 @@ export class JsonRpcSession {
 function parsed(text: string): Json {
   const value: unknown = JSON.parse(text);
   return isObject(value) ? value : null;
+}
+
+/** What is wrong with params, `[{path, message}]`, as the end of a sentence; anybody may send anything as data. */
+function details(data: Json | undefined): string {
+  const wrong = (Array.isArray(data) ? data : []) as readonly ({ path?: Json; message?: Json } | null)[];
+  const told = wrong.slice(0, 3).map((each) => `${String(each?.path)}: ${String(each?.message)}`);
+  return told.length > 0 ? `: ${told.join("; ").slice(0, 300)}` : "";
 }

@@ -154,7 +154,7 @@ export class ComponentProxy<Parameters extends object = object, ReadOnly extends
 
   async #ended(commandType: string, commandId: string): Promise<void> {
     const { status } = await this.#client.completed(commandId);
-    if (status !== "OK") throw new CommandFailed(commandType, commandId, status);
+    if (status !== "OK") throw new CommandFailed(`${commandType} of ${this.componentRef}`, commandId, status);
   }
 }
 

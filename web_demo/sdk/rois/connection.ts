@@ -182,7 +182,9 @@ export class Connection {
 
 /** Returns the WebSocket address that belongs to `url`, which is read relative to the page. */
 export function gatewayUrl(url: string | URL, base: string | undefined = globalThis.location?.href): string {
-  const address = new URL(url, base);
+  const address = URL.canParse(url, base) ? new URL(url, base) : undefined;
+  if (!address || !/^(ws|http)s?:$/.test(address.protocol))
+    throw new TypeError(`"${url}" is no address of a gateway, such as ws://127.0.0.1:8765/`);
   address.protocol = address.protocol.replace(/^http/, "ws");
   address.hash = "";
   return address.href;

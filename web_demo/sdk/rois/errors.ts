@@ -23,8 +23,8 @@ export class CommandFailed extends Error {
   readonly status: CompletedStatus;
   readonly commandId: string;
 
-  constructor(commandType: string, commandId: string, status: CompletedStatus) {
-    super(`${commandType}: ${status}`);
+  constructor(command: string, commandId: string, status: CompletedStatus) {
+    super(`${command}: ${status}`);
     this.status = status;
     this.commandId = commandId;
   }

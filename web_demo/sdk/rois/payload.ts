@@ -39,7 +39,8 @@ export function encode<Payload>(types: Types<Payload>, payload: Partial<Payload>
     .filter(([, value]) => value !== undefined)
     .map(([name, value]) => {
       const type = known.get(name);
-      if (type === undefined) throw new ValueError(`there is no value ${name}`);
+      if (type === undefined)
+        throw new ValueError(`there is no value ${name}; there are: ${[...known.keys()].join(", ")}`);
       return {
         name,
         data_type_ref: code(type),

@@ -91,7 +91,10 @@ describe("commands", () => {
     completeAtOnce("ABORT");
     const failed = new Navigation(client, "robot/navigation").suspend();
     await expect(failed).rejects.toBeInstanceOf(CommandFailed);
-    await expect(failed).rejects.toMatchObject({ status: "ABORT", message: "suspend: ABORT" });
+    await expect(failed).rejects.toMatchObject({
+      status: "ABORT",
+      message: "suspend of robot/navigation: ABORT",
+    });
   });
 
   it("carry arguments and give results", async () => {
@@ -149,7 +152,9 @@ describe("parameters", () => {
       new ValueError('time_limit: "0.5" is not of type int'),
     );
     // @ts-expect-error: TypeScript knows that there is no such parameter
-    await expect(navigation.setParameter({ colour: "red" })).rejects.toThrow(/there is no value colour/);
+    await expect(navigation.setParameter({ colour: "red" })).rejects.toThrow(
+      /there is no value colour; there are: target_positions, /,
+    );
     expect(gateway.called("rois.command.set_parameter")).toEqual([]);
   });
 });

@@ -184,6 +184,15 @@ describe("reconnecting", () => {
 });
 
 describe("gatewayUrl", () => {
+  it.each(["", "127.0.0.1:8765", "localhost:8765", "ftp://127.0.0.1/", "ws://"])(
+    "says that %j is none",
+    (url) => {
+      expect(() => gatewayUrl(url, undefined)).toThrow(
+        new TypeError(`"${url}" is no address of a gateway, such as ws://127.0.0.1:8765/`),
+      );
+    },
+  );
+
   it.each([
     ["./", "http://127.0.0.1:8765/", "ws://127.0.0.1:8765/"],
     ["./", "https://robots.example/room/index.html#top", "wss://robots.example/room/"],

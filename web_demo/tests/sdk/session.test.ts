@@ -1,4 +1,5 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import type { Json } from "../../sdk/jsonrpc/peer.ts";
 import type { Traffic } from "../../sdk/jsonrpc/session.ts";
 import { ConnectionLost, JsonRpcSession, RequestTimeout, RpcError } from "../../sdk/jsonrpc/session.ts";
 import { FakeSocket } from "../support/fake_gateway.ts";
@@ -29,6 +30,22 @@ describe("JsonRpcSession", () => {
     await expect(good).resolves.toBe(5);
     await expect(bad).rejects.toMatchObject({ name: "RpcError", code: -32602, method: "b", data: [] });
     await expect(bad).rejects.toBeInstanceOf(RpcError);
+    const told: [Json | undefined, string][] = [
+      [
+        [
+          { path: "name", message: "is missing" },
+          { path: "x", message: "is unknown" },
+        ],
+        ": name: is missing; x: is unknown",
+      ],
+      [[null, 7], ": undefined: undefined; undefined: undefined"],
+      ["text", ""],
+      [undefined, ""],
+    ];
+    for (const [data, end] of told) {
+      const error = { code: -32602, message: "Invalid params", ...(data !== undefined && { data }) };
+      expect(new RpcError(error, "b").message).toBe(`b: Invalid params (-32602)${end}`);
+    }
   });
 
   it("shows every message to the observer, with the time an answer took", async () => {
