@@ -81,7 +81,7 @@ function avatarTrouble({ connection, avatar }: Situation): Trouble | null {
     return {
       kind: "no-adapter",
       title: "No avatar is connected",
-      text: "The gateway runs, but no engine behind it offers video. Start one with “openrois avatar”; it appears here by itself.",
+      text: "The gateway runs, but no engine behind it offers video. Start one with “openrois avatar”; it appears here by itself. Other components stand in the Inspector.",
     };
   }
   if (avatar.present) return null;

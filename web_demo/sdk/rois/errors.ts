@@ -9,8 +9,9 @@ export class RoISError extends Error {
   /** The method that was called, such as `rois.command.bind`. */
   readonly method: string;
 
-  constructor(returnCode: ReturnCode, method: string) {
-    super(`${method}: ${returnCode}`);
+  /** @param asked what was asked of it, `(robot/navigation)`, for a person */
+  constructor(returnCode: ReturnCode, method: string, asked = "") {
+    super(`${method}${asked}: ${returnCode}`);
     this.returnCode = returnCode;
     this.method = method;
   }

@@ -155,7 +155,7 @@ export abstract class Link {
    * @throws RoISError | RpcError | InvalidMessage | ConnectionLost | RequestTimeout
    */
   readonly call: Call = async (method, ...[params]) =>
-    accepted(method, await this.#connection.request(method, (params ?? {}) as JsonObject));
+    accepted(method, params, await this.#connection.request(method, (params ?? {}) as JsonObject));
 
   /** Tells that something came in which is not as it should be. @internal */
   passedOver(what: string): void {
@@ -179,7 +179,7 @@ export abstract class Link {
 
   async #handshake(session: JsonRpcSession): Promise<void> {
     const call: Call = async (method, ...[params]) =>
-      accepted(method, await session.request(method, (params ?? {}) as JsonObject));
+      accepted(method, params, await session.request(method, (params ?? {}) as JsonObject));
     await call("rois.system.connect");
     try {
       const hello = { version: EXTENSION_VERSION, extensions: EXTENSIONS };
@@ -232,10 +232,35 @@ export abstract class Link {
 }
 
 /** @throws RoISError when the return code is not OK | InvalidMessage when the result is not what the method gives */
-function accepted<Method extends string>(method: Method, result: Json): ResultOf<Method> {
+function accepted<Method extends string>(method: Method, params: unknown, result: Json): ResultOf<Method> {
   const wrong = wrongInResult(method, result);
   if (wrong !== null) throw new InvalidMessage(`${method}: ${wrong}`);
   const { return_code } = result as { readonly return_code: ReturnCode };
-  if (return_code !== "OK") throw new RoISError(return_code, method);
+  if (return_code !== "OK") throw new RoISError(return_code, method, asked((params ?? {}) as Asked));
   return result as ResultOf<Method>;
+}
+
+/** What may stand in params; whose they are may be JavaScript. */
+interface Asked {
+  readonly component_ref?: unknown;
+  readonly query_type?: unknown;
+  readonly event_type?: unknown;
+  readonly condition?: unknown;
+  readonly command_type?: unknown;
+  readonly command_unit_list?: unknown;
+  readonly command_list?: Asked[];
+}
+
+/** Returns what was asked, for a person: `(start of robot/navigation)`. */
+function asked(params: Asked): string {
+  const sequence: Asked[] = Array.isArray(params.command_unit_list) ? params.command_unit_list : [];
+  const told = [params.component_ref, params.query_type, params.event_type, params.condition]
+    .concat(
+      sequence
+        .flatMap((unit) => unit.command_list ?? unit)
+        .map((unit) => `${unit.command_type} of ${unit.component_ref}`),
+    )
+    .filter(Boolean)
+    .join(", ");
+  return told && `(${told.slice(0, 200)})`;
 }

@@ -132,7 +132,18 @@ describe("operations", () => {
     await expect(refused).rejects.toMatchObject({
       returnCode: "OUT_OF_RESOURCES",
       method: "rois.command.bind",
+      message: "rois.command.bind(a/b): OUT_OF_RESOURCES",
     });
+    for (const method of ["rois.command.execute", "rois.query.query", "strange"])
+      gateway.on(method, () => ({ return_code: "UNSUPPORTED", results: [] }));
+    const start = (component_ref: string) => ({ component_ref, command_type: "start" });
+    await expect(client.execute([start("a/b"), { command_list: [start("c/d")] }])).rejects.toThrow(
+      /^rois.command.execute\(start of a\/b, start of c\/d\): UNSUPPORTED$/,
+    );
+    await expect(client.query("mood", "x".repeat(300))).rejects.toThrow(
+      /^rois.query.query\(mood, x{194}\): UNS/,
+    );
+    await expect(client.call("strange", { command_unit_list: 7 })).rejects.toThrow(/^strange: UNSUPPORTED$/);
     await expect(client.call("unheard.of")).rejects.toMatchObject({ name: "RpcError", code: -32601 });
     const wrong = client.search();
     await expect(wrong).rejects.toBeInstanceOf(InvalidMessage);
