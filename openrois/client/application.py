@@ -5,7 +5,7 @@ from functools import partial
 from typing import Any, Final
 from weakref import WeakSet
 
-from openrois.client.asking import ask
+from openrois.client.asking import ask, read_message
 from openrois.client.bindings import Bindings
 from openrois.client.commands import Commands
 from openrois.client.feed import Feed
@@ -45,11 +45,10 @@ class Application:
         self._timeout = request_timeout
 
     async def move_in(self, session: RpcSession) -> None:
-        """Say who is there, learn what the gateway speaks, and take back what was bound."""
+        """Say who is there and learn what the gateway speaks."""
         self.generation += 1
         await ask(session, "rois.system.connect", NoParams(), ReturnResult, timeout=self._timeout)
         self.extensions = await self._hello(session)
-        await self.bindings.renew(session, self._timeout)
 
     async def _hello(self, session: RpcSession) -> frozenset[str]:
         params = HelloParams(version=EXTENSION_VERSION, extensions=EXTENSIONS)
@@ -60,6 +59,10 @@ class Application:
                 return frozenset()
             raise
         return frozenset(answer.extensions)
+
+    async def take_back(self, session: RpcSession) -> None:
+        """Bind again what was bound, as far as it can be."""
+        await self.bindings.renew(session, self._timeout)
 
     async def stay(self, session: RpcSession) -> None:
         """Keep bindings and subscriptions as they should be."""
@@ -87,15 +90,15 @@ class Application:
             feed.offer(Notification(method, params))
         match method:
             case "rois.command.completed":
-                self.commands.completed(Completed.model_validate(params))
+                self.commands.completed(read_message(Completed, params))
             case "rois.event.notify_event":
-                self.subscriptions.deliver(EventNotification.model_validate(params))
+                self.subscriptions.deliver(read_message(EventNotification, params))
             case "rois.system.profile_changed":
                 self.generation += 1
                 self._restorer.profile_changed()
                 self.tell(ProfileChanged())
             case "rois.system.notify_error":
-                fault = ErrorNotification.model_validate(params)
+                fault = read_message(ErrorNotification, params)
                 self.tell(Fault(fault.error_id, fault.error_type))
 
 

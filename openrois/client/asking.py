@@ -13,9 +13,10 @@ from openrois.types.codes import ReturnCode
 from openrois.types.messages import CommandUnit, ConcurrentCommands, ExecuteParams, ReturnResult
 from openrois.types.model import Model
 
-__all__ = ["Outcome", "ask", "read_result"]
+__all__ = ["Outcome", "ask", "read_message", "read_result"]
 
 Outcome = TypeVar("Outcome", bound=ReturnResult)
+Message = TypeVar("Message", bound=Model)
 
 _HINTS: Final[Mapping[tuple[str, ReturnCode], str]] = {
     ("rois.command.bind", ReturnCode.OUT_OF_RESOURCES): "another application has bound it",
@@ -30,10 +31,10 @@ _HINTS: Final[Mapping[tuple[str, ReturnCode], str]] = {
     ("rois.command.search", ReturnCode.BAD_PARAMETER): "the condition cannot be read",
     ("rois.query.query", ReturnCode.UNSUPPORTED): "no component that meets the condition answers this",
     ("rois.query.query", ReturnCode.BAD_PARAMETER): "several components answer this, or the condition cannot be read",
-    ("rois.query.query", ReturnCode.ERROR): "the component does not work now",
+    ("rois.query.query", ReturnCode.ERROR): "the component is not connected yet, or does not work",
     ("rois.event.subscribe", ReturnCode.UNSUPPORTED): "no component that meets the condition has this event",
     ("rois.event.subscribe", ReturnCode.BAD_PARAMETER): "several components have it, or the condition cannot be read",
-    ("rois.event.subscribe", ReturnCode.ERROR): "the component does not work now",
+    ("rois.event.subscribe", ReturnCode.ERROR): "the component is not connected yet, or does not work",
     ("rois.event.get_event_detail", ReturnCode.BAD_PARAMETER): "there is no such event, or it was too long ago",
 }
 """What a code most likely means: the wire carries no more than the code."""
@@ -61,7 +62,8 @@ async def ask(
         model: of its result.
         timeout: seconds to wait at most.
         accepted: called with a result that is OK before any later message of the gateway is looked at.
-        too_late: called with a result that is OK and comes after the caller gave up.
+        too_late: called with a result that is OK and that nobody takes: the caller gave up before it came, or (after
+            `accepted`) in the same moment.
 
     Raises:
         RoISError: the return code is not OK.
@@ -86,9 +88,23 @@ async def ask(
         await session.call(method, written, timeout=timeout, on_result=take, on_late=take_late)
     except SessionClosed as closed:
         raise ConnectionLost(f"{method}: the connection ended before the answer came ({closed})") from closed
-    except TimeoutError:
-        raise TimeoutError(f"{method}: no answer within {timeout:g} s") from None
+    except BaseException as error:
+        if outcomes and too_late is not None:
+            too_late(outcomes[0])
+        if isinstance(error, TimeoutError):
+            raise TimeoutError(f"{method}: no answer within {timeout:g} s") from None
+        raise
     return outcomes[0]
+
+
+def read_message(model: type[Message], raw: Any) -> Message:
+    """Read what a gateway says, and pass over members that this version of the client does not know.
+
+    Raises:
+        pydantic.ValidationError: it is not what the model describes.
+    """
+    kept = model.model_config.get("extra") == "allow"
+    return model.model_validate(raw, extra="allow" if kept else "ignore")
 
 
 def read_result(method: str, model: type[Outcome], raw: Any, about: str = "") -> Outcome:
@@ -105,9 +121,9 @@ def read_result(method: str, model: type[Outcome], raw: Any, about: str = "") ->
         RpcError: it is no such result.
     """
     try:
-        outcome = model.model_validate(raw)
+        outcome = read_message(model, raw)
     except ValidationError as error:
-        raise RpcError(INVALID_REQUEST, f"the answer to {method} cannot be read: {error}") from error
+        raise RpcError(INVALID_REQUEST, f"the answer to {method} cannot be read: {_why(error)}") from None
     code = outcome.return_code
     if code is not ReturnCode.OK:
         hint = _HINTS.get((method, code), "")
@@ -127,3 +143,8 @@ def _about(params: Model) -> str:
 
 def _units(item: CommandUnit | ConcurrentCommands) -> tuple[CommandUnit, ...]:
     return item.command_list if isinstance(item, ConcurrentCommands) else (item,)
+
+
+def _why(error: ValidationError) -> str:
+    first = error.errors(include_url=False, include_context=False, include_input=False)[0]
+    return ": ".join([".".join(str(part) for part in first["loc"]), first["msg"]]).removeprefix(": ")

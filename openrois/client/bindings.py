@@ -21,13 +21,11 @@ class _Binding:
     Attributes:
         held: whether the gateway has it bound, as far as is known.
         missed: whether the application was told that it is not.
-        kept: whether it is wanted until it is released.
-        uses: how many blocks want it.
+        uses: how many blocks and calls of `bind` want it.
     """
 
     held: bool = True
     missed: bool = False
-    kept: bool = False
     uses: int = 0
 
 
@@ -49,37 +47,30 @@ class Bindings:
         return not all(binding.held for binding in self._wanted.values())
 
     def turn(self, component_ref: str) -> asyncio.Lock:
-        """Return what is held while a block begins or ends: a release must not overtake the bind of another block."""
+        """Return what is held while one binds or gives back: a release must not overtake the bind of another."""
         return self._turns.setdefault(component_ref, asyncio.Lock())
 
     def wants(self, component_ref: str) -> bool:
         """Tell whether a component is wanted."""
         return component_ref in self._wanted
 
-    def keep(self, component_ref: str) -> None:
-        """Note that a component was bound until it is released."""
-        self._took(component_ref).kept = True
-
     def use(self, component_ref: str) -> None:
-        """Note that a component was bound for one more block."""
-        self._took(component_ref).uses += 1
-
-    def _took(self, component_ref: str) -> _Binding:
+        """Note that a component was bound once more."""
         binding = self._wanted.setdefault(component_ref, _Binding())
         binding.held, binding.missed = True, False
-        return binding
+        binding.uses += 1
 
     def gave_back(self, component_ref: str) -> None:
         """Note that a component is not wanted any more."""
         self._wanted.pop(component_ref, None)
 
     def unuse(self, component_ref: str) -> bool:
-        """Note that a block has ended; tell whether the component is not needed any more."""
+        """Note that one of them needs it no more; tell whether nobody does."""
         binding = self._wanted.get(component_ref)
         if binding is None:
             return False
         binding.uses -= 1
-        return binding.uses <= 0 and not binding.kept
+        return binding.uses <= 0
 
     def lost(self) -> None:
         """Learn that the connection has ended, and with it what was bound."""
@@ -92,16 +83,17 @@ class Bindings:
         Raises:
             ConnectionLost: the connection ended.
         """
-        for component_ref, binding in tuple(self._wanted.items()):
-            if self._wanted.get(component_ref) is not binding:
-                continue
-            params = ComponentParams(component_ref=component_ref)
-            try:
-                await ask(session, "rois.command.bind", params, ReturnResult, timeout=timeout)
-            except (RoISError, RpcError, TimeoutError) as error:
-                self._missing(component_ref, binding, error)
-            else:
-                self._restored(session, component_ref, binding)
+        wanted = tuple(self._wanted.items())
+        await asyncio.gather(*(self._renew(session, timeout, ref, binding) for ref, binding in wanted))
+
+    async def _renew(self, session: RpcSession, timeout: float, component_ref: str, binding: _Binding) -> None:
+        params = ComponentParams(component_ref=component_ref)
+        try:
+            await ask(session, "rois.command.bind", params, ReturnResult, timeout=timeout)
+        except (RoISError, RpcError, TimeoutError) as error:
+            self._missing(component_ref, binding, error)
+        else:
+            self._restored(session, component_ref, binding)
 
     def _missing(self, component_ref: str, binding: _Binding, error: Exception) -> None:
         binding.held = False

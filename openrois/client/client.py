@@ -170,11 +170,15 @@ class Client(Operations):
         """
         changes = self.notices(ProfileChanged, Connected)
         found: list[ComponentProxy] = await self.find_all(kind, condition)
-        with suppress(TimeoutError):
-            async with asyncio.timeout(within):
+        try:
+            async with asyncio.timeout(within) as limit:
                 while not found:
-                    await anext(changes)
+                    # That the client is closed meanwhile is said by the next question.
+                    await anext(changes, None)
                     found = await self.find_all(kind, condition)
+        except TimeoutError:
+            if not limit.expired():
+                raise
         code = _type_of(kind).code
         if not found:
             raise Unsupported(f"there is no {code}{condition and f' where {condition}'}")
@@ -202,29 +206,15 @@ class Client(Operations):
         Raises:
             OutOfResources: another application has it.
         """
-        bound = False
-
-        def use() -> None:
-            nonlocal bound
-            bound = True
-            self._bindings.use(component_ref)
-
-        turn = self._bindings.turn(component_ref)
+        await self.bind(component_ref)
         try:
-            async with turn:
-                await self._bind(component_ref, use)
             yield
         finally:
-            # It may be bound although the block was not entered: whoever waited was cancelled at that moment.
-            if bound:
-                async with turn:
-                    await self._unuse(component_ref)
-
-    async def _unuse(self, component_ref: str) -> None:
-        if self._bindings.unuse(component_ref):
-            # A component that is gone meanwhile need not be given back.
-            with suppress(RoISError, TimeoutError):
-                await self.release(component_ref)
+            async with self._bindings.turn(component_ref):
+                if self._bindings.unuse(component_ref):
+                    # A component that is gone meanwhile need not be given back.
+                    with suppress(RoISError, TimeoutError):
+                        await self.release(component_ref)
 
 
 def _type_of(kind: type[ComponentProxy] | ComponentType) -> ComponentType:

@@ -46,7 +46,11 @@ class Tenant(Protocol):
     notifications: Mapping[str, NotificationHandler]
 
     async def move_in(self, session: RpcSession) -> None:
-        """Greet the gateway; nobody else asks anything before this is over. What it raises ends the attempt."""
+        """Greet the gateway, which may take as long as connecting may. What it raises ends the attempt."""
+        ...
+
+    async def take_back(self, session: RpcSession) -> None:
+        """Have again what the last connection held; nobody else asks anything before this is over."""
         ...
 
     async def stay(self, session: RpcSession) -> None:
@@ -111,13 +115,16 @@ class Connection:
     async def close(self) -> None:
         """Take leave of the gateway, for at most a second, and end the connection. Idempotent."""
         session, self._over = self._session, self._over or "the client is closed"
-        if session is not None:
-            with suppress(Exception):
-                await ask(session, "rois.system.disconnect", NoParams(), ReturnResult, timeout=_FAREWELL)
-            await session.close(1000, "client closed")
-        if self._supervising is not None:
-            self._supervising.cancel()
-            await asyncio.wait({self._supervising})
+        try:
+            if session is not None:
+                with suppress(Exception):
+                    await ask(session, "rois.system.disconnect", NoParams(), ReturnResult, timeout=_FAREWELL)
+                await session.close(1000, "client closed")
+        finally:
+            # Also where whoever closes it has no time for a farewell.
+            if self._supervising is not None:
+                self._supervising.cancel()
+                await asyncio.wait({self._supervising})
 
     async def ask(
         self,
@@ -220,18 +227,17 @@ class Connection:
 
     async def _keep_connected(self, opened: asyncio.Future[None]) -> None:
         """Connect again and again; raises `ConnectionFailed` when that is over."""
-        again = self._reconnect
-        backoff = again.backoff() if again is not None else None
+        again = self._reconnect or Reconnect()
+        backoff = again.backoff()
         while True:
-            began = again.clock() if again is not None else 0.0
-            closed = await self._live_once(opened)
+            closed, lasted = await self._live_once(opened, again.clock)
             if self._over is not None:
                 raise ConnectionFailed(self._over)
-            if again is None or backoff is None:
+            if self._reconnect is None:
                 raise ConnectionFailed(f"the connection ended: {closed}")
             if closed.code == _TOKEN_ENDED:
                 raise ConnectionFailed(f"the gateway does not let this application in any more: {closed.reason}")
-            delay = again.spread(backoff.after(again.clock() - began)) + asked_to_wait(closed)
+            delay = again.spread(backoff.after(lasted)) + asked_to_wait(closed)
             self.state = ConnectionState.WAITING
             # Of an attempt that failed the code is ours, and says nothing.
             reason = closed.reason if closed.code == _NO_HANDSHAKE and closed.reason else str(closed)
@@ -239,14 +245,18 @@ class Connection:
             _log.info("%s; trying again in %.1f s", reason, delay)
             await again.sleep(delay)
 
-    async def _live_once(self, opened: asyncio.Future[None]) -> StreamClosed:
-        """Make one attempt and return how it ended; the first one of all raises `ConnectionFailed` instead."""
+    async def _live_once(self, opened: asyncio.Future[None], clock: Callable[[], float]) -> tuple[StreamClosed, float]:
+        """Make one attempt; return how it ended and how long there was a connection.
+
+        The first one of all raises `ConnectionFailed` instead.
+        """
         self.state = ConnectionState.CONNECTING
         try:
             async with AsyncExitStack() as stack:
                 session, running = await self._begin(stack)
                 self._session, self.state = session, ConnectionState.CONNECTED
                 self._changed.set()
+                began = clock()
                 if opened.done():
                     self._tenant.tell(Connected())
                 else:
@@ -256,11 +266,11 @@ class Connection:
                     closed = await asyncio.shield(running)
                     self._forget(session)
                     self._tenant.move_out(f"the connection ended: {closed}")
-                    return closed
+                    return closed, clock() - began
         except ConnectionFailed as error:
             if error.final or not opened.done():
                 raise
-            return StreamClosed(_NO_HANDSHAKE, str(error))
+            return StreamClosed(_NO_HANDSHAKE, str(error)), 0.0
 
     async def _begin(self, stack: AsyncExitStack) -> tuple[RpcSession, "asyncio.Task[StreamClosed]"]:
         try:
@@ -271,6 +281,7 @@ class Connection:
                 running = asyncio.ensure_future(session.run())
                 stack.push_async_callback(_ended, running)
                 await self._tenant.move_in(session)
+            await self._tenant.take_back(session)
         except ConnectionFailed:
             raise
         except TimeoutError:

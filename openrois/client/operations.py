@@ -5,7 +5,7 @@ from collections.abc import Awaitable, Callable, Iterable
 from contextlib import suppress
 from typing import Any, TypeVar
 
-from openrois.client.asking import ask
+from openrois.client.asking import Outcome, ask
 from openrois.client.bindings import Bindings
 from openrois.client.commands import Command, Commands, Execution
 from openrois.client.connection import Connection
@@ -37,6 +37,8 @@ from openrois.types.messages import (
     SetParameterParams,
     SetParameterResult,
 )
+from openrois.types.model import Model
+from openrois.types.streams import ConnectStreamParams, ConnectStreamResult, StreamParams
 
 __all__ = ["Operations"]
 
@@ -84,32 +86,37 @@ class Operations:
             OutOfResources: another application has it.
             Unsupported: there is no such component.
         """
-        await self._bind(component_ref, lambda: self._bindings.keep(component_ref))
-
-    async def _bind(self, component_ref: str, bound: Callable[[], None]) -> None:
-        await self._connection.ask(
-            "rois.command.bind",
-            ComponentParams(component_ref=component_ref),
-            ReturnResult,
-            accepted=lambda _result: bound(),
-            too_late=lambda _result: self._release_late(component_ref),
-        )
+        async with self._bindings.turn(component_ref):
+            params = ComponentParams(component_ref=component_ref)
+            await self._take("rois.command.bind", params, ReturnResult, lambda _result: component_ref)
 
     async def bind_any(self, condition: str = "") -> str:
         """Reserve one of the components that meet a condition and return its reference; raises as `bind`."""
-        result = await self._connection.ask(
-            "rois.command.bind_any",
-            ConditionParams(condition=condition),
-            ReferenceResult,
-            accepted=lambda result: self._bindings.keep(result.component_ref),
-            too_late=lambda result: self._release_late(result.component_ref),
-        )
+        params = ConditionParams(condition=condition)
+        result = await self._take("rois.command.bind_any", params, ReferenceResult, lambda result: result.component_ref)
         return result.component_ref
 
-    def _release_late(self, component_ref: str) -> None:
-        """Give back what was bound when its caller had given up, unless another caller has bound it as well."""
-        if not self._bindings.wants(component_ref):
-            self._connection.post("rois.command.release", ComponentParams(component_ref=component_ref))
+    async def _take(self, method: str, params: Model, model: type[Outcome], taken: Callable[[Outcome], str]) -> Outcome:
+        """Bind, and give back what is bound when its caller has given up, unless another one has bound it as well."""
+        used = False
+
+        def accepted(result: Outcome) -> None:
+            nonlocal used
+            used = True
+            self._bindings.use(taken(result))
+
+        def too_late(result: Outcome) -> None:
+            component_ref = taken(result)
+            if used:
+                unwanted = self._bindings.unuse(component_ref)
+            else:
+                # One that is binding it now would lose it to a release that is sent after its bind.
+                unwanted = not self._bindings.wants(component_ref) and not self._bindings.turn(component_ref).locked()
+            if unwanted:
+                self._bindings.gave_back(component_ref)
+                self._connection.post("rois.command.release", ComponentParams(component_ref=component_ref))
+
+        return await self._connection.ask(method, params, model, accepted=accepted, too_late=too_late)
 
     async def release(self, component_ref: str) -> None:
         """Give a component back; one that is not bound stays so. Without a connection it is given back already."""
@@ -117,6 +124,16 @@ class Operations:
         with suppress(ConnectionLost):
             params = ComponentParams(component_ref=component_ref)
             await self._connection.act("rois.command.release", params, ReturnResult)
+
+    async def connect_stream(self, component_ref: str, parameters: Iterable[Parameter] = ()) -> str:
+        """Connect a stream over the extension `rois.stream` and return its id; it ends if nobody waits for it."""
+
+        def too_late(result: ConnectStreamResult) -> None:
+            self._connection.post("rois.stream.disconnect_stream", StreamParams(stream_id=result.stream_id))
+
+        params = ConnectStreamParams(component_ref=component_ref, parameters=tuple(parameters))
+        method = "rois.stream.connect_stream"
+        return (await self._connection.act(method, params, ConnectStreamResult, too_late=too_late)).stream_id
 
     async def get_parameter(self, component_ref: str) -> tuple[Parameter, ...]:
         """Return the parameters of a component that have a value."""

@@ -2,17 +2,20 @@
 
 import json
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 from openrois.catalog.streaming import ConnectStreamResults, NotifyStreamStatus, StreamStatusResults
+from openrois.client.asking import read_result
 from openrois.client.component import ComponentProxy
 from openrois.client.conditions import where
 from openrois.client.feed import BUFFER
 from openrois.client.subscription import Subscription
+from openrois.client.values import read
 from openrois.errors import BadParameter, RoISError, Unsupported
 from openrois.types.codes import StreamStatus
-from openrois.types.streams import ConnectStreamResult, StreamStatusResult
+from openrois.types.messages import Parameter
+from openrois.types.streams import StreamStatusResult
 
 __all__ = ["Streaming"]
 
@@ -38,10 +41,10 @@ class Streaming(ComponentProxy):
         """
         given = {"encoding_parameters": encoding, "transport_parameters": transport}
         chosen = {name: json.dumps(value) for name, value in given.items() if value is not None}
-        parameters = [{"name": name, "data_type_ref": "string", "value": text} for name, text in chosen.items()]
-        result = await self._extended("connect_stream", component_ref=self.component_ref, parameters=parameters)
-        if result is not None:
-            return ConnectStreamResult.model_validate(result).stream_id
+        if self._extension:
+            parameters = [Parameter(name=name, data_type_ref="string", value=text) for name, text in chosen.items()]
+            with suppress(Unsupported):
+                return await self.client.connect_stream(self.component_ref, parameters)
         if chosen:
             if self._extension:
                 raise Unsupported(f"{self.component_ref} has no stream with these parameters")
@@ -69,7 +72,7 @@ class Streaming(ComponentProxy):
         """Return what a stream does."""
         result = await self._extended("query_stream_status", stream_id=stream_id)
         if result is not None:
-            return StreamStatusResult.model_validate(result).status
+            return read_result("rois.stream.query_stream_status", StreamStatusResult, result).status
         condition = where(component_ref=self.component_ref, stream_id=stream_id)
         with self._unknown_otherwise(stream_id):
             try:
@@ -77,7 +80,8 @@ class Streaming(ComponentProxy):
             except BadParameter:
                 # A query has no arguments, and not every gateway takes one in the condition.
                 return (await self.query("get_stream_status", StreamStatusResults)).status
-        return StreamStatusResults.from_results(results).status
+        given: StreamStatusResults = read(f"get_stream_status of {self.component_ref}", StreamStatusResults, results)
+        return given.status
 
     def notify_stream_status(self, *, buffer: int = BUFFER) -> Subscription[NotifyStreamStatus]:
         """Return what the streams do from now on; a gateway with the extension tells of this application's own."""

@@ -14,6 +14,7 @@ from openrois.client.errors import ConnectionLost
 from openrois.client.feed import BUFFER, Feed
 from openrois.client.subscriptions import Entry, Subscriptions
 from openrois.errors import RoISError
+from openrois.jsonrpc.session import RpcError
 from openrois.logs import Tally
 from openrois.types.messages import EventNotification
 
@@ -64,6 +65,7 @@ class Subscription(Generic[T]):
         self._read = read
         self._opening = asyncio.Lock()
         self._open = False
+        self._closed = False
         self._unreadable = Tally(_log, f"{event_type} events that cannot be read", logging.WARNING)
 
     def __repr__(self) -> str:
@@ -90,6 +92,8 @@ class Subscription(Generic[T]):
         return bool(self._entry.subscribe_id)
 
     async def __aenter__(self) -> Self:
+        if self._closed:
+            raise RuntimeError("a subscription that was closed is over: make another one")
         await self._ensure_open()
         return self
 
@@ -100,6 +104,7 @@ class Subscription(Generic[T]):
 
     async def close(self) -> None:
         """Unsubscribe; what has come before can still be read."""
+        self._closed = True
         self._entry.feed.end()
         await self._table.close(self._entry)
 
@@ -117,14 +122,9 @@ class Subscription(Generic[T]):
 
     async def _ensure_open(self) -> None:
         async with self._opening:
-            if self._open:
+            if self._open or self._closed:
                 return
-            try:
-                await self._table.open(self._entry)
-            except BaseException:
-                # It may be open all the same: whoever waited was cancelled at that moment.
-                self._table.forget(self._entry)
-                raise
+            await self._table.open(self._entry)
             self._open = True
             loop = asyncio.get_running_loop()
             weakref.finalize(self, _unread, loop, self._table, self._entry).atexit = False
@@ -136,7 +136,7 @@ class Subscription(Generic[T]):
             notification = await anext(self._entry.feed)
             try:
                 data = await self._read(notification)
-            except (ValueError, RoISError, ConnectionLost, TimeoutError) as error:
+            except (ValueError, RoISError, RpcError, ConnectionLost, TimeoutError) as error:
                 self._unreadable.note(str(error))
                 continue
             return Event(notification.event_id, notification.event_type, _date_time(notification.expire), data)

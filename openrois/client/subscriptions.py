@@ -99,7 +99,12 @@ class Subscriptions:
             self._entries.add(entry)
             self._route(entry, result.subscribe_id)
 
-        await self._asker().ask(_SUBSCRIBE, params, SubscribeResult, accepted, self._end_late)
+        def too_late(result: SubscribeResult) -> None:
+            if entry.subscribe_id == result.subscribe_id:
+                self._drop(entry)
+            self._end_late(result)
+
+        await self._asker().ask(_SUBSCRIBE, params, SubscribeResult, accepted, too_late)
 
     async def close(self, entry: Entry) -> None:
         """Unsubscribe. What waits can still be read."""
