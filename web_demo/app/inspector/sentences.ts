@@ -91,7 +91,7 @@ function misfits(data: Json | undefined): string {
 
 const COMPLETED: Readonly<Record<CompletedStatus, string>> = {
   OK: "Done",
-  ERROR: "The component failed while it was at it",
+  ERROR: "It was refused or went wrong (the adapter's log says why)",
   ABORT: "Ended before it was done",
   OUT_OF_RESOURCES: "The component has no room for it",
   TIMEOUT: "Not done in the time it may take",
