@@ -91,23 +91,31 @@ class Violation:
 Incoming = Request | Notification | Response | ErrorResponse | Violation
 
 
+# Made once: `json.dumps` and `json.loads` make a new one for each message where they are told anything.
+_ENCODER: Final = json.JSONEncoder(ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+_ASCII_ENCODER: Final = json.JSONEncoder(separators=(",", ":"), allow_nan=False)
+
+
 def encode(message: Mapping[str, Any]) -> str:
     """Write one JSON-RPC object without superfluous blanks, as text that UTF-8 can carry.
 
     Raises:
         ValueError: a number in it is NaN or infinite.
     """
-    text = json.dumps(message, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    text = _ENCODER.encode(message)
     try:
         text.encode()
     except UnicodeEncodeError:
         # JSON can name half a surrogate pair and UTF-8 cannot carry one: an id that holds one is echoed as it came.
-        text = json.dumps(message, separators=(",", ":"), allow_nan=False)
+        text = _ASCII_ENCODER.encode(message)
     return text
 
 
 def _refuse_constant(name: str) -> NoReturn:
     raise ValueError(f"{name} is not JSON")
+
+
+_DECODER: Final = json.JSONDecoder(parse_constant=_refuse_constant)
 
 
 class Peer:
@@ -154,7 +162,7 @@ class Peer:
     def receive(self, text: str) -> Incoming:
         """Read one message. Never raises, whatever the text holds."""
         try:
-            message = json.loads(text, parse_constant=_refuse_constant)
+            message = _DECODER.decode(text)
         except (ValueError, RecursionError):
             # ValueError covers syntax, lone constants and integers of more digits than Python converts.
             return self._violation("the message is not JSON", PARSE_ERROR)
