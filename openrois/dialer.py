@@ -38,12 +38,13 @@ async def serve_parent(
     """
     backoff = Backoff()
     while True:
-        started = clock()
+        lasted = 0.0
         try:
             async with dial(url) as stream:
                 _log.info("connected to %s", url)
-                started = clock()
+                connected = clock()
                 closed = await serve_engine(host, stream)
+                lasted = clock() - connected
                 if closed.code == POLICY_VIOLATION:
                     _log.warning("the gateway refuses this adapter: %s", closed.reason)
                 else:
@@ -52,6 +53,6 @@ async def serve_parent(
             _log.warning("what answers at %s takes no adapters: %s", url, error)
         except (OSError, TimeoutError) as error:
             _log.info("no gateway at %s (`openrois gateway` starts one here): %s", url, error)
-        delay = backoff.after(clock() - started)
+        delay = backoff.after(lasted)
         _log.info("trying again in %.1f s", delay)
         await sleep(delay)

@@ -99,6 +99,18 @@ async def test_a_refusal_counts_as_a_failure_and_a_lasting_connection_as_success
     assert caplog.messages.count("the gateway refuses this adapter: the engine id is taken") == 4
 
 
+async def test_an_attempt_that_takes_long_is_no_lasting_connection(host: EngineHost) -> None:
+    time = Time(enough=3)
+
+    async def hang_up_at_length(_reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        time.now += 10
+        writer.close()
+
+    async with await asyncio.start_server(hang_up_at_length, "127.0.0.1", 0) as server:
+        async with dialling(host, f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}/adapter", time):
+            assert time.delays == [1, 1.5, 2.25]
+
+
 async def test_an_address_that_is_none_is_a_mistake(host: EngineHost) -> None:
     with pytest.raises(InvalidURI):
         await serve_parent(host, "http://127.0.0.1/adapter")
