@@ -122,9 +122,13 @@ def concurrent(*steps: Step[Any]) -> Concurrent:
     Raises:
         TypeError: one is no step.
     """
-    for step in steps:
-        if not isinstance(step, Step):
-            raise no_step("concurrent", step)
+    wrong = [step for step in steps if not isinstance(step, Step)]
+    if wrong:
+        for step in steps:
+            if isinstance(step, Step | Concurrent):
+                # The error tells; a warning of each step that does not run would only hide it.
+                step.used()
+        raise no_step("concurrent", wrong[0])
     return Concurrent(steps)
 
 

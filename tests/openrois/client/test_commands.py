@@ -104,15 +104,14 @@ async def test_the_steps_of_concurrent_run_at_the_same_time(ground: Ground, lamp
 async def test_what_is_no_step_is_said_before_anything_is_sent(
     ground: Ground, client: Client, lamp: ComponentProxy
 ) -> None:
-    step = lamp.command("switch", times=1)
-    for wrong in (None, concurrent(step), asyncio.Event()):
+    for wrong in (None, concurrent(lamp.command("start")), asyncio.Event()):
         with pytest.raises(
             TypeError, match=r"concurrent takes steps, such as navigation.start\(\) without await, not "
         ):
-            concurrent(step, cast(Any, wrong))
+            concurrent(lamp.command("start"), cast(Any, wrong))
         if not isinstance(wrong, Concurrent):
             with pytest.raises(TypeError, match=f"a sequence takes .*, not {type(wrong).__name__}"):
-                await client.run(step, cast(Any, wrong))
+                await client.run(lamp.command("switch", times=1), cast(Any, wrong))
     assert ground.lamp.total == 0
 
 
