@@ -1,7 +1,7 @@
 """What a remote engine says it is, and whether what it does is that."""
 
 import logging
-from typing import Literal
+from typing import Final, Literal
 
 from openrois.contract import Directory
 from openrois.errors import ComponentFailed
@@ -23,6 +23,10 @@ Kind = Literal["command", "query", "event", "parameters"]
 
 _log = logging.getLogger(__name__)
 
+_MILLISECOND: Final = 0.001
+_LONGEST: Final = 10**10
+"""Milliseconds that a command may take by its profile; who says more says any number."""
+
 
 class Claims:
     """The latest profile of a remote engine. Ids of other engines are refused; results that do not fit are counted."""
@@ -43,6 +47,14 @@ class Claims:
     def profile(self, component_ref: str) -> HRIComponentProfile | None:
         """Return the profile of a component, or None where it has none."""
         return self.directory.component_profiles.get(component_ref) if self.directory is not None else None
+
+    def seconds_for(self, component_ref: str, command_type: str) -> float | None:
+        """Return how long a command may take by its profile, or None where that does not say."""
+        profile = self.profile(component_ref)
+        command = profile.command(command_type) if profile is not None else None
+        if command is None or command.timeout is None:
+            return None
+        return min(max(command.timeout, 0), _LONGEST) * _MILLISECOND
 
     def note(self, component_ref: str, kind: Kind, message: str, results: tuple[Result, ...]) -> None:
         """Count results of a message that are not what the component's profile promised."""

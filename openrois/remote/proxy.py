@@ -11,6 +11,7 @@ from openrois.errors import (
     Aborted,
     ComponentFailed,
     EngineUnreachable,
+    NotResponding,
     OutOfResources,
     RoISError,
     TimedOut,
@@ -173,7 +174,12 @@ class RemoteProxy:
                     ExecuteParams(command_unit_list=(unit,)).model_dump(mode="json"),
                     ReturnResult,
                 )
-            status = await ended
+            # The component's own engine ends it in time, and can say more about it; some do not.
+            promised = self._claims.seconds_for(component_ref, command_type)
+            async with asyncio.timeout(None if promised is None else promised + self._session.call_timeout):
+                status = await ended
+        except TimeoutError:
+            raise NotResponding(f"{command_type} of {component_ref} did not end in time") from None
         finally:
             self._commands.pop(command_id, None)
         if status is None:

@@ -19,7 +19,7 @@ from openrois.types.codes import ErrorType
 from openrois.types.values import check_value
 from tests.support import deployment, wire
 from tests.support.deployment import Adapter, Application, Door, Robot
-from tests.support.plain import TOY, PlainAdapter, attached, component_profile, plain_adapter
+from tests.support.plain import TOY, PlainAdapter, attached, component_profile, plain_adapter, profile_result
 
 LAMP, BELL, DOOR = "robot/lamp", "robot/bell", "robot/door"
 NO_DETAILS = {"return_code": "BAD_PARAMETER", "results": []}
@@ -226,6 +226,27 @@ class TestNotResponding:
             assert told["error_type"] == "COMPONENT_NOT_RESPONDING"
             assert told["error_id"].startswith(f"{gateway.engine.engine_id}/")
             assert (await details(app, told["error_id"]))["component_ref"] == TOY
+
+    async def test_a_command_that_its_adapter_does_not_end(
+        self, gateway: Gateway, stack: AsyncExitStack, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        sessions = deployment.adapter_sessions(monkeypatch)
+        profile = profile_result("toy")
+        profile["component_profiles"][TOY]["command_profiles"][0]["timeout"] = 10
+        plain = await stack.enter_async_context(plain_adapter(gateway, profile))
+        await attached(gateway)
+        app = await stack.enter_async_context(deployment.application(gateway))
+        plain.answers["rois.command.execute"] = None
+        await execute(app, TOY, "start")
+        async with deployment.patience():
+            request = await plain.unanswered.get()
+        sessions[0].call_timeout = 0
+        await plain.answer(request, return_code="OK")
+        assert await app.completed("c") == {"c": "TIMEOUT"}
+        told = await app.next("rois.system.notify_error")
+        assert told["error_type"] == "COMPONENT_NOT_RESPONDING"
+        await plain.tell_completed(request["params"]["command_unit_list"][0]["command_id"])
+        assert await app.settled() == []
 
     async def test_an_engine_that_does_not_answer_about_a_stream(
         self, gateway: Gateway, robot: Robot, stack: AsyncExitStack, monkeypatch: pytest.MonkeyPatch

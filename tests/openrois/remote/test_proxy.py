@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from openrois.contract import Event, SubscriptionLost
-from openrois.errors import Aborted, ComponentFailed, EngineUnreachable, TimedOut
+from openrois.errors import Aborted, ComponentFailed, EngineUnreachable, NotResponding, TimedOut
 from openrois.jsonrpc.session import RpcSession
 from openrois.remote.proxy import RemoteProxy
 from openrois.tasks import TaskScope
@@ -42,11 +42,18 @@ class Far:
         await self.stream.send(json.dumps({"jsonrpc": "2.0", "method": method, "params": params}))
 
     async def introduce(
-        self, *, plain: bool = False, extensions: tuple[str, ...] = ("rois.stream",), engines: tuple[str, ...] = ()
+        self,
+        *,
+        plain: bool = False,
+        extensions: tuple[str, ...] = ("rois.stream",),
+        engines: tuple[str, ...] = (),
+        timeout: int | None = None,
     ) -> None:
-        """Answer what `discover` asks."""
+        """Answer what `discover` asks; `timeout` is that of the command `start`."""
         discovering = asyncio.ensure_future(self.proxy.discover())
-        await self.answer(await self.asked("rois.system.get_profile"), **profile_result("toy"))
+        profile = profile_result("toy")
+        profile["component_profiles"][TOY]["command_profiles"][0]["timeout"] = timeout
+        await self.answer(await self.asked("rois.system.get_profile"), **profile)
         if plain:
             error = {"code": -32601, "message": "Method not found"}
             request = await self.asked("openrois.hello")
@@ -147,6 +154,29 @@ class TestInvoke:
         del invoking
         gc.collect()
         assert not caplog.records
+
+    @pytest.mark.parametrize("timeout", [1, 0, -1])
+    async def test_one_that_takes_longer_than_its_profile_says(self, far: Far, timeout: int) -> None:
+        await far.introduce(timeout=timeout)
+        invoking = asyncio.ensure_future(far.proxy.invoke(TOY, "start"))
+        request = await far.asked("rois.command.execute")
+        far.session.call_timeout = 0
+        await far.answer(request)
+        with pytest.raises(NotResponding, match="did not end in time"):
+            await invoking
+        far.session.call_timeout = 5
+        command_id = request["params"]["command_unit_list"][0]["command_id"]
+        await far.tell("rois.command.completed", command_id=command_id, status="OK")
+        await far.introduce()
+
+    async def test_any_number_may_stand_there(self, far: Far) -> None:
+        await far.introduce(timeout=10**400)
+        invoking = asyncio.ensure_future(far.proxy.invoke(TOY, "start"))
+        request = await far.asked("rois.command.execute")
+        await far.answer(request)
+        command_id = request["params"]["command_unit_list"][0]["command_id"]
+        await far.tell("rois.command.completed", command_id=command_id, status="OK")
+        await invoking
 
     async def test_a_command_that_is_cancelled_is_forgotten(self, far: Far) -> None:
         await far.introduce()
