@@ -154,7 +154,7 @@ class Component:
     @property
     def status(self) -> ComponentStatus:
         """What `component_status` answers."""
-        condition = self.condition() if self.__standing is ComponentStatus.READY else self.__standing
+        condition = self.__condition() if self.__standing is ComponentStatus.READY else self.__standing
         return ComponentStatus.BUSY if self.__running and condition is ComponentStatus.READY else condition
 
     @final
@@ -236,7 +236,7 @@ class Component:
         """Run `connect` and tell whether the component can be used now; a failure is reported."""
         self.__loop = asyncio.get_running_loop()
         try:
-            with self.__containing_bugs("connect", expected=OSError):
+            with _containing_bugs(self, "connect", expected=OSError):
                 await self.connect()
         except RoISError as error:
             _log.warning("%s is not connected: %s", self.name, error)
@@ -258,6 +258,13 @@ class Component:
                 _log.warning("%s did not disconnect: %s", self.name, str(error) or "it took too long")
 
     # How it is done; authors may call their own attributes by the same names.
+
+    def __condition(self) -> ComponentStatus:
+        try:
+            with _containing_bugs(self, "condition"):
+                return ComponentStatus(self.condition())
+        except RoISError:
+            return ComponentStatus.ERROR
 
     def __read(self, message: Message, arguments: tuple[Argument, ...]) -> Payload | None:
         profile = self.profile.command(message.name)
@@ -304,31 +311,16 @@ class Component:
         method = getattr(self, message.attribute)
         # An argument that was not given has its default in the payload already, or in the signature.
         arguments = {} if given is None else {name: getattr(given, name) for name in given.model_fields_set}
-        with self.__containing_bugs(message.name):
+        with _containing_bugs(self, message.name):
             payload = message.results.read(await method(**arguments))
             return () if payload is None else payload.named(Result)
 
-    @contextmanager
-    def __containing_bugs(self, message: str, expected: type[Exception] | tuple[()] = ()) -> Iterator[None]:
-        try:
-            yield
-        except RoISError:
-            raise
-        except Exception as error:
-            if not isinstance(error, expected):  # Only the log of this process can tell where it failed.
-                _log.exception("%s: %s failed", self.name, message)
-            sentence = f"{self.name}: {message} failed: {error}"
-            self.report(ErrorType.COMPONENT_INTERNAL_ERROR, sentence)
-            raise ComponentFailed(sentence) from error
-
     def __set_parameters(self, texts: Mapping[str, str]) -> tuple[Result, ...]:
-        try:
-            wanted = self.parameters.read(texts)
-            accepted = self.accept_parameters(dict(wanted))
-            as_they_came = {name: text for name, text in texts.items() if accepted.get(name) == wanted[name]}
-            self.parameters.update(accepted, as_they_came)
-        except ValueError as error:
-            raise BadParameter(str(error)) from None
+        with _containing_bugs(self, "set_parameter"):
+            try:
+                self.parameters.take(texts, self.accept_parameters)
+            except ValueError as error:
+                raise BadParameter(str(error)) from None
         return ()
 
 
@@ -340,6 +332,27 @@ _RESERVED: Final = frozenset(name for name in vars(Component) if not name.starts
     "report",
 }
 """Names that no message or parameter can have as an attribute."""
+
+
+@contextmanager
+def _containing_bugs(component: Component, message: str, expected: type[Exception] | tuple[()] = ()) -> Iterator[None]:
+    """Turn what an author's code raises into the component's failure, which is logged and reported."""
+    try:
+        yield
+    except RoISError:
+        raise
+    except asyncio.CancelledError as error:
+        task = asyncio.current_task()
+        if task is None or task.cancelling():
+            raise
+        # Whoever asked was not cancelled, and is owed an answer.
+        raise Aborted(f"{component.name}: what {message} waited for was cancelled") from error
+    except Exception as error:
+        if not isinstance(error, expected):  # Only the log of this process can tell where it failed.
+            _log.exception("%s: %s failed", component.name, message)
+        sentence = f"{component.name}: {message} failed: {error}"
+        component.report(ErrorType.COMPONENT_INTERNAL_ERROR, sentence)
+        raise ComponentFailed(sentence) from error
 
 
 def _running_loop() -> asyncio.AbstractEventLoop | None:

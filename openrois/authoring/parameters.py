@@ -1,6 +1,6 @@
 """Parameters of a component: typed attributes on one side, a store that `set_parameter` fills on the other."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Protocol, Self, TypeVar, cast, overload
 
 from pydantic import ValidationError
@@ -104,18 +104,28 @@ class ParameterStore(Mapping[str, Any]):
             self._written.pop(name, None)
         self._written.update(written or {})
 
-    def read(self, texts: Mapping[str, str]) -> dict[str, Any]:
-        """Return the values that an application's texts stand for, without storing them.
+    def take(self, texts: Mapping[str, str], accept: Callable[[dict[str, Any]], dict[str, Any]]) -> None:
+        """Store what an application sets, all or none.
+
+        Args:
+            texts: the values by name.
+            accept: gets them as values of their types, and returns what to store.
 
         Raises:
             ValueError: one is not of its type, or read only.
+            KeyError, TypeError: what `accept` returned are no parameters.
         """
         data = self._payload.data()
         for name in texts:
             if data[name].read_only:
                 raise ValueError(f"{name} can only be read")
         payload = self._payload.from_texts(texts)
-        return {name: getattr(payload, name) for name in texts}
+        wanted = {name: getattr(payload, name) for name in texts}
+        accepted = accept(dict(wanted))
+        if not isinstance(accepted, dict):
+            raise TypeError(f"accept_parameters returned {accepted!r}: return what to store")
+        as_they_came = {name: text for name, text in texts.items() if accepted.get(name) == wanted[name]}
+        self.update(accepted, as_they_came)
 
     def told(self) -> tuple[Parameter, ...]:
         """Return the parameters that have a value, as `get_parameter` tells them."""

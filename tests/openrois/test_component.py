@@ -4,7 +4,7 @@ import asyncio
 import logging
 import threading
 from datetime import UTC, datetime, timedelta
-from typing import Annotated, Any
+from typing import Annotated, Any, cast
 
 import pytest
 from pydantic import Field
@@ -562,3 +562,86 @@ def test_there_is_no_component_as_such() -> None:
 async def test_a_name_that_cannot_be_part_of_a_reference(name: str) -> None:
     with pytest.raises(BadParameter, match="name"):
         Bell(name)
+
+
+class TestHooks:
+    """What an author gets wrong is the component's ERROR: it is answered, logged and reported."""
+
+    class Clumsy(Component):
+        level: int = parameter(1)
+
+        def __init__(self) -> None:
+            super().__init__("clumsy")
+            self.faults: list[str] = []
+            self.report = lambda _kind, description: self.faults.append(description)
+            self.work: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+            self.is_in: Any = ComponentStatus.READY
+
+        def condition(self) -> ComponentStatus:
+            if isinstance(self.is_in, Exception):
+                raise self.is_in
+            return cast(ComponentStatus, self.is_in)
+
+        def accept_parameters(self, changes: dict[str, Any]) -> dict[str, Any]:
+            return cast(dict[str, Any], {1: changes, 2: None, 3: {"colour": "red"}}[changes["level"]])
+
+        @command
+        async def start(self) -> None:
+            await self.work
+
+        @command
+        async def wait(self) -> None:
+            await self.work
+
+        @query
+        async def waited(self) -> bool:
+            await self.work
+            return True
+
+    @pytest.mark.parametrize("is_in", [KeyError("port"), "broken"])
+    async def test_a_condition_that_is_none(self, is_in: Any, caplog: pytest.LogCaptureFixture) -> None:
+        clumsy = self.Clumsy()
+        clumsy.is_in = is_in
+        assert (await clumsy.ask("component_status"))[0].value == "ERROR"
+        with pytest.raises(ComponentFailed, match="is in status ERROR"):
+            await clumsy.run("wait", ())
+        assert clumsy.faults[0].startswith("clumsy: condition failed: ")
+        assert "in condition" in caplog.text or "is not a valid ComponentStatus" in caplog.text
+
+    async def test_a_condition_that_says_why(self) -> None:
+        clumsy = self.Clumsy()
+        clumsy.is_in = ComponentFailed("unplugged")
+        assert clumsy.status is ComponentStatus.ERROR
+        assert clumsy.faults == []
+
+    @pytest.mark.parametrize(
+        ("level", "why"), [("2", "accept_parameters returned None: return what to store"), ("3", "colour"), ("4", "4")]
+    )
+    async def test_parameters_that_are_accepted_wrongly(self, level: str, why: str) -> None:
+        clumsy = self.Clumsy()
+        with pytest.raises(ComponentFailed, match=f"clumsy: set_parameter failed: .*{why}"):
+            await clumsy.run("set_parameter", (argument("level", level),))
+        assert len(clumsy.faults) == 1
+        assert clumsy.level == 1
+
+    async def test_what_a_message_waits_for_may_be_cancelled(self) -> None:
+        """An own task of the component's that is cancelled does not cancel whoever asked: they are owed an answer."""
+        clumsy = self.Clumsy()
+        clumsy.work.cancel()
+        for name in ("wait", "start"):
+            with pytest.raises(Aborted):
+                await clumsy.run(name, ())
+        with pytest.raises(Aborted, match="what waited waited for was cancelled"):
+            await clumsy.ask("waited")
+        assert clumsy.status is ComponentStatus.READY
+
+    async def test_a_connect_whose_work_is_cancelled_is_tried_again(self) -> None:
+        class Device(Component):
+            async def connect(self) -> None:
+                work: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+                work.cancel()
+                await work
+
+        device = Device()
+        assert not await device.bring_up()
+        assert device.status is ComponentStatus.ERROR
