@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+from typing import Final
 
 from openrois.application import EngineHost
 from openrois.errors import BadParameter, RoISError
@@ -13,12 +14,15 @@ __all__ = ["serve_adapter"]
 
 _log = logging.getLogger(__name__)
 
+CHANGE_PAUSE: Final = 0.1
+"""Seconds between two looks at one adapter's profile: every application hears of each, and asks again."""
+
 
 async def serve_adapter(host: EngineHost, stream: MessageStream, answer_timeout: float = CALL_TIMEOUT) -> StreamClosed:
     """Attach the engine at the other end for as long as the connection lasts; return why it ended.
 
     A profile that cannot be had or is not acceptable closes the connection with 1008 and the reason. The same holds for
-    a later one, after the adapter said `rois.system.profile_changed`.
+    a later one, after the adapter said `rois.system.profile_changed`; said many times at once it counts as few.
 
     Args:
         host: the gateway's engine.
@@ -51,6 +55,7 @@ async def _keep_attached(host: EngineHost, session: RpcSession, proxy: RemotePro
             changed.clear()
             await host.engine.refresh(proxy)
             host.reservations.keep_only(set(host.engine.directory.component_profiles))
+            await host.sleep(CHANGE_PAUSE)
     except BadParameter as error:
         await _refuse(session, str(error))
     except RoISError as error:

@@ -1,5 +1,6 @@
 """The leg between gateway and adapter: what an adapter is asked, what it may be, and what it may not do."""
 
+import asyncio
 import json
 import logging
 from contextlib import AsyncExitStack
@@ -7,8 +8,10 @@ from contextlib import AsyncExitStack
 import pytest
 from websockets.asyncio.client import connect
 
+from openrois.engine import Engine
 from openrois.gateway.server import Gateway
-from tests.support import deployment
+from openrois.registry import LocalRegistry
+from tests.support import deployment, wire
 from tests.support.deployment import Adapter, Application
 from tests.support.plain import (
     TOY,
@@ -20,6 +23,7 @@ from tests.support.plain import (
     profile_result,
     refusal,
 )
+from tests.support.session import settle
 
 
 async def execute(app: Application, command_id: str, command: str, *arguments: dict[str, str]) -> str:
@@ -80,6 +84,28 @@ class TestProfiles:
         await deployment.until(gateway.engine, lambda ids: ids == ("gateway", "robot"))
         told = [record.getMessage() for record in caplog.records if record.name == "openrois.gateway.adapters"]
         assert told[-2:] == ["attached plain", "plain left"]
+
+    async def test_many_changes_at_once_are_two(self) -> None:
+        may_go_on, looks = asyncio.Event(), 0
+
+        async def sleep(_seconds: float) -> None:
+            await may_go_on.wait()
+
+        def look() -> None:
+            nonlocal looks
+            looks += 1
+
+        async with wire.hosted(Engine("gateway")) as host, wire.engine_over(engine_id="fleet") as fleet:
+            host.sleep = sleep
+            async with wire.adapter_leg(host, fleet):
+                host.engine.on_change(look)
+                for number in range(20):
+                    await fleet.attach(LocalRegistry(str(number), []))
+                    await settle()
+                assert looks == 1
+                may_go_on.set()
+                await deployment.until(host.engine, lambda ids: "19" in ids)
+                assert looks == 2
 
     async def test_one_that_does_not_answer(self) -> None:
         async with (

@@ -16,7 +16,7 @@ from openrois_streaming.sessions import SESSIONS_LIMIT
 from openrois import command_log, condition, engine, error_log, event_log, faults, registry, remembered
 from openrois.application import EngineHost
 from openrois.errors import OutOfResources
-from openrois.gateway import server
+from openrois.gateway import adapters, server
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import ADAPTER, APPLICATION
 from openrois.interfaces import stream
@@ -154,6 +154,10 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
     "answer of an adapter": (
         (session.CALL_TIMEOUT,),
         ("tests/conformance/test_query.py::test_no_answer_in_time", f"{HERE}::test_the_time_for_an_answer"),
+    ),
+    "looks at the profile of one adapter that says `profile_changed`": (
+        (1 / adapters.CHANGE_PAUSE,),
+        ("tests/conformance/test_adapters.py::test_many_changes_at_once_are_two",),
     ),
     "answers of an adapter that come too late and still matter": (
         (calls.MAX_LATE,),
