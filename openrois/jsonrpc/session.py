@@ -136,6 +136,7 @@ class RpcSession:
         When it ends every unanswered call of ours fails once with `SessionClosed`, and the handlers that still run are
         cancelled before `run` returns.
         """
+        before = _cancellations()
         try:
             async with asyncio.TaskGroup() as tasks:
                 tasks.create_task(self._write())
@@ -150,6 +151,9 @@ class RpcSession:
             self._closed = self._closed or StreamClosed(1006)
             self._calls.fail(str(self._closed))
             self.outbox.close()
+        if _cancellations() > before:
+            # A task group that ends by itself forgets that it is cancelled meanwhile: an adapter would dial for ever.
+            raise asyncio.CancelledError
         return self._closed
 
     async def close(self, code: int = 1000, reason: str = "") -> None:
@@ -309,3 +313,9 @@ class RpcSession:
 
 def _ignore(_result: Any) -> None:
     """Take an answer that nobody asked for."""
+
+
+def _cancellations() -> int:
+    """Return how often the task that runs has been cancelled."""
+    task = asyncio.current_task()
+    return 0 if task is None else task.cancelling()

@@ -302,3 +302,28 @@ def test_a_handler_is_what_method_returns() -> None:
 
     handler: Callable[[dict[str, Any]], Any] = method(Params, taking)
     assert asyncio.run(handler({"number": 4})) == 4
+
+
+async def test_who_is_cancelled_while_a_session_ends_is_cancelled() -> None:
+    ending, may_end = asyncio.Event(), asyncio.Event()
+
+    async def linger(_params: dict[str, Any]) -> dict[str, Any]:
+        try:
+            await asyncio.Event().wait()
+        finally:
+            ending.set()
+            await may_end.wait()
+        return {}
+
+    near, far = memory_pair()
+    running = asyncio.ensure_future(RpcSession(near, {"linger": linger}).run())
+    await far.send('{"jsonrpc": "2.0", "id": 1, "method": "linger"}')
+    await settle()
+    await far.close(1001, "the gateway stops")
+    async with asyncio.timeout(5):
+        await ending.wait()
+        running.cancel()
+        await settle()
+        may_end.set()
+        await asyncio.wait({running})
+    assert running.cancelled()
