@@ -49,6 +49,7 @@ class LocalRegistry:
 
     Raises:
         BadParameter: `engine_id` or a component's name cannot be part of a reference, or a name stands twice.
+        TypeError: a class stands where an instance of it should.
     """
 
     def __init__(
@@ -73,6 +74,8 @@ class LocalRegistry:
             self._add(component)
 
     def _add(self, component: Component) -> None:
+        if isinstance(component, type):
+            raise TypeError(f"{component.__name__} is a class: write {component.__name__}()")
         name = component.profile.name
         component_ref = reference(self.engine_id, name)
         if flaw := flaw_of_name(name) or ("it is taken" if component_ref in self._components else ""):

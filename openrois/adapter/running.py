@@ -8,6 +8,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 from typing import Final
 
+from openrois.adapter.blocking import told_of_blocking
 from openrois.adapter.lifecycle import connected
 from openrois.application import EngineHost
 from openrois.component import Component
@@ -72,8 +73,9 @@ async def serve(*components: Component, engine_id: str, gateway: str | None = No
     address = gateway or os.environ.get(GATEWAY_VARIABLE) or GATEWAY
     url = adapter_url(address)
     async with hosted(engine_id, *components) as host, TaskScope() as tasks:
-        tasks.start(serve_parent(host, url))
-        yield host
+        with told_of_blocking():
+            tasks.start(serve_parent(host, url))
+            yield host
 
 
 def run(*components: Component, engine_id: str, gateway: str | None = None, verbose: bool = False) -> None:

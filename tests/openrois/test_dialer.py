@@ -107,7 +107,8 @@ async def test_an_attempt_that_takes_long_is_no_lasting_connection(host: EngineH
         writer.close()
 
     async with await asyncio.start_server(hang_up_at_length, "127.0.0.1", 0) as server:
-        async with dialling(host, f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}/adapter", time):
+        url = f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}/adapter"
+        async with dialling(host, url, time):
             assert time.delays == [1, 1.5, 2.25]
 
 

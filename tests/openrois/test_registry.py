@@ -24,6 +24,11 @@ async def test_a_name_that_cannot_end_one(names: list[str]) -> None:
         LocalRegistry("robot", [Lamp(name) for name in names])
 
 
+def test_a_class_is_no_component() -> None:
+    with pytest.raises(TypeError, match=r"Lamp is a class: write Lamp\(\)"):
+        LocalRegistry("robot", [Lamp])  # type: ignore[list-item]
+
+
 async def test_the_profile_lists_components_in_the_order_they_were_given() -> None:
     directory = await LocalRegistry("robot", [Bell("b"), Lamp("a")]).discover()
     assert directory.profile.engine_ids() == ("robot",)

@@ -1,0 +1,70 @@
+"""An adapter that stands still is told where."""
+
+import asyncio
+import logging
+import threading
+from collections.abc import Iterator
+
+import pytest
+
+from openrois.adapter import Component, command
+from openrois.adapter.blocking import told_of_blocking
+from openrois.testing import harness
+
+
+class Ears(logging.Handler):
+    """Keeps what is logged, and wakes who waits for it."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.heard: list[str] = []
+        self.news = threading.Event()
+
+    def emit(self, record: logging.LogRecord) -> None:
+        self.heard.append(record.getMessage())
+        self.news.set()
+
+
+@pytest.fixture
+def ears() -> Iterator[Ears]:
+    logger = logging.getLogger("openrois.adapter.blocking")
+    logger.addHandler(ears := Ears())
+    yield ears
+    logger.removeHandler(ears)
+
+
+async def test_it_says_where_and_says_it_once(ears: Ears) -> None:
+    def drive_to_the_kitchen() -> None:
+        assert ears.news.wait(5)
+        # Long enough to be told again.
+        assert not threading.Event().wait(0.05)
+
+    with told_of_blocking(patience=0.01):
+        drive_to_the_kitchen()
+    (message,) = ears.heard
+    assert "asyncio.to_thread" in message
+    assert message.splitlines()[-1].strip()
+
+
+async def test_whoever_blocks_again_is_told_again(ears: Ears) -> None:
+    with told_of_blocking(patience=0.01):
+        for _ in range(2):
+            ears.news.clear()
+            assert ears.news.wait(5)
+            await asyncio.sleep(0)
+    assert len(ears.heard) == 2
+
+
+async def test_the_place_is_in_the_authors_code(ears: Ears) -> None:
+    class Base(Component, authority="Test"):
+        @command
+        async def drive(self) -> None:
+            assert ears.news.wait(5)
+
+    async with harness(Base("base")) as client:
+        with told_of_blocking(patience=0.01):
+            await client.component("robot/base").command("drive")
+    first, place, *_ = ears.heard[0].splitlines()
+    assert "something blocks" in first
+    assert place.endswith("in drive")
+    assert __file__ in place
