@@ -12,7 +12,7 @@ from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from openrois.command_log import CommandBudget, CommandLog
+from openrois.command_log import MAX_RUNNING, MAX_UNFINISHED, CommandBudget, CommandLog
 from openrois.contract import Client, Fault
 from openrois.engine import Engine
 from openrois.error_log import ErrorLog
@@ -85,7 +85,8 @@ class ApplicationSession:
         self.host = host
         self.engine = host.engine
         self.trusted = trusted
-        self.commands = CommandLog(time.monotonic, host.commands)
+        # A parent speaks for many applications: the share of one is kept where they are known apart.
+        self.commands = CommandLog(time.monotonic, host.commands, MAX_UNFINISHED if trusted else MAX_RUNNING)
         self.events = EventLog(self.engine, notify, wall_clock=host.wall_clock)
         self.errors = ErrorLog()
         self.bound: set[str] = set()

@@ -8,7 +8,7 @@ from openrois.errors import BadParameter, OutOfResources
 from openrois.remembered import Remembered
 from openrois.types.messages import Result
 
-__all__ = ["CommandBudget", "CommandLog"]
+__all__ = ["MAX_RUNNING", "MAX_UNFINISHED", "CommandBudget", "CommandLog"]
 
 MAX_FINISHED: Final = 4096
 MAX_RUNNING: Final = 1024
@@ -52,13 +52,15 @@ class CommandLog:
     Args:
         clock: monotonic seconds.
         budget: shared by all applications of the engine.
+        most_running: how many of it this one may use; so many results are remembered, too, as all may end at once.
     """
 
-    def __init__(self, clock: Callable[[], float], budget: CommandBudget) -> None:
+    def __init__(self, clock: Callable[[], float], budget: CommandBudget, most_running: int = MAX_RUNNING) -> None:
         self._clock = clock
         self._budget = budget
+        self._most_running = most_running
         self._running: dict[str, str] = {}
-        self._finished: Remembered[_Finished] = Remembered(MAX_FINISHED)
+        self._finished: Remembered[_Finished] = Remembered(max(MAX_FINISHED, most_running))
 
     def __contains__(self, command_id: str) -> bool:
         return command_id in self._running or command_id in self._finished
@@ -72,8 +74,8 @@ class CommandLog:
         Raises:
             OutOfResources: more commands would run than are allowed.
         """
-        if len(self._running) + len(commands) > MAX_RUNNING:
-            raise OutOfResources(f"at most {MAX_RUNNING} commands of one application run at a time")
+        if len(self._running) + len(commands) > self._most_running:
+            raise OutOfResources(f"at most {self._most_running} commands of one application run at a time")
         self._budget.take(len(commands))
         self._running.update(commands)
 

@@ -382,8 +382,15 @@ class TestVeryMany:
         await asyncio.gather(*(self.begin(app) for app in apps))
         robot.door.may_answer.set()
         for app in apps:
-            assert set((await app.completed(*self.IDS)).values()) <= {"OK", "OUT_OF_RESOURCES"}
+            assert set((await app.completed(*self.IDS)).values()) == {"OK"}
         assert await other.settled() == []
+
+    async def test_others_are_served(self, app: Application, other: Application, robot: Robot) -> None:
+        robot.door.may_answer.clear()
+        await self.begin(app)
+        assert await bind(other) == "OK"
+        assert await execute(other, unit("mine")) == "OK"
+        assert await other.completed("mine") == {"mine": "OK"}
 
     async def test_their_application_stays_when_they_end_at_once(
         self, app: Application, adapter: Adapter, robot: Robot
