@@ -189,13 +189,13 @@ def _identity(
 ) -> tuple[RoISIdentifier, str, Mapping[str, str]]:
     """Return the identifier, the name, and the fields that have names of their own."""
     (identifier,) = children["identifier"]
-    code_space = identifier.attributes.get(Name("", "codeSpace"))
-    if code_space is None:
+    if Name("", "codeSpace") not in identifier.attributes:
         raise identifier.wrong("has no codeSpace")
+    code_space = _code_space(identifier)
     names: list[str] = []
     extra: dict[str, str] = {}
     for element in children["name"]:
-        field = element.attributes.get(Name("", "codeSpace"), "")
+        field = _code_space(element)
         if field.startswith(EXTRA):
             _take_extra(element, field.removeprefix(EXTRA), extra)
         elif names:
@@ -214,6 +214,11 @@ def _identity(
         "".join(names),
         extra,
     )
+
+
+def _code_space(element: Element) -> str:
+    """Return an element's code space, a URI: white space around it means nothing (xsd:anyURI)."""
+    return element.attributes.get(Name("", "codeSpace"), "").strip(" \t\r\n")
 
 
 def _take_extra(element: Element, field: str, extra: dict[str, str]) -> None:

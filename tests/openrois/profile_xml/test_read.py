@@ -127,6 +127,12 @@ class TestWhatOthersWrite:
         assert command is not None
         assert command.timeout == 500
 
+    def test_a_code_space_with_white_space(self) -> None:
+        identity = IDENTITY.replace("urn:ietf:rfc:2141", " my book&#10;")
+        profile = read_component(component(identity=identity)).profile
+        assert profile.identifier.codebook_ref == "my book"
+        assert read_component(component_xml(profile)).profile == profile
+
     def test_an_engine_of_others(self) -> None:
         read = read_profile(
             engine(
