@@ -4,7 +4,7 @@ import asyncio
 import logging
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, ClassVar, Final, Literal, Self, final
 
 from openrois.arguments import check_arguments
@@ -71,7 +71,6 @@ class Component:
 
     name: str
     emit: Emit
-    report: Report
     parameters: ParameterStore
     component_type: ClassVar[ComponentType]
     __authored: ClassVar[AuthoredType]
@@ -80,6 +79,7 @@ class Component:
     __running: int
     __start: asyncio.Task[tuple[Result, ...]] | None
     __loop: asyncio.AbstractEventLoop | None
+    __report: Report
     __standing: ComponentStatus
 
     def __init_subclass__(
@@ -157,6 +157,15 @@ class Component:
         condition = self.__condition() if self.__standing is ComponentStatus.READY else self.__standing
         return ComponentStatus.BUSY if self.__running and condition is ComponentStatus.READY else condition
 
+    @property
+    def report(self) -> Report:
+        """Tells whoever has bound the component of its fault, from any thread: a kind and a sentence for a person."""
+        return partial(self.__in_loop, self.__report)
+
+    @report.setter
+    def report(self, report: Report) -> None:
+        self.__report = report
+
     @final
     async def ask(self, query_type: str) -> tuple[Result, ...]:
         """Answer a query.
@@ -223,13 +232,7 @@ class Component:
         if message is None:
             return
         payload = message.arguments.bind(values, named)
-        results = () if payload is None else payload.named(Result)
-        if self.__loop is None or self.__loop is _running_loop():
-            self.emit(message.name, results)
-        else:
-            with suppress(RuntimeError):
-                # The loop is closed: there is nobody left to hear it.
-                self.__loop.call_soon_threadsafe(self.emit, message.name, results)
+        self.__in_loop(self.emit, message.name, () if payload is None else payload.named(Result))
 
     @final
     async def bring_up(self) -> bool:
@@ -258,6 +261,14 @@ class Component:
                 _log.warning("%s did not disconnect: %s", self.name, str(error) or "it took too long")
 
     # How it is done; authors may call their own attributes by the same names.
+
+    def __in_loop(self, tell: Callable[..., None], *what: object) -> None:
+        if self.__loop is None or self.__loop is _running_loop():
+            tell(*what)
+        else:
+            with suppress(RuntimeError):
+                # The loop is closed: there is nobody left to hear it.
+                self.__loop.call_soon_threadsafe(tell, *what)
 
     def __condition(self) -> ComponentStatus:
         try:

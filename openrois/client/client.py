@@ -8,6 +8,7 @@ from typing import Any, Final, Self, TypeVar, overload
 
 from pydantic import ConfigDict
 
+from openrois.backoff import Backoff
 from openrois.catalog.component_type import ComponentType
 from openrois.client.application import Application
 from openrois.client.component import ComponentProxy
@@ -19,6 +20,7 @@ from openrois.client.notices import Connected, Notice, Notification, ProfileChan
 from openrois.client.operations import Operations
 from openrois.client.reconnect import Reconnect
 from openrois.errors import BadParameter, RoISError, Unsupported
+from openrois.types.codes import ComponentStatus
 from openrois.types.messages import ReturnResult
 from openrois.types.model import Model
 
@@ -162,7 +164,8 @@ class Client(Operations):
         Args:
             kind: the type, as `component` takes it.
             condition: which of them, if there are several.
-            within: seconds to wait for it, where its engine may start later than the application.
+            within: seconds to wait for it, where its engine may start later than the application, and for its device,
+                which may not be connected yet; if that takes longer it is returned as it is.
 
         Raises:
             Unsupported: there is none.
@@ -185,6 +188,10 @@ class Client(Operations):
         if len(found) > 1:
             refs = ", ".join(proxy.component_ref for proxy in found)
             raise BadParameter(f"there are {len(found)} components {code}, say which: {refs}")
+        if within:
+            with suppress(TimeoutError):
+                async with asyncio.timeout_at(limit.when()):
+                    await _until_usable(found[0])
         return found[0]
 
     @overload
@@ -215,6 +222,18 @@ class Client(Operations):
                     # A component that is gone meanwhile need not be given back.
                     with suppress(RoISError, TimeoutError):
                         await self.release(component_ref)
+
+
+async def _until_usable(component: ComponentProxy) -> None:
+    """Wait until a component is connected to what it depends on; of that nobody tells."""
+    backoff = Backoff(first=0.05, limit=1)
+    with suppress(RoISError):
+        # Not every component answers this.
+        while True:
+            answer = await component.query("component_status")
+            if answer.get("status") not in (ComponentStatus.UNINITIALIZED, ComponentStatus.ERROR):
+                return
+            await asyncio.sleep(backoff.after(0))
 
 
 def _type_of(kind: type[ComponentProxy] | ComponentType) -> ComponentType:

@@ -502,6 +502,15 @@ class TestEvents:
         async with asyncio.timeout(5):
             assert await heard.get() == ("ding", threading.get_ident())
 
+    async def test_so_does_a_report(self) -> None:
+        bell = Bell()
+        heard: asyncio.Queue[tuple[ErrorType, str, int]] = asyncio.Queue()
+        bell.report = lambda kind, what: heard.put_nowait((kind, what, threading.get_ident()))
+        await bell.bring_up()
+        await asyncio.to_thread(bell.report, ErrorType.USER_DEFINED_ERROR, "cracked")
+        async with asyncio.timeout(5):
+            assert await heard.get() == (ErrorType.USER_DEFINED_ERROR, "cracked", threading.get_ident())
+
     def test_one_of_another_thread_after_the_loop_has_ended_is_dropped(self) -> None:
         bell = Bell()
         asyncio.run(bell.bring_up())

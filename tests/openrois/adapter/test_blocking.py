@@ -56,14 +56,14 @@ async def test_whoever_blocks_again_is_told_again(ears: Ears) -> None:
 
 
 async def test_the_place_is_in_the_authors_code(ears: Ears) -> None:
-    class Base(Component, authority="Test"):
+    class Wheels(Component, authority="Test"):
         @command
         async def drive(self) -> None:
             assert ears.news.wait(5)
 
-    async with harness(Base("base")) as client:
+    async with harness(Wheels("wheels")) as client:
         with told_of_blocking(patience=0.01):
-            await client.component("robot/base").command("drive")
+            await client.component("robot/wheels").command("drive")
     first, place, *_ = ears.heard[0].splitlines()
     assert "something blocks" in first
     assert place.endswith("in drive")

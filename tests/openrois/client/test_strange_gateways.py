@@ -171,6 +171,29 @@ class TestFinding:
             with pytest.raises(TimeoutError, match="no answer within"):
                 await finding
 
+    async def test_what_is_found_is_waited_for_until_it_can_be_used(self, line: Line, script: Script) -> None:
+        statuses = iter(("UNINITIALIZED", "ERROR", "READY"))
+        script.answers = {
+            "rois.command.search": {"component_ref_list": ["robot/navigation"]},
+            "rois.query.query": lambda _params: {
+                "results": [{"name": "status", "data_type_ref": "Component_Status", "value": next(statuses)}]
+            },
+        }
+        async with Client(dial=line.dial) as client:
+            found = await client.find(Navigation, within=5)
+            assert (found.component_ref, script.times("rois.query.query")) == ("robot/navigation", 3)
+            await client.find(Navigation)
+            assert script.times("rois.query.query") == 3
+
+    async def test_what_cannot_be_used_in_time_is_returned_as_it_is(self, line: Line, script: Script) -> None:
+        status = {"name": "status", "data_type_ref": "Component_Status", "value": "UNINITIALIZED"}
+        script.answers = {
+            "rois.command.search": {"component_ref_list": ["robot/navigation"]},
+            "rois.query.query": {"results": [status]},
+        }
+        async with Client(dial=line.dial) as client:
+            assert (await client.find(Navigation, within=0.01)).component_ref == "robot/navigation"
+
     async def test_nothing_in_time(self, line: Line, script: Script) -> None:
         async with Client(dial=line.dial) as client:
             with pytest.raises(Unsupported, match="there is no Navigation"):
