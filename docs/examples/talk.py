@@ -7,7 +7,7 @@ from openrois.client import Client, concurrent
 from openrois.client.components import Reaction, SpeechSynthesis
 
 
-async def main(text: str, url: str = "ws://127.0.0.1:8765/") -> None:
+async def main(text: str = "Hello!", url: str = "ws://127.0.0.1:8765/") -> None:
     """Say `text`; return when it has been said."""
     async with Client(url) as client:
         speech = await client.find(SpeechSynthesis)
