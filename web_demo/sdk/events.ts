@@ -2,12 +2,15 @@
 
 type Listener<T> = (value: T) => void;
 
-/** Calls a listener; what it throws is nobody's concern but its author's. */
+/** Calls a listener; what it throws, at once or later, is nobody's concern but its author's. */
 export function tell<T>(name: string, listener: Listener<T>, value: T): void {
+  const failed = (error: unknown): void => console.error(`openrois: a listener of "${name}" failed`, error);
   try {
-    listener(value);
+    const ended: unknown = listener(value);
+    // An async function is a listener, too.
+    if (ended instanceof Promise) ended.catch(failed);
   } catch (error) {
-    console.error(`openrois: a listener of "${name}" failed`, error);
+    failed(error);
   }
 }
 

@@ -66,6 +66,10 @@ export class RequestTimeout extends Error {
 
 const OPEN = 1;
 const MAX_BUFFERED_BYTES = 1024 * 1024;
+/** How many late answers are still waited for; the oldest is given up first. */
+const MAX_LATE = 64;
+
+type OnLate = (result: Json) => void;
 
 interface Waiter {
   readonly method: string;
@@ -73,12 +77,14 @@ interface Waiter {
   readonly timer: ReturnType<typeof setTimeout>;
   resolve(result: Json): void;
   reject(error: Error): void;
+  readonly onLate: OnLate | undefined;
 }
 
 /** Owns an open socket until it closes; after that every call fails with `ConnectionLost`. */
 export class JsonRpcSession {
   readonly #peer = new Peer();
   readonly #waiters = new Map<number, Waiter>();
+  readonly #late = new Map<number, OnLate>();
   readonly #socket: SocketLike;
   readonly #options: SessionOptions;
   readonly #requestTimeout: number;
@@ -103,22 +109,20 @@ export class JsonRpcSession {
   /**
    * Asks `method` and waits for its result.
    *
+   * @param onLate hears a result that comes after `RequestTimeout`, to undo what was done
    * @throws RpcError | ConnectionLost | RequestTimeout
    */
-  request(method: string, params: JsonObject = {}): Promise<Json> {
+  request(method: string, params: JsonObject = {}, onLate?: OnLate): Promise<Json> {
     return new Promise((resolve, reject) => {
       if (this.#closed || this.#socket.readyState !== OPEN) {
         return reject(new ConnectionLost(`${method}: there is no connection`));
       }
-      if (
-        this.#peer.outstanding >= this.#maxOutstanding ||
-        this.#socket.bufferedAmount > MAX_BUFFERED_BYTES
-      ) {
+      if (this.#waiters.size >= this.#maxOutstanding || this.#socket.bufferedAmount > MAX_BUFFERED_BYTES) {
         return reject(new RequestTimeout(`${method}: too many requests are unanswered`));
       }
       const { id, text } = this.#peer.request(method, params);
       const timer = setTimeout(() => this.#expire(id), this.#requestTimeout);
-      this.#waiters.set(id, { method, sentAt: performance.now(), timer, resolve, reject });
+      this.#waiters.set(id, { method, sentAt: performance.now(), timer, resolve, reject, onLate });
       this.#socket.send(text);
       this.#observe("sent", "request", method, () => ({ jsonrpc: "2.0", id, method, params }));
     });
@@ -153,15 +157,22 @@ export class JsonRpcSession {
         const waiter = this.#take(incoming.id);
         const elapsed = waiter && performance.now() - waiter.sentAt;
         this.#observe("received", incoming.kind, incoming.method, () => parsed(data), elapsed);
-        if (incoming.kind === "response") waiter?.resolve(incoming.result);
+        if (incoming.kind === "response") (waiter?.resolve ?? this.#late.get(incoming.id))?.(incoming.result);
         else waiter?.reject(new RpcError(incoming.error, incoming.method));
+        this.#late.delete(incoming.id);
       }
     }
   }
 
   #expire(id: number): void {
-    this.#peer.forget(id);
     const waiter = this.#take(id);
+    if (waiter?.onLate) this.#late.set(id, waiter.onLate);
+    else this.#peer.forget(id);
+    const oldest = this.#late.keys().next();
+    if (this.#late.size > MAX_LATE && !oldest.done) {
+      this.#late.delete(oldest.value);
+      this.#peer.forget(oldest.value);
+    }
     waiter?.reject(new RequestTimeout(`${waiter.method}: no answer within ${this.#requestTimeout} ms`));
     // A socket on which nothing at all comes in any more is dead, though the browser cannot know it yet.
     if (this.silence >= this.#requestTimeout) this.close(4000, "no answer");

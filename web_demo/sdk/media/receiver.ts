@@ -106,17 +106,20 @@ export class MediaReceiver {
   async #connect(componentRef: string, kind: MediaKind): Promise<string> {
     const codecs = (this.#options.codecs ?? decodableCodecs)(kind);
     await this.#iceServers.refresh();
-    const { stream_id: streamId = "" } = await this.#link.call("rois.stream.connect_stream", {
-      component_ref: componentRef,
-      parameters: [
-        { name: "encoding_parameters", data_type_ref: "string", value: JSON.stringify({ codecs }) },
-        {
-          name: "transport_parameters",
-          data_type_ref: "string",
-          value: JSON.stringify({ direction: "recvonly" }),
-        },
-      ],
-    });
+    const parameters = [
+      { name: "encoding_parameters", data_type_ref: "string", value: JSON.stringify({ codecs }) },
+      {
+        name: "transport_parameters",
+        data_type_ref: "string",
+        value: JSON.stringify({ direction: "recvonly" }),
+      },
+    ];
+    const params = { component_ref: componentRef, parameters };
+    const { stream_id: streamId = "" } = await this.#link.call(
+      "rois.stream.connect_stream",
+      params,
+      ({ stream_id = "" }) => mayFail(this.#link.call("rois.stream.disconnect_stream", { stream_id })),
+    );
     return streamId;
   }
 

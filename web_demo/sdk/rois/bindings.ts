@@ -16,10 +16,27 @@ export class Bindings {
   readonly #uses = new Map<string, number>();
   readonly #turns = new Map<string, Promise<unknown>>();
 
-  /** It was bound, until it is released. */
-  add(componentRef: string): void {
+  /** Binds until it is released. */
+  async bind(call: Call, componentRef: string): Promise<void> {
+    this.#count(componentRef, 1);
+    try {
+      await this.#bind(call, componentRef);
+      this.#lasting.add(componentRef);
+    } finally {
+      this.#count(componentRef, -1);
+    }
+  }
+
+  /** Binds one that meets a condition, until it is released. */
+  async bindAny(call: Call, condition: string): Promise<string> {
+    const { component_ref: componentRef = "" } = await call(
+      "rois.command.bind_any",
+      { condition },
+      ({ component_ref = "" }) => this.#giveBack(call, component_ref),
+    );
     this.#lasting.add(componentRef);
     this.#states.set(componentRef, "held");
+    return componentRef;
   }
 
   /** It is released. */
@@ -35,20 +52,16 @@ export class Bindings {
 
   /** Binds for as long as the work lasts; where works overlap, the last one releases. */
   async during<T>(call: Call, componentRef: string, work: () => Promise<T>): Promise<T> {
-    const params = { component_ref: componentRef };
     this.#count(componentRef, 1);
     try {
-      await this.#inTurn(componentRef, async () => {
-        await call("rois.command.bind", params);
-        this.#states.set(componentRef, "held");
-      });
+      await this.#inTurn(componentRef, () => this.#bind(call, componentRef));
       return await work();
     } finally {
       this.#count(componentRef, -1);
       await this.#inTurn(componentRef, async () => {
         if (this.#uses.has(componentRef) || this.#lasting.has(componentRef)) return;
         this.#states.delete(componentRef);
-        await call("rois.command.release", params);
+        await call("rois.command.release", { component_ref: componentRef });
       }).catch(() => undefined);
     }
   }
@@ -69,6 +82,19 @@ export class Bindings {
   async renew(call: Call, renewal: Renewal, all: boolean): Promise<void> {
     const refs = [...this.#states].filter(([, state]) => all || state !== "held").map(([ref]) => ref);
     await Promise.all(refs.map((ref) => this.#renew(call, ref, renewal)));
+  }
+
+  async #bind(call: Call, componentRef: string): Promise<void> {
+    await call("rois.command.bind", { component_ref: componentRef }, () =>
+      this.#giveBack(call, componentRef),
+    );
+    this.#states.set(componentRef, "held");
+  }
+
+  /** It was bound when its caller had given up: it is given back, unless somebody else wants it. */
+  #giveBack(call: Call, componentRef: string): void {
+    if (this.#uses.has(componentRef) || this.#lasting.has(componentRef)) return;
+    call("rois.command.release", { component_ref: componentRef }).catch(() => undefined);
   }
 
   #count(componentRef: string, change: number): void {

@@ -110,15 +110,12 @@ export class Client extends Link {
    * @throws RoISError (OUT_OF_RESOURCES: another application has it)
    */
   async bind(componentRef: string): Promise<void> {
-    await this.call("rois.command.bind", { component_ref: componentRef });
-    this.#bindings.add(componentRef);
+    await this.#bindings.bind(this.call, componentRef);
   }
 
   /** Reserves one component that matches and is free, and returns its reference. */
   async bindAny(condition = ""): Promise<string> {
-    const { component_ref: componentRef = "" } = await this.call("rois.command.bind_any", { condition });
-    this.#bindings.add(componentRef);
-    return componentRef;
+    return this.#bindings.bindAny(this.call, condition);
   }
 
   /** Gives a component back. Idempotent. */

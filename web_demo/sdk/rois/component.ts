@@ -1,5 +1,6 @@
 /** The run time of typed components: what `Navigation` and its like are made of. */
 
+import { tell } from "../events.ts";
 import type { Client } from "./client.ts";
 import { and, onlyComponent } from "./conditions.ts";
 import { CommandFailed } from "./errors.ts";
@@ -186,10 +187,9 @@ export class ComponentEvent<Payload> implements AsyncIterable<Payload> {
     return this.#client.subscribe(this.eventType, onlyComponent(this.#componentRef), (event) => {
       turn = turn
         .then(() => this.#read(event))
-        .then((payload) => payload !== undefined && listener(payload, event))
-        .catch((error: unknown) =>
-          console.error(`openrois: a listener of "${this.eventType}" failed`, error),
-        );
+        .then((payload) => {
+          if (payload !== undefined) tell(this.eventType, (told) => listener(told, event), payload);
+        });
     });
   }
 

@@ -99,8 +99,9 @@ export class Connection {
   }
 
   /** @throws RpcError | ConnectionLost | RequestTimeout */
-  request(method: string, params: JsonObject): Promise<Json> {
-    if (this.#session && this.#state.name === "connected") return this.#session.request(method, params);
+  request(method: string, params: JsonObject, onLate?: (result: Json) => void): Promise<Json> {
+    if (this.#session && this.#state.name === "connected")
+      return this.#session.request(method, params, onLate);
     return Promise.reject(new ConnectionLost(`${method}: there is no connection`));
   }
 
@@ -162,7 +163,8 @@ export class Connection {
     clearTimeout(this.#timer);
     this.#session = null;
     const asked = /^retry_after=(\d{1,4}(?:\.\d+)?)$/.exec(reason)?.[1];
-    const wait = Math.max(this.#backoff.next(), asked === undefined ? 0 : Number(asked) * 1000);
+    // Both: what all are told alike must not bring all of them back in the same moment.
+    const wait = this.#backoff.next() + (asked === undefined ? 0 : Number(asked) * 1000);
     const retryAt = Date.now() + wait;
     this.#timer = setTimeout(() => this.#dial(), wait);
     this.#enter({ name: "waiting", retryAt, attempt: this.#backoff.failures, reason });

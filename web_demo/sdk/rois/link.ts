@@ -33,10 +33,15 @@ export type ResultOf<Method extends string> = Method extends MethodName
   ? Methods[Method]["result"]
   : JsonObject;
 
+/** Hears the result of a call that had ended with `RequestTimeout` before, to undo what was done. */
+export type Late<Method extends string> = (result: ResultOf<Method>) => void;
+
 /** Calls a method, and returns its result once the `return_code` is OK. Params may be left out where all may. */
 export type Call = <Method extends MethodName | (string & {})>(
   method: Method,
-  ...params: {} extends Params<Method> ? [params?: Params<Method>] : [params: Params<Method>]
+  ...params: {} extends Params<Method>
+    ? [params?: Params<Method>, late?: Late<Method>]
+    : [params: Params<Method>, late?: Late<Method>]
 ) => Promise<ResultOf<Method>>;
 
 /** An event as an application hears it: what the engine left out is empty. */
@@ -154,8 +159,7 @@ export abstract class Link {
    *
    * @throws RoISError | RpcError | InvalidMessage | ConnectionLost | RequestTimeout
    */
-  readonly call: Call = async (method, ...[params]) =>
-    accepted(method, params, await this.#connection.request(method, (params ?? {}) as JsonObject));
+  readonly call: Call = (method, ...[params, late]) => ask(this.#connection, method, params, late);
 
   /** Tells that something came in which is not as it should be. @internal */
   passedOver(what: string): void {
@@ -178,8 +182,7 @@ export abstract class Link {
   protected abstract changed(): void;
 
   async #handshake(session: JsonRpcSession): Promise<void> {
-    const call: Call = async (method, ...[params]) =>
-      accepted(method, params, await session.request(method, (params ?? {}) as JsonObject));
+    const call: Call = (method, ...[params, late]) => ask(session, method, params, late);
     await call("rois.system.connect");
     try {
       const hello = { version: EXTENSION_VERSION, extensions: EXTENSIONS };
@@ -229,6 +232,22 @@ export abstract class Link {
     }
     this.emitter.emit("notification", notification);
   }
+}
+
+async function ask<Method extends string>(
+  asked: Pick<JsonRpcSession, "request">,
+  method: Method,
+  params: Params<Method> | undefined,
+  late: Late<Method> | undefined,
+): Promise<ResultOf<Method>> {
+  const onLate = (result: Json): void => {
+    try {
+      late?.(accepted(method, params, result));
+    } catch {
+      // It was refused: there is nothing to undo.
+    }
+  };
+  return accepted(method, params, await asked.request(method, (params ?? {}) as JsonObject, late && onLate));
 }
 
 /** @throws RoISError when the return code is not OK | InvalidMessage when the result is not what the method gives */

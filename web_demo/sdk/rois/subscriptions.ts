@@ -125,7 +125,9 @@ export class Subscriptions {
     entry.overlap = new Set();
     try {
       const { eventType: event_type, condition } = entry;
-      const { subscribe_id } = await call("rois.event.subscribe", { event_type, condition });
+      const { subscribe_id } = await call("rois.event.subscribe", { event_type, condition }, (late) =>
+        this.#unsubscribe(call, late.subscribe_id ?? null),
+      );
       // The session may have ended in the same breath.
       entry.subscribeId = session === this.#session ? (subscribe_id ?? "") : null;
       succeeded();

@@ -223,6 +223,17 @@ describe("events", () => {
     expect(gateway.called("rois.event.get_event_detail")).toEqual([{ event_id: "robot/e1" }]);
   });
 
+  it("do not wait for an async listener", async () => {
+    const heard: number[] = [];
+    await persons.personDetected.subscribe(({ number }) => {
+      heard.push(number);
+      return new Promise(() => undefined) as unknown as undefined;
+    });
+    happen(detected("1"));
+    happen(detected("2"));
+    await vi.waitFor(() => expect(heard).toEqual([1, 2]));
+  });
+
   it("that cannot be read are told and passed over", async () => {
     const invalid = vi.fn();
     client.on("invalid", invalid);

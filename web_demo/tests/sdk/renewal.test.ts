@@ -1,6 +1,8 @@
 /** What an application has bound and subscribed outlives its session, and that of the engine. */
 
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import type { JsonObject } from "../../sdk/jsonrpc/peer.ts";
+import { RequestTimeout } from "../../sdk/jsonrpc/session.ts";
 import { Client } from "../../sdk/rois/client.ts";
 import type { Claim, LostClaim } from "../../sdk/rois/claims.ts";
 import type { Subscription } from "../../sdk/rois/subscriptions.ts";
@@ -276,6 +278,57 @@ describe("subscriptions", () => {
     expect(client.state.name).toBe("connected");
     const made = gateway.called("rois.event.subscribe").map(({ event_type }) => event_type);
     expect(made).toEqual(["t", "u", "t", "u"]);
+  });
+
+  const GIVEN_UP: [string, JsonObject, () => Promise<unknown>, string, JsonObject][] = [
+    ["bind", {}, () => client.bind("late/one"), "rois.command.release", { component_ref: "late/one" }],
+    [
+      "bound",
+      {},
+      () => client.bound("late/one", () => Promise.resolve()),
+      "rois.command.release",
+      { component_ref: "late/one" },
+    ],
+    [
+      "bind_any",
+      { component_ref: "late/one" },
+      () => client.bindAny(),
+      "rois.command.release",
+      { component_ref: "late/one" },
+    ],
+    [
+      "subscribe",
+      { subscribe_id: "s/late" },
+      () => client.subscribe("late", "c", () => undefined),
+      "rois.event.unsubscribe",
+      { subscribe_id: "s/late" },
+    ],
+  ];
+  it.each(GIVEN_UP)("that come when %s had given up are given back", async (_, result, ask, undo, params) => {
+    const waiting: (() => void)[] = [];
+    const slow = () => new Promise<JsonObject>((resolve) => waiting.push(() => resolve(result)));
+    for (const method of ["command.bind", "command.bind_any", "event.subscribe"])
+      gateway.on(`rois.${method}`, slow);
+    gateway.on("rois.command.release", () => ({}));
+    const asking = expect(ask()).rejects.toBeInstanceOf(RequestTimeout);
+    await pass(9000);
+    gateway.notify("anything", {});
+    await pass(1000);
+    await asking;
+    const before = gateway.called(undo).length;
+    waiting[0]?.();
+    await pass();
+    expect(gateway.called(undo).slice(before)).toEqual([params]);
+  });
+
+  it("with an async listener that fails harm nobody either", async () => {
+    const failing = vi.spyOn(console, "error").mockImplementation(() => undefined);
+    gateway.on("rois.event.subscribe", () => ({ subscribe_id: "s/9" }));
+    await client.subscribe("t", "c", () => Promise.reject(new Error("mine")) as unknown as undefined);
+    gateway.notify("rois.event.notify_event", event("s/9"));
+    await pass();
+    expect(failing).toHaveBeenCalledOnce();
+    failing.mockRestore();
   });
 
   it("with a listener that throws harm nobody", async () => {

@@ -103,6 +103,22 @@ describe("JsonRpcSession", () => {
     expect(socket.readyState).toBe(3);
   });
 
+  it("gives an answer that comes too late to whoever undoes it, once", async () => {
+    const late = vi.fn();
+    const session = new JsonRpcSession(socket, { requestTimeout: 1000 });
+    const slow = expect(session.request("slow", {}, late)).rejects.toBeInstanceOf(RequestTimeout);
+    const refused = expect(session.request("refused", {}, late)).rejects.toBeInstanceOf(RequestTimeout);
+    vi.advanceTimersByTime(900);
+    answer({ method: "alive" });
+    vi.advanceTimersByTime(100);
+    await slow;
+    await refused;
+    answer({ id: 2, error: { code: -32603, message: "no" } });
+    answer({ id: 1, result: { n: 1 } });
+    answer({ id: 1, result: { n: 2 } });
+    expect(late).toHaveBeenCalledExactlyOnceWith({ n: 1 });
+  });
+
   it("fails every waiter when the socket closes, and every request after", async () => {
     const onClose = vi.fn();
     const session = new JsonRpcSession(socket, { onClose });
