@@ -47,9 +47,12 @@ class _Subscription:
 
 @dataclass(slots=True)
 class _Told:
+    """What was told, and when, by both clocks."""
+
     results: tuple[Result, ...]
     expire: str
     at: float
+    wall: float
 
 
 class EventLog:
@@ -143,14 +146,17 @@ class EventLog:
         return told.results
 
     def _is_over(self, told: _Told) -> bool:
-        """Tell whether the details have expired: when the event says, or a while after it was told."""
+        """Tell whether the details have expired: when the event says, or a while after it was told.
+
+        How long that is was settled when it was told: the wall clock may have been set since.
+        """
         try:
             expire = read_date_time(told.expire)
         except ValueError:
             return self._clock() >= told.at + DETAIL_LIFETIME
         if expire.tzinfo is None:
             expire = expire.replace(tzinfo=UTC)
-        return self._wall_clock() >= expire.timestamp()
+        return self._clock() >= told.at + expire.timestamp() - told.wall
 
     def stream_status(self, notice: StreamStatusNotification) -> None:
         """Turn a status notification of an own stream into the event, for each subscription to it."""
@@ -180,7 +186,7 @@ class EventLog:
             subscription.held.append(item)
 
     def _tell(self, subscription: _Subscription, event: Event) -> None:
-        told = _Told(event.results, event.expire[:MAX_DATE_TIME], self._clock())
+        told = _Told(event.results, event.expire[:MAX_DATE_TIME], self._clock(), self._wall_clock())
         self._details.put(event.event_id, told, event.results)
         notification = EventNotification(
             event_id=event.event_id,
