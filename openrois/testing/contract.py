@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Final
 
@@ -87,13 +88,27 @@ class ComponentContract:
             if not await subject.within("connect", component.bring_up()):
                 raise Broken("connect failed; the log says why")
             await rule(subject)
-        finally:
-            await component.take_down()
+        except BaseException:
+            # What went wrong first is what is told.
+            with suppress(Broken):
+                await subject.within("disconnect", component.take_down())
+            raise
+        await subject.within("disconnect", component.take_down())
 
 
 def _test(rule: LocalRule) -> Callable[[ComponentContract], None]:
     def test(self: ComponentContract) -> None:
-        asyncio.run(self.try_rule(rule))
+        # asyncio.run would wait for ever for a component that does not end.
+        loop = asyncio.new_event_loop()
+        try:
+            loop.run_until_complete(self.try_rule(rule))
+        finally:
+            left = asyncio.all_tasks(loop)
+            for task in left:
+                task.cancel()
+            if left:
+                loop.run_until_complete(asyncio.wait(left, timeout=self.patience))
+            loop.close()
 
     test.__doc__ = rule.__doc__
     return test

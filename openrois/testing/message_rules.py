@@ -28,6 +28,8 @@ __all__ = [
 NOBODY: Final = "no_such_thing"
 GLANCE: Final = 0.01
 """Seconds between two looks at what takes its time."""
+ENDING: Final = 1.0
+"""Seconds that a command has to clean up when it is cancelled."""
 
 _STRANGE: Final = ParameterProfile(name=NOBODY, data_type_ref=RoISIdentifier(code="string"))
 
@@ -186,4 +188,7 @@ async def _ended(subject: Subject, running: "asyncio.Future[tuple[Result, ...]]"
 
 async def _end(running: "asyncio.Future[tuple[Result, ...]]") -> None:
     running.cancel()
-    await asyncio.gather(running, return_exceptions=True)
+    done, _ = await asyncio.wait({running}, timeout=ENDING)
+    require(bool(done), "start goes on when it is cancelled: let CancelledError pass, and clean up in `finally`")
+    if not running.cancelled():
+        running.exception()

@@ -11,7 +11,7 @@ from openrois.component import Component as Plain
 from openrois.contract import Sink
 from openrois.errors import RoISError, Unsupported
 from openrois.registry import LocalRegistry
-from openrois.testing import ComponentContract, findings
+from openrois.testing import ComponentContract, findings, message_rules
 from openrois.testing.contract import LOCAL_RULES, RULES
 from openrois.types.codes import ComponentFunction, ComponentStatus
 from openrois.types.messages import Argument, Result
@@ -445,3 +445,23 @@ async def test_a_component_that_its_adapter_cannot_work_with(kind: type[Motor], 
     (chosen,) = (each for each in (*RULES, *LOCAL_RULES) if each.__name__ == rule)
     with pytest.raises((AssertionError, RoISError)):
         await Contract().try_rule(chosen)
+
+
+def test_one_that_cannot_be_ended_is_found_and_does_not_hang(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Stubborn(Motor):
+        async def start(self) -> None:
+            while True:
+                try:
+                    await asyncio.Event().wait()
+                except asyncio.CancelledError:
+                    continue
+
+    class Contract(ComponentContract):
+        patience = PATIENCE
+
+        async def component(self) -> Component:
+            return Stubborn()
+
+    monkeypatch.setattr(message_rules, "ENDING", PATIENCE)
+    with pytest.raises(AssertionError, match="let CancelledError pass, and clean up in `finally`"):
+        Contract().test_stop_ends_start()  # type: ignore[attr-defined]
