@@ -216,7 +216,7 @@ class Connection:
             _log.exception("the connection could not be kept")
             failure = error
         finally:
-            closed, self._over = self._over, self._over or str(failure)
+            closed, self._over = self._over, self._over or str(failure or "the client's event loop is over")
             self._session, self.state = None, ConnectionState.CLOSED
             if failure is not None and not opened.done():
                 opened.set_exception(failure)
