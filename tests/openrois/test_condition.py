@@ -1,15 +1,14 @@
 """Conditions: what can be read, what matches, and what does not cost time."""
 
 import re
-import sys
 from collections.abc import Callable
-from types import FrameType
 
 import pytest
 
 from openrois import condition
 from openrois.condition import Comparison, Condition, parse_condition
 from openrois.errors import BadParameter
+from tests.support.steps import lines_run
 
 PROPERTIES = frozenset({"component_ref", "component_type", "a:b.c_1"})
 LAMP = {"component_ref": "robot/lamp", "component_type": "urn:x-rois:def:component:Test::Lamp"}
@@ -134,26 +133,6 @@ def test_like(pattern: str, value: str, expected: bool) -> None:
     assert Comparison("p", True, pattern).matches(value) is expected
 
 
-def lines_run(function: Callable[[], object]) -> int:
-    """Count the lines of the module under test that a call runs."""
-    count = 0
-
-    def trace(frame: FrameType, event: str, _argument: object) -> object:
-        nonlocal count
-        if frame.f_code.co_filename != condition.__file__:
-            return None
-        count += event == "line"
-        return trace
-
-    before = sys.gettrace()
-    sys.settrace(trace)  # type: ignore[arg-type]
-    try:
-        function()
-    finally:
-        sys.settrace(before)
-    return count
-
-
 def refused(text: str) -> None:
     with pytest.raises(BadParameter):
         parse_condition(text, PROPERTIES)
@@ -171,7 +150,7 @@ def refused(text: str) -> None:
     ],
 )
 def test_reading_takes_time_linear_in_the_condition(written: Callable[[int], str]) -> None:
-    few, many = (lines_run(lambda n=n: refused(written(n))) for n in (80, 160))  # type: ignore[misc]
+    few, many = (lines_run(lambda n=n: refused(written(n)), condition) for n in (80, 160))  # type: ignore[misc]
     assert 0 < few <= many <= 2 * few + 20
 
 
@@ -197,12 +176,12 @@ def test_a_pattern_costs_at_most_its_length_times_the_text(
     for n in (10, 20, 40, 80):
         comparison, text = Comparison("p", True, pattern(n)), value(n)
         assert not comparison.matches(text)
-        lines = lines_run(lambda comparison=comparison, text=text: comparison.matches(text))  # type: ignore[misc]
+        lines = lines_run(lambda comparison=comparison, text=text: comparison.matches(text), condition)  # type: ignore[misc]
         assert lines <= 8 * (len(comparison.text) + 1) * (len(text) + 1)
 
 
 def test_a_pattern_that_matches_at_once_costs_no_more_than_both_lengths() -> None:
-    lines = [lines_run(lambda n=n: Comparison("p", True, "ab%" * n).matches("ab" * n)) for n in (50, 100)]  # type: ignore[misc]
+    lines = [lines_run(lambda n=n: Comparison("p", True, "ab%" * n).matches("ab" * n), condition) for n in (50, 100)]  # type: ignore[misc]
     assert lines[1] <= 2 * lines[0]
 
 

@@ -1,14 +1,16 @@
 import contextlib
-import time
 
+import aiortc.sdp
 import pytest
 from aiortc.sdp import SessionDescription
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from openrois_streaming import sdp
 from openrois_streaming.errors import InvalidCandidate, InvalidDescription
 from openrois_streaming.sdp import CandidatePolicy, OfferedSection, clean_answer, read_candidate
 
 from tests.support.answers import CANDIDATES, answer, section, video_and_audio
+from tests.support.steps import lines_run
 
 VIDEO, AUDIO = OfferedSection("0", "video", True), OfferedSection("1", "audio", True)
 POLICY = CandidatePolicy()
@@ -107,15 +109,13 @@ def test_hostile_answers_raise_nothing_else(data: st.DataObject) -> None:
     assert len(SessionDescription.parse(clean.sdp).media) == 2
 
 
-def test_the_largest_answer_takes_little_time() -> None:
+def test_the_largest_answer_takes_little_work() -> None:
     filler = ["a=rtcp-fb:* nack pli", "a=rtpmap:99 VP8/90000"] * 50 + ["a=ssrc:7 msid:x"] * 50
     sections = [section(str(mid), "video", extra=filler) for mid in range(16)]
     offered = [OfferedSection(str(mid), "video", True) for mid in range(16)]
     text = answer(*sections, bundle=" ".join(map(str, range(16))))
     assert len(text) > 48 * 1024
-    begin = time.process_time()
-    clean_answer(text, offered)
-    assert time.process_time() - begin < 0.5
+    assert lines_run(lambda: clean_answer(text, offered), sdp, aiortc.sdp) < 20 * len(text)
 
 
 def test_a_candidate_is_read_with_and_without_its_prefixes() -> None:
