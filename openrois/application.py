@@ -17,7 +17,7 @@ from openrois.contract import Client, Fault
 from openrois.engine import Engine
 from openrois.error_log import ErrorLog
 from openrois.event_log import EventLog
-from openrois.jsonrpc.protocol import Peer
+from openrois.jsonrpc.protocol import Peer, RequestId
 from openrois.lost_streams import lost_streams
 from openrois.ordering import ReplyFirst
 from openrois.reservations import Reservations
@@ -25,6 +25,7 @@ from openrois.stream_parameters import StreamParameters
 from openrois.tasks import TaskScope
 from openrois.types.codes import CompletedStatus, ErrorType, StreamStatus
 from openrois.types.messages import Completed, ErrorNotification
+from openrois.types.reasons import ReasonNotification, sentence
 from openrois.types.references import engine_of
 from openrois.types.streams import EventsDroppedNotification, StreamStatusNotification, subject_of
 
@@ -67,7 +68,8 @@ class ApplicationSession:
 
     Args:
         host: the engine and what is shared.
-        notify: sends a notification to the application: method, params, and `droppable=True` for events.
+        notify: sends a notification to the application: method, params, `droppable=True` for events and
+            `dispensable=True` for reasons.
         trusted: the other side is the parent engine; it needs no reservations.
         passes: sees every extension notification on its way to the application, and says whether it goes on.
         left: called when the application has left and its streams and peer connections are over.
@@ -116,8 +118,19 @@ class ApplicationSession:
         """Tell whether another session has the component now; one that nobody has is open to what was accepted."""
         return not self.trusted and self.host.reservations.is_held_by_another(component_ref, self)
 
-    def completed(self, command_id: str, status: CompletedStatus) -> None:
-        """Tell the application how a command ended."""
+    def explain(self, request_id: RequestId, reason: object) -> None:
+        """Tell the application why the reply that comes right behind is a refusal, if it would understand that."""
+        if request_id is not None:
+            self._explain("request_id", request_id, reason)
+
+    def _explain(self, name: str, subject: str | float, reason: object) -> None:
+        line = sentence(reason) if self.extended else ""
+        if line:
+            self._notify(ReasonNotification.method, {name: subject, "reason": line}, dispensable=True)
+
+    def completed(self, command_id: str, status: CompletedStatus, reason: object = "") -> None:
+        """Tell the application how a command ended, and right before that why, where there is a reason."""
+        self._explain("command_id", command_id, reason)
         self._notify("rois.command.completed", Completed(command_id=command_id, status=status).model_dump(mode="json"))
 
     def gap(self, dropped: int) -> str | None:

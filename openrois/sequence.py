@@ -20,7 +20,7 @@ def commands_of(items: Sequence[SequenceItem]) -> list[CommandUnit]:
 async def run_sequence(
     items: Sequence[SequenceItem],
     run: Callable[[CommandUnit], Awaitable[CompletedStatus]],
-    skip: Callable[[CommandUnit], None],
+    skip: Callable[[CommandUnit, CompletedStatus], None],
     sleep: Callable[[float], Awaitable[None]],
 ) -> None:
     """Run a sequence to its end.
@@ -31,13 +31,14 @@ async def run_sequence(
     Args:
         items: what was accepted.
         run: runs one command and says how it ended; must not raise.
-        skip: called for each command that will not run because an earlier one failed.
+        skip: called for each command that will not run because an earlier one failed, and with how that one ended.
         sleep: waits for some seconds.
     """
     for index, item in enumerate(items):
-        if not await _run_item(item, run, sleep):
+        status = await _run_item(item, run, sleep)
+        if status is not CompletedStatus.OK:
             for unit in commands_of(items[index + 1 :]):
-                skip(unit)
+                skip(unit, status)
             return
 
 
@@ -45,17 +46,20 @@ async def _run_item(
     item: SequenceItem,
     run: Callable[[CommandUnit], Awaitable[CompletedStatus]],
     sleep: Callable[[float], Awaitable[None]],
-) -> bool:
+) -> CompletedStatus:
+    """Run an item and return how it ended: as the first of its commands that did not end OK, if there is one."""
+
     async def run_delayed(unit: CommandUnit) -> CompletedStatus:
         await _delay(unit.delay_time, sleep)
         return await run(unit)
 
     if isinstance(item, CommandUnit):
-        return await run_delayed(item) is CompletedStatus.OK
+        return await run_delayed(item)
     await _delay(item.delay_time, sleep)
     async with asyncio.TaskGroup() as tasks:
         running = [tasks.create_task(run_delayed(unit)) for unit in item.command_list]
-    return all(task.result() is CompletedStatus.OK for task in running)
+    failed = (task.result() for task in running if task.result() is not CompletedStatus.OK)
+    return next(failed, CompletedStatus.OK)
 
 
 async def _delay(milliseconds: int | None, sleep: Callable[[float], Awaitable[None]]) -> None:

@@ -37,6 +37,7 @@ async def serve_application(host: EngineHost, stream: MessageStream) -> StreamCl
     app = ApplicationSession(host, session.notify, passes=signaling.passes, left=signaling.forget_peers)
     signaling.app = app
     session.on_failure = host.crashed
+    session.explain = app.explain
     session.outbox.gap = app.gap
     session.methods = {**base_methods(app), **stream_methods(app), **signaling.methods()}
     stop_listening = host.engine.on_change(signaling.tree_changed)

@@ -164,18 +164,19 @@ class _Commands:
 
     async def _run_to_completed(self, unit: CommandUnit) -> CompletedStatus:
         status = CompletedStatus.OK
+        reason = ""
         results: tuple[Result, ...] = ()
         try:
             results = await self._outcome(unit)
         except RoISError as error:
-            status = error.completed_status
+            status, reason = error.completed_status, str(error)
             _log.info("%s of %s ended %s: %s", unit.command_type, unit.component_ref, status, error)
         except Exception:
             # Whatever went wrong inside, the application is owed its one `completed`.
-            status = CompletedStatus.ERROR
+            status, reason = CompletedStatus.ERROR, f"{unit.command_type} failed inside the engine"
             _log.exception("%s of %s failed", unit.command_type, unit.component_ref)
             self._app.host.crashed(f"{unit.command_type} of {unit.component_ref}")
-        self._finish(unit, status, results)
+        self._finish(unit, status, results, reason)
         return status
 
     async def _outcome(self, unit: CommandUnit) -> tuple[Result, ...]:
@@ -186,12 +187,14 @@ class _Commands:
             return await stream.run_verb(self._app, unit)
         return await self._app.engine.invoke(unit.component_ref, unit.command_type, unit.arguments)
 
-    def _skip(self, unit: CommandUnit) -> None:
-        self._finish(unit, CompletedStatus.ABORT, ())
+    def _skip(self, unit: CommandUnit, status: CompletedStatus) -> None:
+        self._finish(unit, CompletedStatus.ABORT, (), f"an earlier command of the sequence ended {status}")
 
-    def _finish(self, unit: CommandUnit, status: CompletedStatus, results: tuple[Result, ...]) -> None:
+    def _finish(
+        self, unit: CommandUnit, status: CompletedStatus, results: tuple[Result, ...], reason: str = ""
+    ) -> None:
         self._app.commands.finish(unit.command_id, results)
-        self._app.completed(unit.command_id, status)
+        self._app.completed(unit.command_id, status, reason)
 
     async def get_command_result(self, params: CommandResultParams) -> ResultsResult:
         if params.condition:

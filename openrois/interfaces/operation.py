@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Awaitable, Callable
+from dataclasses import replace
 from typing import Any, TypeVar
 
 from pydantic import BaseModel
@@ -29,7 +30,8 @@ def operation(
 
     Args:
         params: the model of its params; what does not fit is answered with -32602.
-        result: the model of its result; a failure answers it with defaults and the failure's return code.
+        result: the model of its result; a failure answers it with defaults and the failure's return code, and its
+            message is the reply's reason.
         function: does it; returns the result, or raises `RoISError`.
     """
 
@@ -38,7 +40,7 @@ def operation(
             return await function(checked)
         except RoISError as error:
             _log.debug("%s: %s", type(checked).__name__, error)
-            return result(return_code=error.return_code)
+            return Reply(result(return_code=error.return_code), reason=str(error))
 
     return method(params, answer)
 
@@ -53,6 +55,6 @@ def reply_first(app: ApplicationSession, handler: Handler) -> Handler:
         except BaseException:
             replied()
             raise
-        return Reply(result, replied)
+        return replace(result, then=replied) if isinstance(result, Reply) else Reply(result, replied)
 
     return answer

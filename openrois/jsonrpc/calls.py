@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-from openrois.jsonrpc.protocol import ErrorResponse, Peer, Response
+from openrois.jsonrpc.protocol import ErrorResponse, Peer, RequestId, Response
 
 __all__ = ["Calls", "RpcError", "SessionClosed"]
 
@@ -20,6 +20,7 @@ _SHOWN: Final = 3
 _LONGEST: Final = 300
 
 OnResult = Callable[[Any], None]
+OnReason = Callable[[str], None]
 
 
 class RpcError(Exception):
@@ -46,6 +47,7 @@ class _Waiter:
     answer: asyncio.Future[Any]
     on_result: OnResult | None
     on_late: OnResult | None
+    on_reason: OnReason | None
 
 
 class Calls:
@@ -57,13 +59,24 @@ class Calls:
         self._late: OrderedDict[int, OnResult] = OrderedDict()
 
     def open(
-        self, name: str, params: Mapping[str, Any], on_result: OnResult | None, on_late: OnResult | None
+        self,
+        name: str,
+        params: Mapping[str, Any],
+        on_result: OnResult | None,
+        on_late: OnResult | None,
+        on_reason: OnReason | None = None,
     ) -> tuple[int, str, asyncio.Future[Any]]:
         """Return a new request's id, its text, and the future that its answer settles."""
         request_id, text = self._peer.request(name, params)
         answer: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
-        self._waiters[request_id] = _Waiter(name, answer, on_result, on_late)
+        self._waiters[request_id] = _Waiter(name, answer, on_result, on_late, on_reason)
         return request_id, text, answer
+
+    def explain(self, request_id: RequestId, reason: str) -> None:
+        """Take why a request is about to be refused; of one that nobody waits for it is forgotten."""
+        waiter = self._waiters.get(request_id) if isinstance(request_id, int) else None
+        if waiter is not None and waiter.on_reason is not None:
+            waiter.on_reason(reason)
 
     def settle(self, response: Response) -> None:
         """Take an answer: `on_result` sees it at once, or `on_late` where nobody waits any more."""

@@ -85,6 +85,11 @@ class Outbox:
         """How many events were dropped."""
         return self._dropped.count
 
+    @property
+    def is_roomy(self) -> bool:
+        """Whether less than half of what may wait does, events aside."""
+        return self._control.is_half_empty()
+
     def __len__(self) -> int:
         return len(self._control.entries) + len(self._events.entries)
 
@@ -130,7 +135,7 @@ class Outbox:
 
     async def room(self) -> None:
         """Wait until one may ask: half of what may wait is kept for what cannot be put off. Closed, it returns."""
-        while not self._closed and not self._control.is_half_empty():
+        while not self._closed and not self.is_roomy:
             self._roomy.clear()
             await self._roomy.wait()
 

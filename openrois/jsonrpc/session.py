@@ -1,8 +1,9 @@
 """One JSON-RPC connection at work: a `Peer` over a `MessageStream`, with its tasks, waiters and bounds.
 
-Both sides may ask and tell. Three orders are kept, because callers build on them: messages leave in the order they were
-put; a reply leaves before the notifications that its call causes (`Reply.then`); and replies and notifications that
-arrive are offered in the order of arrival (`on_result` runs before the next message is looked at).
+Both sides may ask and tell. Four orders are kept, because callers build on them: messages leave in the order they were
+put; what explains a reply stands right before it (`Reply.reason`); a reply leaves before the notifications that its
+call causes (`Reply.then`); and replies and notifications that arrive are offered in the order of arrival (`on_result`
+runs before the next message is looked at).
 """
 
 import asyncio
@@ -17,7 +18,7 @@ from pydantic import BaseModel, ValidationError
 from openrois.jsonrpc import protocol
 from openrois.jsonrpc.calls import Calls, RpcError, SessionClosed
 from openrois.jsonrpc.outbox import Outbox, OutboxOverflow
-from openrois.jsonrpc.protocol import Peer
+from openrois.jsonrpc.protocol import Peer, RequestId
 from openrois.logs import Tally
 from openrois.transport.stream import MessageStream, StreamClosed
 
@@ -49,10 +50,17 @@ _FLUSH_TIMEOUT: Final = 1.0
 
 @dataclass(frozen=True, slots=True)
 class Reply:
-    """A result, and what to do once its reply stands in the outbox: notifications put there come after it."""
+    """A result, and what belongs to its reply.
+
+    Attributes:
+        result: the result.
+        then: what to do once the reply stands in the outbox: notifications put there come after it.
+        reason: why the result is a refusal; empty where it is none.
+    """
 
     result: Any
-    then: Callable[[], None]
+    then: Callable[[], None] | None = None
+    reason: str = ""
 
 
 Handler = Callable[[dict[str, Any]], Awaitable[Any]]
@@ -114,6 +122,8 @@ class RpcSession:
         outbox: what waits to be sent.
         call_timeout: seconds that a call of ours waits for its answer.
         on_failure: called with what failed when a handler here raised what it must not raise, after that was logged.
+        explain: called with the id of a request and a `Reply.reason` that is not empty; what it tells the other side
+            stands right before the reply.
     """
 
     stream: MessageStream
@@ -122,6 +132,7 @@ class RpcSession:
     outbox: Outbox = field(default_factory=Outbox)
     call_timeout: float = CALL_TIMEOUT
     on_failure: Callable[[str], None] = lambda _what: None
+    explain: Callable[[RequestId, str], None] = lambda _request_id, _reason: None
 
     def __post_init__(self) -> None:
         self._peer = Peer()
@@ -190,14 +201,12 @@ class RpcSession:
                 return
 
     async def _serve(self, request: protocol.Request) -> None:
-        then = None
+        reply = Reply(None)
         try:
             result = await self._handle(request)
-            if isinstance(result, Reply):
-                result, then = result.result, result.then
-            if isinstance(result, BaseModel):
-                result = result.model_dump(mode="json")
-            answer = Peer.response(request.id, result)
+            reply = result if isinstance(result, Reply) else Reply(result)
+            written = reply.result.model_dump(mode="json") if isinstance(reply.result, BaseModel) else reply.result
+            answer = Peer.response(request.id, written)
         except InvalidParams as error:
             answer = Peer.error(request.id, protocol.INVALID_PARAMS, "Invalid params", error.problems)
         except _MethodNotFound:
@@ -207,9 +216,11 @@ class RpcSession:
             answer = Peer.error(request.id, protocol.INTERNAL_ERROR, "Internal error")
         finally:
             self._slots.release()
+        if reply.reason:
+            self.explain(request.id, reply.reason)
         self._put(answer)
-        if then is not None:
-            self._carry_out(request.method, then)
+        if reply.then is not None:
+            self._carry_out(request.method, reply.then)
 
     def _carry_out(self, name: str, then: Callable[[], None]) -> None:
         try:
@@ -261,6 +272,7 @@ class RpcSession:
         timeout: float | None = None,
         on_result: Callable[[Any], None] | None = None,
         on_late: Callable[[Any], None] | None = None,
+        on_reason: Callable[[str], None] | None = None,
     ) -> Any:
         """Ask the other side and wait for its answer.
 
@@ -271,6 +283,7 @@ class RpcSession:
             on_result: called with the result before any later message of the other side is looked at.
             on_late: called with a result that comes after the caller gave up, by timeout or cancellation; without it
                 such a result is dropped.
+            on_reason: called with what `take_reason` is told of this request, before its result comes.
 
         Returns:
             The result.
@@ -285,12 +298,16 @@ class RpcSession:
             await self.outbox.room()
             if self._closed is not None:
                 raise SessionClosed(str(self._closed))
-            request_id, text, answer = self._calls.open(name, params, on_result, on_late)
+            request_id, text, answer = self._calls.open(name, params, on_result, on_late, on_reason)
             try:
                 self._put(text)
                 return await answer
             finally:
                 self._calls.abandon(request_id)
+
+    def take_reason(self, request_id: RequestId, reason: str) -> None:
+        """Take why the other side is about to refuse a request of ours; it is forgotten where there is no such one."""
+        self._calls.explain(request_id, reason)
 
     def post(self, name: str, params: Mapping[str, Any]) -> None:
         """Ask and let the answer be dropped; nothing happens when the connection has ended."""
@@ -299,15 +316,18 @@ class RpcSession:
             self._calls.abandon(request_id)
             self._put(text)
 
-    def notify(self, name: str, params: Mapping[str, Any], *, droppable: bool = False) -> None:
+    def notify(
+        self, name: str, params: Mapping[str, Any], *, droppable: bool = False, dispensable: bool = False
+    ) -> None:
         """Tell the other side; nothing happens when the connection has ended.
 
         Args:
             name: the method.
             params: its params.
             droppable: an event, which may be dropped when the other side reads too slowly.
+            dispensable: what is not worth the connection: left out while half of what may wait does already.
         """
-        if self._closed is None:
+        if self._closed is None and (self.outbox.is_roomy or not dispensable):
             self._put(Peer.notification(name, params), droppable=droppable)
 
 

@@ -1,18 +1,32 @@
 """Questions to a remote engine: the wire's answers become values or `RoISError`."""
 
+from collections import deque
 from collections.abc import Callable, Mapping
-from typing import Any, TypeVar
+from typing import Any, Final, TypeVar
 
 from pydantic import ValidationError
 
-from openrois.errors import ComponentFailed, EngineUnreachable, NotResponding, error_for
+from openrois.errors import ComponentFailed, EngineUnreachable, NotResponding, RoISError, error_for
 from openrois.jsonrpc.session import RpcError, RpcSession, SessionClosed
 from openrois.types.codes import ReturnCode
 from openrois.types.messages import ReturnResult
 
 __all__ = ["Asking", "read_result"]
 
+_REFUSALS: Final = frozenset(code.value for code in ReturnCode if code is not ReturnCode.OK)
+
 Outcome = TypeVar("Outcome", bound=ReturnResult)
+
+
+class _Latest(deque[str]):
+    """Why a request was refused: the other side may say so any number of times, and the last time counts."""
+
+    def __init__(self) -> None:
+        super().__init__(maxlen=1)
+
+
+def _refusal(name: str, code: ReturnCode, reason: _Latest) -> RoISError:
+    return error_for(code, reason[0] if reason else f"the engine answered {name} with {code}")
 
 
 class Asking:
@@ -53,18 +67,24 @@ class Asking:
             if accepted is not None and checked.return_code is ReturnCode.OK:
                 accepted(checked)
 
-        checked = read_result(name, await self._ask(name, params, on_result, too_late), model)
+        reason = _Latest()
+        checked = read_result(name, await self._ask(name, params, on_result, too_late, reason), model)
         if checked.return_code is not ReturnCode.OK:
-            raise error_for(checked.return_code, f"the engine answered {name} with {checked.return_code}")
+            raise _refusal(name, checked.return_code, reason)
         return checked
 
     async def ask_unread(self, name: str, params: Mapping[str, Any], too_late: Callable[[Any], None]) -> Any:
-        """Ask and return the result as it came.
+        """Ask and return the result as it came, unless its return code says that it is a refusal.
 
         Raises:
             RoISError: as `ask`.
         """
-        return await self._ask(name, params, None, too_late)
+        reason = _Latest()
+        result = await self._ask(name, params, None, too_late, reason)
+        code = result.get("return_code") if isinstance(result, dict) else None
+        if code in _REFUSALS:
+            raise _refusal(name, ReturnCode(code), reason)
+        return result
 
     async def _ask(
         self,
@@ -72,14 +92,17 @@ class Asking:
         params: Mapping[str, Any],
         on_result: Callable[[Any], None] | None,
         too_late: Callable[[Any], None] | None,
+        reason: "_Latest",
     ) -> Any:
         self.require_connected()
         try:
-            return await self._session.call(name, params, on_result=on_result, on_late=too_late)
+            return await self._session.call(
+                name, params, on_result=on_result, on_late=too_late, on_reason=reason.append
+            )
         except TimeoutError:
             raise NotResponding(f"the engine did not answer {name} in time") from None
         except SessionClosed as closed:
-            raise EngineUnreachable(str(closed)) from closed
+            raise EngineUnreachable(f"the connection to the engine ended: {closed}") from closed
         except RpcError as refused:
             raise ComponentFailed(f"the engine refused {refused}") from refused
 

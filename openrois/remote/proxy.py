@@ -22,6 +22,7 @@ from openrois.jsonrpc.session import NotificationHandler, RpcError, RpcSession
 from openrois.logs import Tally
 from openrois.remote.asking import Asking, read_result
 from openrois.remote.claims import Claims
+from openrois.remote.commands import RemoteCommand, RemoteCommands
 from openrois.remote.extension import RemoteExtension
 from openrois.remote.faults import RemoteFaults
 from openrois.remote.subscriptions import SharedSubscriptions
@@ -30,7 +31,6 @@ from openrois.types.codes import CompletedStatus
 from openrois.types.messages import (
     Argument,
     CommandUnit,
-    Completed,
     EventNotification,
     ExecuteParams,
     ParametersResult,
@@ -42,14 +42,12 @@ from openrois.types.messages import (
     SubscribeResult,
 )
 from openrois.types.profiles import HRIEngineProfile
+from openrois.types.reasons import ReasonNotification, sentence
 from openrois.types.streams import EXTENSION_VERSION, EXTENSIONS, HelloResult
 
 __all__ = ["RemoteProxy"]
 
 _log = logging.getLogger(__name__)
-
-_Ended = asyncio.Future[CompletedStatus | None]
-"""How a command ended; None where the engine went away first."""
 
 _FAILED: Final[dict[CompletedStatus, type[RoISError]]] = {
     CompletedStatus.ABORT: Aborted,
@@ -77,7 +75,7 @@ class RemoteProxy:
             self._asking.ask_unread, session.post, session.notify, self._claims.is_own
         )
         self._faults = RemoteFaults(self._error_details, self._claims, tasks)
-        self._commands: dict[str, _Ended] = {}
+        self._commands = RemoteCommands()
         self._subscriptions = SharedSubscriptions(self._subscribe, self._unsubscribe, self._drop_subscription)
         self._strays = Tally(_log, "events that do not fit their subscription")
         self._plain = False
@@ -85,7 +83,8 @@ class RemoteProxy:
     def notifications(self) -> dict[str, NotificationHandler]:
         """Return what has to be done with the notifications that come over the connection."""
         return {
-            "rois.command.completed": self._take_completed,
+            "rois.command.completed": self._commands.take_completed,
+            ReasonNotification.method: self._take_reason,
             "rois.event.notify_event": self._take_event,
             "rois.system.profile_changed": self._take_profile_changed,
             "rois.system.notify_error": self._faults.take,
@@ -156,13 +155,13 @@ class RemoteProxy:
         self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = ()
     ) -> tuple[Result, ...]:
         """Run a command and wait until the other side says that it has ended."""
-        ended: _Ended = asyncio.get_running_loop().create_future()
+        command = RemoteCommand()
         command_id = secrets.token_hex(16)
         try:
             if command_type == "set_parameter":
-                command_id = await self._set_parameter(component_ref, arguments, ended)
+                command_id = await self._set_parameter(component_ref, arguments, command)
             else:
-                self._commands[command_id] = ended
+                self._commands.expect(command_id, command)
                 unit = CommandUnit(
                     component_ref=component_ref,
                     command_type=command_type,
@@ -177,24 +176,24 @@ class RemoteProxy:
             # The component's own engine ends it in time, and can say more about it; some do not.
             promised = self._claims.seconds_for(component_ref, command_type)
             async with asyncio.timeout(None if promised is None else promised + self._session.call_timeout):
-                status = await ended
+                status = await command.ended
         except TimeoutError:
             raise NotResponding(f"{command_type} of {component_ref} did not end in time") from None
         finally:
-            self._commands.pop(command_id, None)
+            self._commands.forget(command_id)
         if status is None:
             raise EngineUnreachable(f"the engine went away during {command_type} of {component_ref}")
         if status is not CompletedStatus.OK:
-            raise _failure(status, f"{status} from its adapter, whose log says why")
+            raise _failure(status, command.reason or f"{status} from its adapter, whose log says why")
         return await self._command_results(component_ref, command_type, command_id)
 
-    async def _set_parameter(self, component_ref: str, arguments: tuple[Argument, ...], ended: _Ended) -> str:
+    async def _set_parameter(self, component_ref: str, arguments: tuple[Argument, ...], command: RemoteCommand) -> str:
         def accepted(result: SetParameterResult) -> None:
             # The id is the other side's: it is known from here on, before its `completed` can be looked at.
             self._claims.require_own(result.command_id)
             if result.command_id in self._commands:
                 raise ComponentFailed(f"the engine minted the id {result.command_id[:200]!r} twice")
-            self._commands[result.command_id] = ended
+            self._commands.expect(result.command_id, command)
 
         params = {
             "component_ref": component_ref,
@@ -247,9 +246,7 @@ class RemoteProxy:
         """Say that the connection has ended: whatever waits fails, and every subscriber is told, once."""
         self._asking.lost = True
         self.extension = None
-        for ended in self._commands.values():
-            if not ended.done():
-                ended.set_result(None)
+        self._commands.lost()
         self._subscriptions.lost(SubscriptionLost(reason))
         self._remote_extension.lost()
 
@@ -257,11 +254,12 @@ class RemoteProxy:
         self._subscriptions.tree_changed()
         self._profile_changed()
 
-    def _take_completed(self, params: dict[str, Any]) -> None:
-        completed = Completed.model_validate(params)
-        ended = self._commands.get(completed.command_id)
-        if ended is not None and not ended.done():
-            ended.set_result(completed.status)
+    def _take_reason(self, params: dict[str, Any]) -> None:
+        told = ReasonNotification.model_validate(params)
+        line = sentence(told.reason)
+        self._session.take_reason(told.request_id, line)
+        if told.command_id is not None:
+            self._commands.take_reason(told.command_id, line)
 
     def _take_event(self, params: dict[str, Any]) -> None:
         told = EventNotification.model_validate(params)

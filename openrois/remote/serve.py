@@ -42,8 +42,9 @@ async def serve_engine(host: EngineHost, stream: MessageStream) -> StreamClosed:
     """
     session = RpcSession(stream)
     app = ApplicationSession(host, session.notify, trusted=True)
-    served = _ServedExtension(host, session.notify)
+    served = _ServedExtension(host, session.notify, app)
     session.on_failure = host.crashed
+    session.explain = app.explain
     session.methods = {**base_methods(app), **served.methods()}
     session.notifications = served.notifications()
     try:
@@ -56,9 +57,12 @@ async def serve_engine(host: EngineHost, stream: MessageStream) -> StreamClosed:
 class _ServedExtension:
     """The extension calls of the parent's applications, each with its `client_id`."""
 
-    def __init__(self, host: EngineHost, notify: Callable[[str, Mapping[str, Any]], None]) -> None:
+    def __init__(
+        self, host: EngineHost, notify: Callable[[str, Mapping[str, Any]], None], parent: ApplicationSession
+    ) -> None:
         self._host = host
         self._notify = notify
+        self._parent = parent
         self._order = ReplyFirst()
         self._clients: dict[str, Client] = {}
         self._streams: dict[str, tuple[str, str]] = {}
@@ -68,6 +72,7 @@ class _ServedExtension:
         """Return `openrois.hello` and the extension methods."""
 
         async def hello(_params: HelloParams) -> HelloResult:
+            self._parent.extended = True
             engines = tuple(sorted(self._host.engine.extension.engines()))
             return HelloResult(extensions=EXTENSIONS if engines else (), engines=engines)
 
@@ -95,6 +100,8 @@ class _ServedExtension:
             replied = self._order.asked((client_id, engine_of(subject_of(params))))
             try:
                 return Reply(await self._call(name, params, client_id), replied)
+            except RoISError as error:
+                return Reply({"return_code": error.return_code.value}, replied, str(error))
             except BaseException:
                 replied()
                 raise
@@ -108,14 +115,11 @@ class _ServedExtension:
             if name == _CONNECT:
                 self._clients[client_id] = client
         extension = self._host.engine.extension
-        try:
-            result = await extension.call(name, params, client)
-        except RoISError as error:
-            return {"return_code": error.return_code.value}
+        result = await extension.call(name, params, client)
         if name == _CONNECT and self._clients.get(client_id) is not client:
             # The application went while its stream was made: the engine has to be told again.
             await extension.forget(client)
-            return {"return_code": Aborted.return_code.value}
+            raise Aborted("the application is gone")
         self._note_stream(name, params, result, client_id)
         return result
 

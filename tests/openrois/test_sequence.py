@@ -63,7 +63,10 @@ class Journal:
 
     async def play(self, *items: SequenceItem) -> list[tuple[int, str]]:
         work = run_sequence(
-            items, self._run, lambda skipped: self._note(f"{skipped.command_id} skipped"), self.clock.sleep
+            items,
+            self._run,
+            lambda skipped, status: self._note(f"{skipped.command_id} skipped: {status}"),
+            self.clock.sleep,
         )
         await self.clock.run(asyncio.ensure_future(work))
         return self.notes
@@ -99,9 +102,9 @@ async def test_whatever_is_not_ok_stops_what_follows() -> None:
             assert await journal.play(unit("a"), unit("b", 50), at_once(unit("c"), unit("d"))) == [
                 (0, "a starts"),
                 (0, "a ends"),
-                (0, "b skipped"),
-                (0, "c skipped"),
-                (0, "d skipped"),
+                (0, f"b skipped: {status}"),
+                (0, f"c skipped: {status}"),
+                (0, f"d skipped: {status}"),
             ]
 
 
@@ -114,7 +117,7 @@ async def test_a_failure_lets_its_concurrent_neighbours_end_first() -> None:
         (10, "b ends"),
         (20, "c starts"),
         (20, "c ends"),
-        (20, "d skipped"),
+        (20, "d skipped: ERROR"),
     ]
 
 

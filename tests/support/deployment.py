@@ -27,6 +27,8 @@ from tests.support.components import Bell, Lamp
 from tests.support.schema import check_notification, check_result
 from tests.support.streams import Camera, FakeStreams
 
+REASON = "openrois.reason"
+
 PATIENCE = 5.0
 """Seconds after which a test gives up waiting for something that comes at once."""
 
@@ -79,13 +81,18 @@ class Robot:
 
 @dataclass
 class Application:
-    """An application that speaks raw JSON; whatever it hears is checked against the strict wire."""
+    """An application that speaks raw JSON; whatever it hears is checked against the strict wire.
+
+    Attributes:
+        reasons: why something was refused or failed, by the request's id or the command's: each stood right before it.
+    """
 
     socket: ClientConnection
     told: list[tuple[str, dict[str, Any]]] = field(default_factory=list)
     answers: dict[Any, dict[str, Any]] = field(default_factory=dict)
     heard: list[dict[str, Any]] = field(default_factory=list)
     last_id: int = 0
+    reasons: dict[Any, str] = field(default_factory=dict)
 
     async def send(self, message: Any) -> None:
         await self.socket.send(message if isinstance(message, str | bytes) else json.dumps(message))
@@ -97,8 +104,25 @@ class Application:
         assert isinstance(raw, str)
         message: dict[str, Any] = json.loads(raw)
         assert message["jsonrpc"] == "2.0"
+        if self.heard and self.heard[-1].get("method") == REASON:
+            self._explain(self.heard[-1]["params"], message)
         self.heard.append(message)
         return message
+
+    def _explain(self, told: dict[str, Any], message: dict[str, Any]) -> None:
+        """Keep a reason, and refuse one that does not stand right before what it explains."""
+        assert len(told) == 2
+        assert 0 < len(told["reason"]) <= 500
+        assert told["reason"].isprintable()
+        if "request_id" in told:
+            assert message["id"] == told["request_id"]
+            assert message["result"]["return_code"] != "OK"
+            self.reasons[message["id"]] = told["reason"]
+        else:
+            assert message["method"] == "rois.command.completed"
+            assert message["params"]["command_id"] == told["command_id"]
+            assert message["params"]["status"] != "OK"
+            self.reasons[told["command_id"]] = told["reason"]
 
     async def begin(self, method: str, **params: Any) -> str:
         """Send a request and return its id."""
@@ -121,7 +145,8 @@ class Application:
     def _keep(self, message: dict[str, Any]) -> None:
         assert set(message) == {"jsonrpc", "method", "params"}
         check_notification(message["method"], message["params"])
-        self.told.append((message["method"], message["params"]))
+        if message["method"] != REASON:
+            self.told.append((message["method"], message["params"]))
 
     async def ask(self, method: str, **params: Any) -> dict[str, Any]:
         """Ask and return the result, checked against the strict wire."""
@@ -134,6 +159,11 @@ class Application:
     async def code(self, method: str, **params: Any) -> str:
         """Ask and return the return code."""
         return str((await self.ask(method, **params))["return_code"])
+
+    async def why(self, method: str, **params: Any) -> tuple[str, str]:
+        """Ask and return the return code and the reason; no reason is empty."""
+        code = await self.code(method, **params)
+        return code, self.reasons.get(f"req-{self.last_id}", "")
 
     async def eventually(self, code: str, method: str, **params: Any) -> None:
         """Ask until the return code is `code`."""

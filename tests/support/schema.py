@@ -93,6 +93,7 @@ NOTIFICATIONS: dict[str, dict[str, Any]] = {
     "rois.system.notify_error": {"error_id": str, "error_type": ERROR_TYPES},
     "rois.system.profile_changed": {},
     "openrois.events_dropped": {"count": int},
+    "openrois.reason": {"request_id": Absent(str), "command_id": Absent(str), "reason": str},
     "rois.stream.notify_stream_status": {
         "stream_id": str,
         "component_ref": str,

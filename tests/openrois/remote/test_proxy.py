@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from openrois.contract import Event, SubscriptionLost
-from openrois.errors import Aborted, ComponentFailed, EngineUnreachable, NotResponding, TimedOut
+from openrois.contract import Client, Event, SubscriptionLost
+from openrois.errors import Aborted, ComponentFailed, EngineUnreachable, NotResponding, TimedOut, Unsupported
 from openrois.jsonrpc.session import RpcSession
 from openrois.remote.proxy import RemoteProxy
 from openrois.tasks import TaskScope
@@ -119,6 +119,86 @@ class TestDiscover:
         await far.tell("rois.system.profile_changed")
         await far.introduce()
         assert far.changes == 1
+
+
+class TestReasons:
+    async def refuse(self, far: Far, *reasons: dict[str, Any]) -> str:
+        asking = asyncio.ensure_future(far.proxy.query(TOY, "mood"))
+        request = await far.asked("rois.query.query")
+        for reason in reasons:
+            named = {name: request["id"] if value == "ID" else value for name, value in reason.items()}
+            await far.tell("openrois.reason", **named)
+        await far.answer(request, return_code="TIMEOUT")
+        with pytest.raises(TimedOut) as raised:
+            await asking
+        return str(raised.value)
+
+    async def test_what_is_raised_says_it(self, far: Far) -> None:
+        await far.introduce()
+        assert await self.refuse(far, {"request_id": "ID", "reason": "it\n sleeps"}) == "it sleeps"
+
+    async def test_the_last_word_counts(self, far: Far) -> None:
+        await far.introduce()
+        said = [{"request_id": "ID", "reason": str(number)} for number in range(100)]
+        assert await self.refuse(far, *said) == "99"
+
+    async def test_one_that_fits_nothing_is_forgotten(self, far: Far) -> None:
+        await far.introduce()
+        for reason in (
+            {"reason": "x"},
+            {"request_id": None, "reason": "x"},
+            {"request_id": "ID ", "reason": "x"},
+            {"request_id": -1, "reason": "x"},
+            {"request_id": 1.5, "reason": "x"},
+            {"request_id": True, "reason": "x"},
+            {"request_id": ["ID"], "reason": "x"},
+            {"request_id": "ID", "reason": "x" * 501},
+            {"request_id": "ID", "reason": ""},
+            {"request_id": "ID"},
+            {"command_id": "ID", "reason": "x"},
+            {"command_id": "nobody's", "reason": "x"},
+            {"request_id": "ID", "reason": "x", "more": 1},
+        ):
+            assert await self.refuse(far, reason) == "the engine answered rois.query.query with TIMEOUT"
+        # One that was said of a request comes too early for the next.
+        assert await self.refuse(far, {"request_id": "ID", "reason": "it sleeps"}) == "it sleeps"
+        assert await self.refuse(far) == "the engine answered rois.query.query with TIMEOUT"
+
+    async def test_many_that_fit_nothing_take_no_memory(self, far: Far) -> None:
+        await far.introduce()
+        take = far.proxy.notifications()["openrois.reason"]
+        take({"request_id": 1, "command_id": "c", "reason": "x" * 500})
+        gc.collect()
+        before = len(gc.get_objects())
+        for number in range(20_000):
+            take({"request_id": number, "command_id": f"c{number}", "reason": "x" * 500})
+        gc.collect()
+        assert len(gc.get_objects()) - before < 100
+        assert len(far.proxy._commands) == 0
+
+    async def test_of_a_command(self, far: Far) -> None:
+        await far.introduce()
+        invoking = asyncio.ensure_future(far.proxy.invoke(TOY, "start"))
+        request = await far.asked("rois.command.execute")
+        command_id = request["params"]["command_unit_list"][0]["command_id"]
+        await far.tell("openrois.reason", command_id=command_id, reason="set target_positions first")
+        await far.tell("rois.command.completed", command_id=command_id, status="ERROR")
+        await far.answer(request)
+        with pytest.raises(ComponentFailed, match=r"^set target_positions first$"):
+            await invoking
+
+    async def test_of_an_extension_s_method(self, far: Far) -> None:
+        await far.introduce()
+        assert far.proxy.extension is not None
+        client = Client("ann", lambda _name, _params: None)
+        for told, words in (((), "the engine answered signaling.restart with UNSUPPORTED"), (("gone",), "gone")):
+            calling = asyncio.ensure_future(far.proxy.extension.call("signaling.restart", {"peer_id": "p"}, client))
+            request = await far.asked("signaling.restart")
+            for reason in told:
+                await far.tell("openrois.reason", request_id=request["id"], reason=reason)
+            await far.answer(request, return_code="UNSUPPORTED")
+            with pytest.raises(Unsupported, match=f"^{words}$"):
+                await calling
 
 
 class TestInvoke:

@@ -1,0 +1,66 @@
+"""Commands that run in a remote engine, until the other side has said how each of them ended."""
+
+import asyncio
+from typing import Any
+
+from openrois.types.codes import CompletedStatus
+from openrois.types.messages import Completed
+
+__all__ = ["RemoteCommand", "RemoteCommands"]
+
+
+class RemoteCommand:
+    """One command.
+
+    Attributes:
+        ended: how it ended; None where the engine went away first.
+        reason: why it did not end OK, where the other side has said so.
+    """
+
+    def __init__(self) -> None:
+        self.ended: asyncio.Future[CompletedStatus | None] = asyncio.get_running_loop().create_future()
+        self.reason = ""
+
+    def end(self, status: CompletedStatus | None) -> None:
+        """Note how it ended; only the first time counts."""
+        if not self.ended.done():
+            self.ended.set_result(status)
+
+
+class RemoteCommands:
+    """The commands of one connection that have not ended, by the id that the other side knows them by."""
+
+    def __init__(self) -> None:
+        self._running: dict[str, RemoteCommand] = {}
+
+    def __contains__(self, command_id: str) -> bool:
+        return command_id in self._running
+
+    def __len__(self) -> int:
+        return len(self._running)
+
+    def expect(self, command_id: str, command: RemoteCommand) -> None:
+        """Note a command before its end can be told."""
+        self._running[command_id] = command
+
+    def forget(self, command_id: str) -> None:
+        """Forget a command that nobody waits for any more."""
+        self._running.pop(command_id, None)
+
+    def take_completed(self, params: dict[str, Any]) -> None:
+        """Take how a command ended; one that nobody waits for is passed over."""
+        completed = Completed.model_validate(params)
+        command = self._running.get(completed.command_id)
+        if command is not None:
+            command.end(completed.status)
+
+    def take_reason(self, command_id: str, reason: str) -> None:
+        """Take why a command is about to end otherwise than OK."""
+        command = self._running.get(command_id)
+        if command is not None:
+            command.reason = reason
+
+    def lost(self) -> None:
+        """End all: the other side is gone."""
+        for command in self._running.values():
+            command.end(None)
