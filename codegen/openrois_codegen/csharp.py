@@ -10,6 +10,7 @@ from openrois_codegen.ir import (
     Document,
     Enumeration,
     Field,
+    Identity,
     Integer,
     ListOf,
     MapOf,
@@ -162,6 +163,8 @@ def _property(document: Document, structure: Structure, field: Field) -> str:
     lines = [f"[JsonProperty({_attribute(field)})]"]
     if field.required and field.nullable:
         lines.append("[JsonConverter(typeof(TextOrNullConverter))]")
+    if isinstance(field.type, Identity):
+        lines.append("[JsonConverter(typeof(IdentityConverter))]")
     lines.append(f"public {_type(document, field.type)}{null} {name} {{ get; set; }}{_initial(document, field)}")
     return _doc(field.doc) + "\n".join(lines) + "\n"
 
@@ -199,6 +202,8 @@ def _is_value(document: Document, found: Type) -> bool:
 def _type(document: Document, found: Type) -> str:
     if isinstance(found, Text):
         return "string"
+    if isinstance(found, Identity):
+        return "object"
     if isinstance(found, Integer):
         return "int" if _fits_int(found.minimum) and _fits_int(found.maximum) else "long"
     if isinstance(found, ListOf):

@@ -10,6 +10,7 @@ __all__ = [
     "Document",
     "Enumeration",
     "Field",
+    "Identity",
     "Instant",
     "Integer",
     "ListOf",
@@ -54,6 +55,11 @@ class Truth:
 
 
 @dataclass(frozen=True, slots=True)
+class Identity:
+    """What names a request of JSON-RPC: text or a number, whatever its sender chose."""
+
+
+@dataclass(frozen=True, slots=True)
 class Instant:
     """A moment (DateTime). Only what is in a value's text has one."""
 
@@ -81,7 +87,7 @@ class Named:
     name: str
 
 
-Type: TypeAlias = Text | Integer | Number | Truth | Instant | ListOf | MapOf | Named
+Type: TypeAlias = Text | Integer | Number | Truth | Identity | Instant | ListOf | MapOf | Named
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,7 @@ from openrois_codegen.ir import (
     Document,
     Enumeration,
     Field,
+    Identity,
     Integer,
     ListOf,
     MapOf,
@@ -46,7 +47,7 @@ def field_schema(field: Field, place: str) -> Schema:
     """Return the schema of a field's value."""
     found = _type(field.type, place)
     if field.nullable:
-        found = {"anyOf": [found, {"type": "null"}]} if "$ref" in found else {**found, "type": [found["type"], "null"]}
+        found = {"anyOf": [found, {"type": "null"}]} if "$ref" in found else {**found, "type": _or_null(found["type"])}
     if not field.required:
         found["default"] = field.default
     return found
@@ -85,7 +86,13 @@ def _type(found: Type, place: str) -> Schema:
         return {"type": "string", **_present({"minLength": found.min_length or None, "maxLength": found.max_length})}
     if isinstance(found, Integer):
         return {"type": "integer", **_present({"minimum": found.minimum, "maximum": found.maximum})}
+    if isinstance(found, Identity):
+        return {"type": ["string", "number"]}
     raise TypeError(f"{found} stands in the text of a value, never in a message")
+
+
+def _or_null(kinds: str | list[str]) -> list[str]:
+    return [*([kinds] if isinstance(kinds, str) else kinds), "null"]
 
 
 def _present(keywords: Mapping[str, int | None]) -> dict[str, int]:

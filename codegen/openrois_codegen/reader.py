@@ -18,6 +18,7 @@ from openrois_codegen.ir import (
     Definition,
     Enumeration,
     Field,
+    Identity,
     Instant,
     Integer,
     ListOf,
@@ -33,7 +34,12 @@ from openrois_codegen.ir import (
 
 __all__ = ["Reader", "doc_of"]
 
-_PLAIN: Final[Mapping[Any, Type]] = {bool: Truth(), float: Number(), datetime: Instant()}
+_PLAIN: Final[Mapping[Any, Type]] = {
+    bool: Truth(),
+    float: Number(),
+    datetime: Instant(),
+    str | int | float: Identity(),
+}
 
 
 class Reader:
@@ -88,6 +94,8 @@ class Reader:
             return self._type(annotation, limits), False
         if len(others) == 1:
             return self._type(others[0], limits), True
+        if (found := _PLAIN.get(typing.Union[tuple(others)])) is not None:  # noqa: UP007 - of a list there is no other
+            return found, True
         raise TypeError(f"{annotation!r}: null beside several types")
 
     def _type(self, annotation: Any, limits: Mapping[str, int]) -> Type:

@@ -10,6 +10,7 @@ from openrois_codegen.ir import (
     Document,
     Enumeration,
     Field,
+    Identity,
     Integer,
     ListOf,
     MapOf,
@@ -99,6 +100,8 @@ class Samples:
             yield from _texts(kind)
         elif isinstance(kind, Integer):
             yield from ((name, value) for name, value in _integers(kind).items() if _fits(kind, value))
+        elif isinstance(kind, Identity):
+            yield from (("text", "request"), ("empty", ""), ("0", 0), ("-1", -1), ("2**53-1", 2**53 - 1), ("1.5", 1.5))
         elif isinstance(kind, ListOf):
             yield from self._lists(kind)
         elif isinstance(kind, MapOf):
@@ -137,6 +140,8 @@ class Samples:
         elif isinstance(kind, Integer):
             yield from _others("a number", "1", "", 1.5, True, [], {})
             yield from _out_of_range(kind)
+        elif isinstance(kind, Identity):
+            yield from _others("an id", True, [], {}, ["x"])
         elif isinstance(kind, ListOf):
             yield from _others("a list", "x", "", 1, True, {})
             yield from self._bad_lists(kind)

@@ -9,6 +9,7 @@ from openrois_codegen.ir import (
     Document,
     Enumeration,
     Field,
+    Identity,
     Instant,
     Integer,
     ListOf,
@@ -32,6 +33,7 @@ _SCALARS: Final[dict[type[Type], str]] = {
     Integer: "number",
     Number: "number",
     Truth: "boolean",
+    Identity: "string | number",
     Instant: "Date",
 }
 

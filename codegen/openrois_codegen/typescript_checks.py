@@ -8,6 +8,7 @@ from openrois_codegen.ir import (
     Document,
     Enumeration,
     Field,
+    Identity,
     Integer,
     ListOf,
     MapOf,
@@ -21,7 +22,12 @@ from openrois_codegen.ir import (
 
 __all__ = ["emit"]
 
-_SCALARS: Final[dict[type[Type], str]] = {Text: "text", Integer: "integer", Truth: "truth"}
+_SCALARS: Final[dict[type[Type], str]] = {
+    Text: "text",
+    Integer: "integer",
+    Truth: "truth",
+    Identity: "identity",
+}
 
 
 def emit(document: Document) -> str:
@@ -52,7 +58,19 @@ def emit(document: Document) -> str:
     )
 
 
-_CHECKS: Final = ("integer", "itself", "list", "map", "object", "oneOf", "optional", "orNull", "text", "truth")
+_CHECKS: Final = (
+    "identity",
+    "integer",
+    "itself",
+    "list",
+    "map",
+    "object",
+    "oneOf",
+    "optional",
+    "orNull",
+    "text",
+    "truth",
+)
 
 
 def _calls(word: str, part: str) -> bool:

@@ -29,6 +29,7 @@ from openrois.types.messages import (
     SubscribeResult,
     UnsubscribeParams,
 )
+from openrois.types.reasons import ReasonNotification
 from openrois.types.streams import (
     ConnectStreamParams,
     ConnectStreamResult,
@@ -118,6 +119,12 @@ NOTIFICATIONS: Final[tuple[NotificationType, ...]] = (
         EventsDroppedNotification.method,
         EventsDroppedNotification,
         "Here some events and errors were dropped: the application reads too slowly.",
+        "openrois",
+    ),
+    NotificationType(
+        ReasonNotification.method,
+        ReasonNotification,
+        "Why the message right behind this one, a reply or `completed`, says something else than OK.",
         "openrois",
     ),
     NotificationType(

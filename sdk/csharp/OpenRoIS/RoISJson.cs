@@ -155,6 +155,25 @@ namespace OpenRoIS
         }
     }
 
+    /// <summary>What names a request of JSON-RPC: text or a number.</summary>
+    internal sealed class IdentityConverter : ReadingConverter
+    {
+        public override bool CanConvert(Type type)
+        {
+            return type == typeof(object);
+        }
+
+        public override object ReadJson(JsonReader reader, Type type, object existing, JsonSerializer serializer)
+        {
+            if (reader.TokenType != JsonToken.Null && reader.TokenType != JsonToken.Integer
+                && reader.TokenType != JsonToken.Float)
+            {
+                Expect(reader, JsonToken.String);
+            }
+            return reader.Value;
+        }
+    }
+
     internal sealed class IntegerConverter : ReadingConverter
     {
         public override bool CanConvert(Type type)

@@ -13,6 +13,10 @@ export const integer: Check = (value, name) =>
 export const truth: Check = (value, name) =>
   typeof value === "boolean" ? null : `${name} must be true or false`;
 
+/** What names a request of JSON-RPC. */
+export const identity: Check = (value, name) =>
+  typeof value === "string" || typeof value === "number" ? null : `${name} must be text or a number`;
+
 /** It may be left out. */
 export const optional =
   (check: Check): Check =>

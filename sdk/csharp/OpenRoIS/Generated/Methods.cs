@@ -102,6 +102,11 @@ namespace OpenRoIS
         /// <summary>Here some events and errors were dropped: the application reads too slowly.</summary>
         public static readonly Notification<EventsDroppedNotification> EventsDropped =
             new Notification<EventsDroppedNotification>("openrois.events_dropped");
+        /// <summary>
+        /// Why the message right behind this one, a reply or <c>completed</c>, says something else than OK.
+        /// </summary>
+        public static readonly Notification<ReasonNotification> Reason =
+            new Notification<ReasonNotification>("openrois.reason");
         /// <summary>A stream does something else now.</summary>
         public static readonly Notification<StreamStatusNotification> StreamNotifyStreamStatus =
             new Notification<StreamStatusNotification>("rois.stream.notify_stream_status");

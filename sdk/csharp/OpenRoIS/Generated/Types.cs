@@ -530,6 +530,23 @@ namespace OpenRoIS
         public string Condition { get; set; } = "";
     }
 
+    /// <summary>
+    /// Params of the notification <c>openrois.reason</c>: why the message right behind it says something
+    /// else than OK.
+    /// </summary>
+    public sealed class ReasonNotification
+    {
+        [JsonProperty("request_id", NullValueHandling = NullValueHandling.Ignore)]
+        [JsonConverter(typeof(IdentityConverter))]
+        public object RequestId { get; set; }
+
+        [JsonProperty("command_id", NullValueHandling = NullValueHandling.Ignore)]
+        public string CommandId { get; set; }
+
+        [JsonProperty("reason", Required = Required.Always)]
+        public string Reason { get; set; }
+    }
+
     /// <summary>Result of bind_any.</summary>
     public sealed class ReferenceResult
     {

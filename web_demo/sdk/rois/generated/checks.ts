@@ -1,6 +1,6 @@
 /** What is checked of each message that comes in. Written by `make generate`; edits are lost. */
 
-import { integer, itself, list, map, object, oneOf, optional, orNull, text } from "../check.ts";
+import { identity, integer, itself, list, map, object, oneOf, optional, orNull, text } from "../check.ts";
 import type { Check } from "../check.ts";
 import type { MethodName, NotificationName } from "./methods.ts";
 import { CompletedStatus, ComponentFunction, Direction, ErrorType, MediaKind, ReturnCode, StreamStatus } from "./types.ts";
@@ -170,6 +170,12 @@ const isEventsDroppedNotification: Check = object({
   count: integer,
 });
 
+const isReasonNotification: Check = object({
+  request_id: optional(orNull(identity)),
+  command_id: optional(orNull(text)),
+  reason: text,
+});
+
 const isStreamStatusNotification: Check = object({
   stream_id: text,
   component_ref: text,
@@ -247,6 +253,7 @@ export const NOTIFICATIONS: { readonly [Name in NotificationName]: Check } = {
   "rois.command.completed": isCompleted,
   "rois.event.notify_event": isEventNotification,
   "openrois.events_dropped": isEventsDroppedNotification,
+  "openrois.reason": isReasonNotification,
   "rois.stream.notify_stream_status": isStreamStatusNotification,
   "signaling.offer": isOffer,
   "signaling.candidate": isCandidate,

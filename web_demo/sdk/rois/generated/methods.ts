@@ -24,6 +24,7 @@ import type {
   ParametersResult,
   ProfileResult,
   QueryParams,
+  ReasonNotification,
   ReferenceResult,
   Restart,
   ResultsResult,
@@ -109,6 +110,8 @@ export interface Notifications {
   readonly "rois.event.notify_event": EventNotification;
   /** Here some events and errors were dropped: the application reads too slowly. */
   readonly "openrois.events_dropped": EventsDroppedNotification;
+  /** Why the message right behind this one, a reply or `completed`, says something else than OK. */
+  readonly "openrois.reason": ReasonNotification;
   /** A stream does something else now. */
   readonly "rois.stream.notify_stream_status": StreamStatusNotification;
   /** An engine offers a peer connection. */

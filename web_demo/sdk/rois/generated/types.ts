@@ -271,6 +271,16 @@ export interface QueryParams {
   readonly condition?: string;
 }
 
+/**
+ * Params of the notification `openrois.reason`: why the message right behind it says something else
+ * than OK.
+ */
+export interface ReasonNotification {
+  readonly request_id?: string | number | null;
+  readonly command_id?: string | null;
+  readonly reason: string;
+}
+
 /** Result of bind_any. */
 export interface ReferenceResult {
   readonly return_code: ReturnCode;
