@@ -7,7 +7,13 @@ from websockets.asyncio.client import ClientConnection
 
 from openrois.conformance.connection import Connection
 from openrois.conformance.deviation import Deviation, expect, shown
-from openrois.conformance.strictness import check_envelope, is_extension, read_notification, read_result
+from openrois.conformance.strictness import (
+    check_envelope,
+    check_reason,
+    is_extension,
+    read_notification,
+    read_result,
+)
 from openrois.conformance.transcript import Transcript
 from openrois.types.profiles import HRIEngineProfile
 
@@ -15,6 +21,7 @@ __all__ = ["Application"]
 
 COMPLETED: Final = "rois.command.completed"
 EVENT: Final = "rois.event.notify_event"
+REASON: Final = "openrois.reason"
 
 
 class Application(Connection):
@@ -28,12 +35,15 @@ class Application(Connection):
 
     Attributes:
         told: the notifications that nobody asked for yet: method and params, in order.
+        reasons: why something was refused or failed, by the request's id or the command's.
     """
 
     def __init__(self, socket: ClientConnection, name: str, transcript: Transcript, patience: float) -> None:
         super().__init__(socket, name, transcript, patience)
         self.told: list[tuple[str, dict[str, Any]]] = []
+        self.reasons: dict[Any, str] = {}
         self.extended = False
+        self._explained: dict[str, Any] | None = None
         self._asked: set[str] = set()
         self._answers: dict[str, dict[str, Any]] = {}
         self._ended: set[str] = set()
@@ -43,11 +53,24 @@ class Application(Connection):
         """Return the next frame, checked: a response as it came, a notification kept in `told` as well."""
         message: dict[str, Any] = await self.receive()
         check_envelope(message)
+        self._check_explained(message)
         if "method" in message:
             params = read_notification(message["method"], message.get("params", {}), extended=self.extended)
+            if message["method"] == REASON:
+                self._explained = params
+                return await self.hear()
             self._count(message["method"], params)
             self.told.append((message["method"], params))
         return message
+
+    def _check_explained(self, message: dict[str, Any]) -> None:
+        """Refuse what comes right behind a reason and is not what that explains."""
+        told, self._explained = self._explained, None
+        if told is None:
+            return
+        check_reason(told, message)
+        subject = told["request_id"] if told["command_id"] is None else told["command_id"]
+        self.reasons[subject] = told["reason"]
 
     def _count(self, method: str, params: dict[str, Any]) -> None:
         if method == COMPLETED:

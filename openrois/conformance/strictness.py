@@ -10,7 +10,7 @@ from openrois.types.messages import ReturnResult
 from openrois.types.methods import METHODS, NOTIFICATIONS
 from openrois.types.model import Model
 
-__all__ = ["check_envelope", "is_extension", "read_notification", "read_result"]
+__all__ = ["check_envelope", "check_reason", "is_extension", "read_notification", "read_result"]
 
 
 class _Section(Model):
@@ -91,6 +91,26 @@ def check_envelope(message: Any) -> None:
         fits = members == {"jsonrpc", "id", "result"}
     if not fits:
         raise Deviation("the members of a JSON-RPC response or notification and no other", shown(message))
+
+
+def check_reason(told: Mapping[str, Any], message: Mapping[str, Any]) -> None:
+    """Refuse a reason that is no line, or that is not about the message right behind it.
+
+    Raises:
+        Deviation: it is not.
+    """
+    if not told["reason"].isprintable():
+        raise Deviation("a reason of one line, without control characters", shown(told["reason"]))
+    params, result = message.get("params", {}), message.get("result")
+    if told["command_id"] is None:
+        fits = "id" in message and message["id"] == told["request_id"] and isinstance(result, dict)
+        code = result.get("return_code") if isinstance(result, dict) else None
+    else:
+        fits = message.get("method") == "rois.command.completed" and params.get("command_id") == told["command_id"]
+        fits = fits and told["request_id"] is None
+        code = params.get("status")
+    if not fits or code == "OK":
+        raise Deviation(f"right behind a reason what it explains ({shown(told)})", shown(message))
 
 
 def _is_error(error: Any) -> bool:

@@ -1,5 +1,6 @@
 """Questions to a remote engine: the wire's answers become values or `RoISError`."""
 
+import logging
 from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any, Final, TypeVar
@@ -12,6 +13,8 @@ from openrois.types.codes import ReturnCode
 from openrois.types.messages import ReturnResult
 
 __all__ = ["Asking", "read_result"]
+
+_log = logging.getLogger(__name__)
 
 _REFUSALS: Final = frozenset(code.value for code in ReturnCode if code is not ReturnCode.OK)
 
@@ -104,7 +107,9 @@ class Asking:
         except SessionClosed as closed:
             raise EngineUnreachable(f"the connection to the engine ended: {closed}") from closed
         except RpcError as refused:
-            raise ComponentFailed(f"the engine refused {refused}") from refused
+            # What it says is for whoever looks after it: an application reads the sentence of a `RoISError`.
+            _log.info("an engine refused %s", refused)
+            raise ComponentFailed(f"the engine refused {name} with the error {refused.code}") from refused
 
 
 def read_result(name: str, result: Any, model: type[Outcome]) -> Outcome:

@@ -10,6 +10,7 @@ from openrois.conformance.checks import (
     event,
     execute,
     query,
+    reasons,
     streams,
     system,
     transport,
@@ -29,4 +30,5 @@ ALL_CHECKS: Final[tuple[Check, ...]] = (
     *components.CHECKS,
     *adapters.CHECKS,
     *streams.CHECKS,
+    *reasons.CHECKS,
 )
