@@ -16,6 +16,7 @@ from openrois.client.subscriptions import Asker, Subscriptions
 from openrois.jsonrpc.protocol import METHOD_NOT_FOUND
 from openrois.jsonrpc.session import NotificationHandler, RpcError, RpcSession
 from openrois.types.messages import Completed, ErrorNotification, EventNotification, NoParams, ReturnResult
+from openrois.types.reasons import ReasonNotification, sentence
 from openrois.types.streams import EXTENSION_VERSION, EXTENSIONS, HelloParams, HelloResult
 
 __all__ = ["Application"]
@@ -43,10 +44,12 @@ class Application:
         self.notifications: Mapping[str, NotificationHandler] = _EveryName(self._take)
         self._restorer = Restorer(self.bindings, self.subscriptions, reconnect, request_timeout)
         self._timeout = request_timeout
+        self._session: RpcSession | None = None
 
     async def move_in(self, session: RpcSession) -> None:
         """Say who is there and learn what the gateway speaks."""
         self.generation += 1
+        self._session = session
         await ask(session, "rois.system.connect", NoParams(), ReturnResult, timeout=self._timeout)
         self.extensions = await self._hello(session)
 
@@ -89,6 +92,8 @@ class Application:
         for feed in tuple(self.listeners):
             feed.offer(Notification(method, params))
         match method:
+            case ReasonNotification.method:
+                self._take_reason(read_message(ReasonNotification, params))
             case "rois.command.completed":
                 self.commands.completed(read_message(Completed, params))
             case "rois.event.notify_event":
@@ -100,6 +105,13 @@ class Application:
             case "rois.system.notify_error":
                 fault = read_message(ErrorNotification, params)
                 self.tell(Fault(fault.error_id, fault.error_type))
+
+    def _take_reason(self, told: ReasonNotification) -> None:
+        line = sentence(told.reason)
+        if told.command_id is not None:
+            self.commands.explain(told.command_id, line)
+        if self._session is not None:
+            self._session.take_reason(told.request_id, line)
 
 
 class _EveryName(Mapping[str, NotificationHandler]):

@@ -37,7 +37,7 @@ _HINTS: Final[Mapping[tuple[str, ReturnCode], str]] = {
     ("rois.event.subscribe", ReturnCode.ERROR): "the component is not connected yet, or does not work",
     ("rois.event.get_event_detail", ReturnCode.BAD_PARAMETER): "there is no such event, or it was too long ago",
 }
-"""What a code most likely means: the wire carries no more than the code."""
+"""What a code most likely means, for a gateway that gives no reason: the base wire carries no more than the code."""
 
 _NAMES: Final = ("component_ref", "query_type", "event_type", "event_id", "command_id", "condition")
 _LONGEST: Final = 200
@@ -72,9 +72,14 @@ async def ask(
         TimeoutError: no answer in time.
     """
     outcomes: list[Outcome] = []
+    reason = ""
+
+    def explain(told: str) -> None:
+        nonlocal reason
+        reason = told
 
     def take(raw: Any) -> None:
-        outcome = read_result(method, model, raw, _about(params))
+        outcome = read_result(method, model, raw, _about(params), reason)
         if accepted is not None:
             accepted(outcome)
         outcomes.append(outcome)
@@ -85,7 +90,7 @@ async def ask(
 
     written = params.model_dump(mode="json", exclude_none=True)
     try:
-        await session.call(method, written, timeout=timeout, on_result=take, on_late=take_late)
+        await session.call(method, written, timeout=timeout, on_result=take, on_late=take_late, on_reason=explain)
     except SessionClosed as closed:
         raise ConnectionLost(f"{method}: the connection ended before the answer came ({closed})") from closed
     except BaseException as error:
@@ -107,7 +112,7 @@ def read_message(model: type[Message], raw: Any) -> Message:
     return model.model_validate(raw, extra="allow" if kept else "ignore")
 
 
-def read_result(method: str, model: type[Outcome], raw: Any, about: str = "") -> Outcome:
+def read_result(method: str, model: type[Outcome], raw: Any, about: str = "", reason: str = "") -> Outcome:
     """Return the result of `method` as its model.
 
     Args:
@@ -115,6 +120,7 @@ def read_result(method: str, model: type[Outcome], raw: Any, about: str = "") ->
         model: of its result.
         raw: the result.
         about: what it was asked of, for a person.
+        reason: why it is a refusal, where the gateway has said so.
 
     Raises:
         RoISError: the return code is not OK.
@@ -126,8 +132,8 @@ def read_result(method: str, model: type[Outcome], raw: Any, about: str = "") ->
         raise RpcError(INVALID_REQUEST, f"the answer to {method} cannot be read: {_why(error)}") from None
     code = outcome.return_code
     if code is not ReturnCode.OK:
-        hint = _HINTS.get((method, code), "")
-        raise error_for(code, f"{method}{about}: {code}{hint and f' ({hint})'}")
+        why = reason or _HINTS.get((method, code), "")
+        raise error_for(code, f"{method}{about}: {code}{why and f' ({why})'}")
     return outcome
 
 

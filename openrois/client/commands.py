@@ -45,6 +45,7 @@ class Command(Generic[T]):
         self._read = read
         self._ended = asyncio.Event()
         self._outcome: CompletedStatus | ConnectionLost | None = None
+        self._reason = ""
 
     def __repr__(self) -> str:
         outcome = "running" if self._outcome is None else self.status or "lost"
@@ -60,6 +61,10 @@ class Command(Generic[T]):
         """How it ended; None while it runs and when the connection ended first."""
         return self._outcome if isinstance(self._outcome, CompletedStatus) else None
 
+    def explain(self, reason: str) -> None:
+        """Note why it is about to end otherwise than OK."""
+        self._reason = reason
+
     def settle(self, outcome: CompletedStatus | ConnectionLost) -> None:
         """Note how it ended; only the first time counts."""
         if self._outcome is None:
@@ -73,7 +78,8 @@ class Command(Generic[T]):
             return self._outcome
         if self._outcome in (None, CompletedStatus.OK):
             return None
-        why = "; the log of its adapter says why" if self._outcome is CompletedStatus.ERROR else ""
+        unexplained = "; the log of its adapter says why" if self._outcome is CompletedStatus.ERROR else ""
+        why = f": {self._reason}" if self._reason else unexplained
         return _ERRORS[self._outcome](f"{self.command_type} of {self.component_ref} ended {self._outcome}{why}")
 
     async def wait(self) -> None:
@@ -134,6 +140,12 @@ class Commands:
         """Forget commands that were not accepted."""
         for command in commands:
             self._running.pop(command.command_id, None)
+
+    def explain(self, command_id: str, reason: str) -> None:
+        """Take why a command is about to end otherwise than OK; of one that is not ours it is forgotten."""
+        command = self._running.get(command_id)
+        if command is not None:
+            command.explain(reason)
 
     def completed(self, told: Completed) -> None:
         """Take what the gateway says of a command; of one that is not ours it may say what it likes."""

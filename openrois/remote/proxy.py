@@ -184,7 +184,7 @@ class RemoteProxy:
         if status is None:
             raise EngineUnreachable(f"the engine went away during {command_type} of {component_ref}")
         if status is not CompletedStatus.OK:
-            raise _failure(status, command.reason or f"{status} from its adapter, whose log says why")
+            raise _failure(status, command.reason or "its adapter gives no reason, but its log may")
         return await self._command_results(component_ref, command_type, command_id)
 
     async def _set_parameter(self, component_ref: str, arguments: tuple[Argument, ...], command: RemoteCommand) -> str:

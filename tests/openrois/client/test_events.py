@@ -120,9 +120,9 @@ async def test_whoever_is_cancelled_at_the_moment_of_subscribing_hears_nothing(
 
 async def test_what_cannot_be_subscribed_is_said_to_who_reads(client: Client) -> None:
     nothing = client.component(PersonDetection, "toys/nothing").person_detected()
-    with pytest.raises(Unsupported, match="no component that meets the condition has this event"):
+    with pytest.raises(Unsupported, match=r"no component that (meets|satisfies) the condition has this"):
         await anext(nothing)
-    with pytest.raises(BadParameter, match="several components"):
+    with pytest.raises(BadParameter, match=r"(several|\d+) components"):
         async with client.subscribe("notify_stream_status"):
             pass
 

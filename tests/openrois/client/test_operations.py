@@ -35,7 +35,7 @@ async def test_search_is_by_condition(client: Client) -> None:
     assert len(await client.search()) == 19
     assert await client.search(where(component_ref=LAMP)) == (LAMP,)
     assert await client.search(where(component_ref="toys/o'clock")) == ()
-    with pytest.raises(BadParameter, match="the condition cannot be read"):
+    with pytest.raises(BadParameter, match=r"the condition cannot be read|is expected at character"):
         await client.search("component_ref")
 
 
@@ -43,7 +43,7 @@ async def test_a_component_belongs_to_who_bound_it_first(ground: Ground, client:
     async with ground.client() as other:
         await client.bind(LAMP)
         await client.bind(LAMP)
-        with pytest.raises(OutOfResources, match="another application has bound it"):
+        with pytest.raises(OutOfResources, match="another application"):
             await other.bind(LAMP)
         with pytest.raises(OutOfResources, match="bound first"):
             await other.execute(unit("switch", "1"))
@@ -75,7 +75,7 @@ async def test_parameters_are_set_and_read(client: Client) -> None:
     await command
     assert command.status is CompletedStatus.OK
     assert ("level", "9") in [(each.name, each.value) for each in await client.get_parameter(LAMP)]
-    with pytest.raises(BadParameter, match="unknown, or not of its type"):
+    with pytest.raises(BadParameter, match=r"not of (its )?type"):
         await client.set_parameter(LAMP, [Parameter(name="level", data_type_ref="int", value="bright")])
 
 
@@ -103,9 +103,9 @@ async def test_an_empty_sequence_is_refused_here(client: Client) -> None:
 async def test_a_query_is_answered_by_the_one_that_meets_the_condition(client: Client) -> None:
     assert [each.value for each in await client.query("brightness")] == ["5"]
     assert [each.value for each in await client.query("component_status", where(component_ref=LAMP))] == ["READY"]
-    with pytest.raises(BadParameter, match="several components answer this"):
+    with pytest.raises(BadParameter, match=r"components (answer|have) this"):
         await client.query("component_status")
-    with pytest.raises(Unsupported, match="no component that meets the condition answers this"):
+    with pytest.raises(Unsupported, match=r"no component that (meets|satisfies) the condition"):
         await client.query("brightness", where(component_ref="toys/bell"))
 
 
@@ -115,7 +115,7 @@ async def test_events_come_as_they_are_and_their_details_can_be_asked_for(ground
         event = await anext(events)
         assert event.event_type == "rang"
         assert [each.value for each in await client.get_event_detail(event.event_id)] == ["a scale"]
-    with pytest.raises(BadParameter, match="too long ago"):
+    with pytest.raises(BadParameter, match=r"too long ago|no details of an event"):
         await client.get_event_detail("gateway/none")
 
 
@@ -123,7 +123,9 @@ async def test_a_fault_is_told_and_asked_about(ground: Ground, client: Client) -
     await client.bind(LAMP)
     faults = client.notices(Fault)
     execution = await client.execute(unit("crash", "1"))
-    with pytest.raises(RoISError, match="crash of toys/lamp ended ERROR; the log of its adapter says why"):
+    with pytest.raises(
+        RoISError, match=r"crash of toys/lamp ended ERROR(; the log of its adapter says why|: lamp: crash failed)"
+    ):
         await execution
     fault = await anext(faults)
     assert fault.error_type is ErrorType.COMPONENT_INTERNAL_ERROR
