@@ -8,15 +8,21 @@ export interface Outcome {
   readonly text: string;
 }
 
-/** @param elapsed milliseconds from the start to the end */
-export function describeCompleted(status: CompletedStatus, elapsed: number): Outcome {
+/**
+ * @param elapsed milliseconds from the start to the end
+ * @param reason why it did not end OK, where somebody has said so
+ */
+export function describeCompleted(status: CompletedStatus, elapsed: number, reason = ""): Outcome {
   switch (status) {
     case "OK":
       return { state: "done", text: `completed OK after ${(elapsed / 1000).toFixed(1)} s` };
     case "ABORT":
       return { state: "stopped", text: `stopped after ${(elapsed / 1000).toFixed(1)} s (completed ABORT)` };
     default:
-      return { state: "failed", text: `the avatar could not finish it (completed ${status})` };
+      return {
+        state: "failed",
+        text: `the avatar could not finish it${reason && `: ${reason}`} (completed ${status})`,
+      };
   }
 }
 
@@ -31,7 +37,8 @@ export async function describeEnd(command: Promise<void>, busy: string): Promise
     await command;
     return describeCompleted("OK", Date.now() - startedAt);
   } catch (error) {
-    if (error instanceof CommandFailed) return describeCompleted(error.status, Date.now() - startedAt);
+    if (error instanceof CommandFailed)
+      return describeCompleted(error.status, Date.now() - startedAt, error.reason);
     return describeFailure(error, busy);
   }
 }
@@ -40,7 +47,7 @@ export async function describeEnd(command: Promise<void>, busy: string): Promise
 export function describeFailure(error: unknown, busy: string): Outcome {
   if (error instanceof RoISError) {
     if (error.returnCode === "OUT_OF_RESOURCES") return { state: "refused", text: busy };
-    return { state: "failed", text: `the avatar refused it: ${error.returnCode}` };
+    return { state: "failed", text: `the avatar refused it: ${error.reason || error.returnCode}` };
   }
   if (error instanceof ConnectionLost) {
     return { state: "failed", text: "the connection ended before the avatar had finished" };

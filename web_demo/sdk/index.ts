@@ -13,7 +13,7 @@ export { and, escapeLike, like, onlyComponent, quote, where } from "./rois/condi
 export type { ConnectionOptions, ConnectionState } from "./rois/connection.ts";
 export { componentType, componentsByEngine, engineOf } from "./rois/discovery.ts";
 export { CommandFailed, InvalidMessage, RoISError, ValueError } from "./rois/errors.ts";
-export type { Call, ClientEvents, ClientOptions, Params, ResultOf, RoISEvent } from "./rois/link.ts";
+export type { Call, ClientEvents, ClientOptions, Ended, Params, ResultOf, RoISEvent } from "./rois/link.ts";
 export { decode, encode, resultValue } from "./rois/payload.ts";
 export type { Types } from "./rois/payload.ts";
 export type { Subscription } from "./rois/subscriptions.ts";

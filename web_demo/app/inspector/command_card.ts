@@ -75,8 +75,9 @@ export class CommandCard implements Card {
       const [id = ""] = await client.execute([this.#unit()]);
       outcome.running(`Running since ${formatTime(Date.now())}`);
       this.#bench.worked();
-      const { status } = await client.completed(id);
-      if (status !== "OK") return outcome.ended(status, `${completedWords(status)}, after ${took()}.`);
+      const { status, reason } = await client.completed(id);
+      if (status !== "OK")
+        return outcome.ended(status, `${completedWords(status, reason)} (after ${took()})`);
       const words = `completed after ${took()}`;
       outcome.done(words);
       const results = await client.getCommandResult(id);

@@ -112,9 +112,10 @@ export class ParameterCard implements Card {
     try {
       const id = await this.#bench.client.setParameter(this.#bench.ref, sent);
       this.#bench.worked();
-      const { status } = await this.#bench.client.completed(id);
+      const { status, reason } = await this.#bench.client.completed(id);
       const took = tookWords(performance.now() - startedAt);
-      if (status !== "OK") return this.#outcome.ended(status, `${completedWords(status)}, after ${took}.`);
+      if (status !== "OK")
+        return this.#outcome.ended(status, `${completedWords(status, reason)} (after ${took})`);
       // What was typed since then is another change.
       for (const field of changed) {
         const { value } = sent.find(({ name }) => name === field.profile.name) ?? {};

@@ -57,7 +57,7 @@ export function refusal(attempt: Attempt, error: unknown): Refusal {
   if (error instanceof RoISError) {
     const { returnCode: code } = error;
     const sentence = OF_ATTEMPT[attempt]?.[code] ?? (code === "OK" ? "" : ANYWHERE[code]);
-    return { code, sentence: sentence ?? "The engine refused it." };
+    return { code, sentence: explained(sentence ?? "The engine refused it.", error.reason) };
   }
   if (error instanceof RpcError) return { code: String(error.code), sentence: protocolFault(error) };
   if (error instanceof ConnectionLost) {
@@ -67,6 +67,11 @@ export function refusal(attempt: Attempt, error: unknown): Refusal {
     return { code: "no answer", sentence: "The gateway did not answer in time." };
   }
   return { code: "error", sentence: error instanceof Error ? error.message : String(error) };
+}
+
+/** Returns what an answer means in general, and then why it came in this case, where somebody has said so. */
+function explained(general: string, reason: string): string {
+  return reason ? `${general.split(/[.:]/, 1)[0] ?? ""}: ${reason}` : general;
 }
 
 function protocolFault(error: RpcError): string {
@@ -97,9 +102,10 @@ const COMPLETED: Readonly<Record<CompletedStatus, string>> = {
   TIMEOUT: "Not done in the time it may take",
 };
 
-/** Returns how a command ended, in words. */
-export function completedWords(status: CompletedStatus): string {
-  return COMPLETED[status] ?? `Ended with ${String(status)}`;
+/** Returns how a command ended, in words, and why where somebody has said so. */
+export function completedWords(status: CompletedStatus, reason = ""): string {
+  const words = COMPLETED[status] ?? `Ended with ${String(status)}`;
+  return reason ? `${words.replace(/ \(.*/, "")}: ${reason}` : words;
 }
 
 const STATUS: Readonly<Record<ComponentStatus, string>> = {

@@ -70,6 +70,7 @@ const MAX_BUFFERED_BYTES = 1024 * 1024;
 const MAX_LATE = 64;
 
 type OnLate = (result: Json) => void;
+type OnReason = (reason: string) => void;
 
 interface Waiter {
   readonly method: string;
@@ -78,6 +79,7 @@ interface Waiter {
   resolve(result: Json): void;
   reject(error: Error): void;
   readonly onLate: OnLate | undefined;
+  readonly onReason: OnReason | undefined;
 }
 
 /** Owns an open socket until it closes; after that every call fails with `ConnectionLost`. */
@@ -110,9 +112,10 @@ export class JsonRpcSession {
    * Asks `method` and waits for its result.
    *
    * @param onLate hears a result that comes after `RequestTimeout`, to undo what was done
+   * @param onReason hears what `explain` is told of this request, before its result comes
    * @throws RpcError | ConnectionLost | RequestTimeout
    */
-  request(method: string, params: JsonObject = {}, onLate?: OnLate): Promise<Json> {
+  request(method: string, params: JsonObject = {}, onLate?: OnLate, onReason?: OnReason): Promise<Json> {
     return new Promise((resolve, reject) => {
       if (this.#closed || this.#socket.readyState !== OPEN) {
         return reject(new ConnectionLost(`${method}: there is no connection`));
@@ -122,10 +125,15 @@ export class JsonRpcSession {
       }
       const { id, text } = this.#peer.request(method, params);
       const timer = setTimeout(() => this.#expire(id), this.#requestTimeout);
-      this.#waiters.set(id, { method, sentAt: performance.now(), timer, resolve, reject, onLate });
+      this.#waiters.set(id, { method, sentAt: performance.now(), timer, resolve, reject, onLate, onReason });
       this.#socket.send(text);
       this.#observe("sent", "request", method, () => ({ jsonrpc: "2.0", id, method, params }));
     });
+  }
+
+  /** Says why a request is about to be refused; of one that nobody waits for it is forgotten. */
+  explain(id: number, reason: string): void {
+    this.#waiters.get(id)?.onReason?.(reason);
   }
 
   /** Ends the session and fails every waiter at once, whether or not the other side takes part. */

@@ -9,7 +9,6 @@ import { RoISError } from "./errors.ts";
 import { iterate } from "./event_feed.ts";
 import type {
   CommandUnit,
-  Completed,
   ConcurrentCommands,
   HRIComponentProfile,
   HRIEngineProfile,
@@ -17,7 +16,7 @@ import type {
   Result,
 } from "./generated/types.ts";
 import { Link } from "./link.ts";
-import type { Call, ClientOptions, RoISEvent } from "./link.ts";
+import type { Call, ClientOptions, Ended, RoISEvent } from "./link.ts";
 import { Restoration } from "./restoration.ts";
 import { Subscriptions } from "./subscriptions.ts";
 import type { Subscription } from "./subscriptions.ts";
@@ -179,7 +178,7 @@ export class Client extends Link {
    * @param within milliseconds to wait at most; without it, as long as the connection lasts
    * @throws ConnectionLost when the connection ended first: how the command ends is not known | RequestTimeout
    */
-  completed(commandId: string, within?: number): Promise<Completed> {
+  completed(commandId: string, within?: number): Promise<Ended> {
     return this.#completions.wait(commandId, within);
   }
 

@@ -1,12 +1,12 @@
 /** Who waits for which command to end. */
 
 import { ConnectionLost, RequestTimeout } from "../jsonrpc/session.ts";
-import type { Completed } from "./generated/types.ts";
+import type { Ended } from "./link.ts";
 
 /** How many ended commands are remembered; the oldest is forgotten first. */
 const REMEMBERED = 1024;
 
-type Outcome = Completed | Error;
+type Outcome = Ended | Error;
 
 /**
  * Remembers how commands ended, also those for which nobody waits yet: the news may come in the same breath as the
@@ -26,7 +26,7 @@ export class Completions {
     this.#waiting.delete(commandId);
   }
 
-  completed(completed: Completed): void {
+  completed(completed: Ended): void {
     this.#settle(completed.command_id, completed);
   }
 
@@ -44,7 +44,7 @@ export class Completions {
    * @param within milliseconds to wait at most; without it as long as the session lives
    * @throws ConnectionLost | RequestTimeout
    */
-  wait(commandId: string, within?: number): Promise<Completed> {
+  wait(commandId: string, within?: number): Promise<Ended> {
     return new Promise((resolve, reject) => {
       let timer: ReturnType<typeof setTimeout> | undefined;
       const settle = (outcome: Outcome): void => {

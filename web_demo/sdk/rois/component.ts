@@ -154,8 +154,9 @@ export class ComponentProxy<Parameters extends object = object, ReadOnly extends
   }
 
   async #ended(commandType: string, commandId: string): Promise<void> {
-    const { status } = await this.#client.completed(commandId);
-    if (status !== "OK") throw new CommandFailed(`${commandType} of ${this.componentRef}`, commandId, status);
+    const { status, reason } = await this.#client.completed(commandId);
+    if (status !== "OK")
+      throw new CommandFailed(`${commandType} of ${this.componentRef}`, commandId, status, reason);
   }
 }
 

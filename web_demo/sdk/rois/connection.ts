@@ -99,10 +99,20 @@ export class Connection {
   }
 
   /** @throws RpcError | ConnectionLost | RequestTimeout */
-  request(method: string, params: JsonObject, onLate?: (result: Json) => void): Promise<Json> {
+  request(
+    method: string,
+    params: JsonObject,
+    onLate?: (result: Json) => void,
+    onReason?: (reason: string) => void,
+  ): Promise<Json> {
     if (this.#session && this.#state.name === "connected")
-      return this.#session.request(method, params, onLate);
+      return this.#session.request(method, params, onLate, onReason);
     return Promise.reject(new ConnectionLost(`${method}: there is no connection`));
+  }
+
+  /** Says why a request is about to be refused. */
+  explain(id: number, reason: string): void {
+    this.#session?.explain(id, reason);
   }
 
   #dial(): void {

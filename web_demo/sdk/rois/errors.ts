@@ -8,12 +8,15 @@ export class RoISError extends Error {
   readonly returnCode: ReturnCode;
   /** The method that was called, such as `rois.command.bind`. */
   readonly method: string;
+  /** Why, in a sentence of the gateway or the component; empty where the gateway speaks the base wire alone. */
+  readonly reason: string;
 
   /** @param asked what was asked of it, `(robot/navigation)`, for a person */
-  constructor(returnCode: ReturnCode, method: string, asked = "") {
-    super(`${method}${asked}: ${returnCode}`);
+  constructor(returnCode: ReturnCode, method: string, asked = "", reason = "") {
+    super(`${method}${asked}: ${returnCode}${reason && ` (${reason})`}`);
     this.returnCode = returnCode;
     this.method = method;
+    this.reason = reason;
   }
 }
 
@@ -23,11 +26,14 @@ export class CommandFailed extends Error {
   /** ABORT: it was stopped, or a command before it in the sequence failed. */
   readonly status: CompletedStatus;
   readonly commandId: string;
+  /** Why, in a sentence of the component or the gateway; empty where the gateway speaks the base wire alone. */
+  readonly reason: string;
 
-  constructor(command: string, commandId: string, status: CompletedStatus) {
-    super(`${command}: ${status}`);
+  constructor(command: string, commandId: string, status: CompletedStatus, reason = "") {
+    super(`${command}: ${status}${reason && ` (${reason})`}`);
     this.status = status;
     this.commandId = commandId;
+    this.reason = reason;
   }
 }
 

@@ -16,6 +16,7 @@ import type {
   ErrorNotification,
   EventNotification,
   EventsDroppedNotification,
+  ReasonNotification,
   ReturnCode,
 } from "./generated/types.ts";
 
@@ -47,6 +48,12 @@ export type Call = <Method extends MethodName | (string & {})>(
 /** An event as an application hears it: what the engine left out is empty. */
 export type RoISEvent = Required<EventNotification>;
 
+/** How a command has ended. */
+export interface Ended extends Completed {
+  /** Why it did not end OK; absent where nobody has said so. */
+  readonly reason?: string;
+}
+
 /** How a client connects. */
 export interface ClientOptions extends ConnectionOptions {
   /** Milliseconds of silence after which the gateway is asked for a sign of life. */
@@ -58,7 +65,7 @@ export interface ClientEvents {
   /** Connected, waiting, closed ... */
   state: ConnectionState;
   /** A command has ended. */
-  completed: Completed;
+  completed: Ended;
   /** An event happened; `subscribe` tells of those of one kind. */
   event: RoISEvent;
   /** An engine or component reports a fault; `getErrorDetail` tells more. */
@@ -87,6 +94,8 @@ export abstract class Link {
   #probe: ReturnType<typeof setInterval> | undefined;
   #extensions: readonly string[] | null = null;
   #postponed: (() => void)[] = [];
+  /** Why the command that is told of next did not end OK. */
+  #reason: ReasonNotification | null = null;
 
   /**
    * @param url the gateway, `ws://`, `wss://` or what it prints, `http://`; read relative to the page
@@ -213,8 +222,11 @@ export abstract class Link {
     const wrong = wrongInNotification(method, params);
     if (wrong !== null) return this.passedOver(`${method}: ${wrong}`);
     switch (method) {
+      case "openrois.reason":
+        this.#explained(params as unknown as ReasonNotification);
+        break;
       case "rois.command.completed":
-        this.emitter.emit("completed", params as unknown as Completed);
+        this.#completed(params as unknown as Completed);
         break;
       case "rois.event.notify_event":
         this.emitter.emit("event", { expire: "", results: [], ...params } as unknown as RoISEvent);
@@ -232,6 +244,28 @@ export abstract class Link {
     }
     this.emitter.emit("notification", notification);
   }
+
+  /** It stands right before what it explains, so that nothing but the last one has to be kept. */
+  #explained(told: ReasonNotification): void {
+    const reason = oneLine(told.reason);
+    if (typeof told.request_id === "number") this.#connection.explain(told.request_id, reason);
+    this.#reason = { ...told, reason };
+  }
+
+  #completed(completed: Completed): void {
+    const told = this.#reason;
+    this.#reason = null;
+    const explained = told?.command_id === completed.command_id && completed.status !== "OK";
+    this.emitter.emit("completed", explained ? { ...completed, reason: told.reason } : completed);
+  }
+}
+
+/** Anybody may send any text as a reason. */
+function oneLine(text: string): string {
+  return text
+    .slice(0, 500)
+    .replace(/[\s\p{C}]+/gu, " ")
+    .trim();
 }
 
 async function ask<Method extends string>(
@@ -247,15 +281,25 @@ async function ask<Method extends string>(
       // It was refused: there is nothing to undo.
     }
   };
-  return accepted(method, params, await asked.request(method, (params ?? {}) as JsonObject, late && onLate));
+  let reason = "";
+  const onReason = (told: string): void => {
+    reason = told;
+  };
+  const result = await asked.request(method, (params ?? {}) as JsonObject, late && onLate, onReason);
+  return accepted(method, params, result, reason);
 }
 
 /** @throws RoISError when the return code is not OK | InvalidMessage when the result is not what the method gives */
-function accepted<Method extends string>(method: Method, params: unknown, result: Json): ResultOf<Method> {
+function accepted<Method extends string>(
+  method: Method,
+  params: unknown,
+  result: Json,
+  reason = "",
+): ResultOf<Method> {
   const wrong = wrongInResult(method, result);
   if (wrong !== null) throw new InvalidMessage(`${method}: ${wrong}`);
   const { return_code } = result as { readonly return_code: ReturnCode };
-  if (return_code !== "OK") throw new RoISError(return_code, method, asked((params ?? {}) as Asked));
+  if (return_code !== "OK") throw new RoISError(return_code, method, asked((params ?? {}) as Asked), reason);
   return result as ResultOf<Method>;
 }
 

@@ -61,6 +61,12 @@ describe("outcomes in words", () => {
     [describeCompleted("TIMEOUT", 1), "failed", "the avatar could not finish it (completed TIMEOUT)"],
     [describeFailure(new RoISError("OUT_OF_RESOURCES", "m"), "busy"), "refused", "busy"],
     [describeFailure(new RoISError("ERROR", "m"), "busy"), "failed", "the avatar refused it: ERROR"],
+    [describeFailure(new RoISError("ERROR", "m", "", "no"), "busy"), "failed", "the avatar refused it: no"],
+    [
+      describeCompleted("ERROR", 5, "no voice"),
+      "failed",
+      "the avatar could not finish it: no voice (completed ERROR)",
+    ],
     [describeFailure(new Error("x"), "busy"), "failed", "x"],
     [describeFailure("y", "busy"), "failed", "y"],
   ])("%o", (outcome, state, text) => {

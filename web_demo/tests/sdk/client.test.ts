@@ -154,6 +154,32 @@ describe("operations", () => {
     );
   });
 
+  it("say why, where the gateway does", async () => {
+    gateway.on("rois.command.bind", ({ component_ref }, request_id) => {
+      // What fits no request, or no command, is passed over; the last one of a request counts.
+      for (const params of [{}, { reason: 5 }, { reason: "no" }, { reason: "no", request_id: "x" }])
+        gateway.notify("openrois.reason", params);
+      gateway.notify("openrois.reason", { request_id: request_id + 1, reason: "of another" });
+      gateway.notify("openrois.reason", { request_id, reason: "old" });
+      gateway.notify("openrois.reason", { request_id, reason: `${String(component_ref)}\n\u0000is theirs` });
+      return { return_code: "OUT_OF_RESOURCES" };
+    });
+    const client = clientOf();
+    await client.connect();
+    const refs = Array.from({ length: 60 }, (_, number) => `a/${number}`);
+    const told = await Promise.all(refs.map((ref) => client.bind(ref).catch((error: unknown) => error)));
+    for (const [index, error] of told.entries())
+      expect(error).toMatchObject({
+        reason: `a/${index} is theirs`,
+        message: `rois.command.bind(a/${index}): OUT_OF_RESOURCES (a/${index} is theirs)`,
+      });
+    gateway.on("rois.command.bind", () => ({ return_code: "ERROR" }));
+    await expect(client.bind("a/b")).rejects.toMatchObject({
+      reason: "",
+      message: "rois.command.bind(a/b): ERROR",
+    });
+  });
+
   it("are all there, under the names of the standard", async () => {
     const parameters = [{ name: "p", data_type_ref: "int", value: "1" }];
     gateway

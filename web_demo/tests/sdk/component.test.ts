@@ -97,6 +97,33 @@ describe("commands", () => {
     });
   });
 
+  it("say why they have not ended well, where somebody does", async () => {
+    gateway.on("rois.command.execute", ({ command_unit_list }) => {
+      const [{ command_id }] = command_unit_list as unknown as [{ command_id: string }];
+      queueMicrotask(() => {
+        gateway.notify("openrois.reason", { command_id, reason: "set target_positions first" });
+        gateway.notify("rois.command.completed", { command_id, status: "ERROR" });
+      });
+      return {};
+    });
+    const navigation = new Navigation(client, "robot/navigation");
+    await expect(navigation.start()).rejects.toMatchObject({
+      status: "ERROR",
+      reason: "set target_positions first",
+      message: "start of robot/navigation: ERROR (set target_positions first)",
+    });
+    gateway.on("rois.command.execute", ({ command_unit_list }) => {
+      const [{ command_id }] = command_unit_list as unknown as [{ command_id: string }];
+      gateway.notify("openrois.reason", { command_id: "another", reason: "of another" });
+      queueMicrotask(() => gateway.notify("rois.command.completed", { command_id, status: "ABORT" }));
+      return {};
+    });
+    await expect(navigation.start()).rejects.toMatchObject({
+      reason: "",
+      message: "start of robot/navigation: ABORT",
+    });
+  });
+
   it("carry arguments and give results", async () => {
     completeAtOnce();
     gateway.on("rois.command.get_command_result", () => ({

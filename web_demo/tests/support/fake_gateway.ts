@@ -3,7 +3,7 @@
 import type { JsonObject } from "../../sdk/jsonrpc/peer.ts";
 import type { SocketLike } from "../../sdk/jsonrpc/session.ts";
 
-type Method = (params: JsonObject) => JsonObject | Promise<JsonObject>;
+type Method = (params: JsonObject, id: number) => JsonObject | Promise<JsonObject>;
 type Listener = (event: never) => void;
 
 /** Thrown by a method: answered as a JSON-RPC error. */
@@ -134,7 +134,7 @@ export class FakeGateway {
     const answer = this.methods.get(method);
     try {
       if (!answer) throw new Refusal(-32601, "Method not found");
-      const result = { return_code: "OK", ...(await answer(params)) };
+      const result = { return_code: "OK", ...(await answer(params, id)) };
       socket.deliver(JSON.stringify({ jsonrpc: "2.0", id, result }));
     } catch (error) {
       const code = error instanceof Refusal ? error.code : -32603;

@@ -27,6 +27,15 @@ describe("refusal", () => {
     expect(sentence).toContain(words);
   });
 
+  it.each<[Attempt, ReturnCode, string]>([
+    ["bind", "OUT_OF_RESOURCES", "Another application has bound this component: a/b is theirs"],
+    ["query", "ERROR", "The component is not able to answer now: a/b is theirs"],
+    ["search" as Attempt, "ERROR", "The component could not do it: a/b is theirs"],
+    ["query", "SOMETHING_NEW" as ReturnCode, "The engine refused it: a/b is theirs"],
+  ])("of %s with %s and a reason says why", (attempt, code, sentence) => {
+    expect(refusal(attempt, new RoISError(code, "m", "", "a/b is theirs"))).toEqual({ code, sentence });
+  });
+
   it.each([
     [new RpcError({ code: -32601, message: "no" }, "rois.x.y"), "-32601", "does not serve rois.x.y"],
     [
@@ -50,7 +59,10 @@ describe("refusal", () => {
 describe("words", () => {
   it("has some for every way in which a command ends, and every status", () => {
     const ends: CompletedStatus[] = ["OK", "ERROR", "ABORT", "OUT_OF_RESOURCES", "TIMEOUT"];
-    expect(new Set(ends.map(completedWords)).size).toBe(5);
+    expect(new Set(ends.map((status) => completedWords(status))).size).toBe(5);
+    expect(completedWords("ERROR", "set target_positions first")).toBe(
+      "It was refused or went wrong: set target_positions first",
+    );
     expect(completedWords("NEW" as CompletedStatus)).toContain("NEW");
     const all: (ComponentStatus | null)[] = ["UNINITIALIZED", "READY", "BUSY", "WARNING", "ERROR", null];
     expect(new Set(all.map(statusWords)).size).toBe(6);
