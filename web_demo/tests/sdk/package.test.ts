@@ -181,6 +181,8 @@ describe("the installed package", { timeout: 60_000 }, () => {
       "all of the control plane": 'export * from "openrois";',
       "with the media": 'export * from "openrois"; export * from "openrois/media";',
     };
+    const readme = readFileSync(new URL("../../sdk/README.md", import.meta.url), "utf8");
+    const said = [...readme.matchAll(/([\d.]+) kB/g)].map(([, size]) => Number(size) * 1000);
     const zipped = await Promise.all(
       Object.values(sizes).map(
         async (source) => gzipSync(new TextEncoder().encode(await bundle(source))).length,
@@ -193,5 +195,10 @@ describe("the installed package", { timeout: 60_000 }, () => {
     );
     expect(zipped[1]).toBeLessThanOrEqual(25_000);
     expect(zipped[0]).toBeLessThan(zipped[1] ?? 0);
+    const [all, one, media] = said;
+    expect(said).toHaveLength(3);
+    for (const [index, promised] of [one, all, media].entries()) {
+      expect(Math.abs((zipped[index] ?? 0) / (promised ?? 1) - 1)).toBeLessThan(0.05);
+    }
   });
 });
