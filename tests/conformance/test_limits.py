@@ -23,7 +23,7 @@ from openrois.interfaces import stream
 from openrois.jsonrpc import calls, outbox, session
 from openrois.registry import LocalRegistry
 from openrois.transport import websocket
-from openrois.types import messages, references, streams, values
+from openrois.types import messages, reasons, references, streams, values
 from tests.support import deployment, wire
 from tests.support.components import Bell
 from tests.support.deployment import Door
@@ -122,6 +122,10 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
     "characters of a fault's description": (
         (faults.MAX_DESCRIPTION,),
         ("tests/openrois/test_faults.py::test_a_long_description_is_cut",),
+    ),
+    "characters of a reason": (
+        (reasons.MAX_REASON,),
+        ("tests/openrois/types/test_reasons.py::test_what_is_long_is_cut",),
     ),
     "items in a command sequence; characters of a condition": (
         (messages.MAX_ITEMS, 32602, condition.MAX_LENGTH),

@@ -28,6 +28,13 @@ class Absent:
         self.schema = schema
 
 
+class OneOf:
+    """A field that is of one of several types."""
+
+    def __init__(self, *types: type) -> None:
+        self.types = types
+
+
 VALUE = {"name": str, "data_type_ref": str, "value": str}
 IDENTIFIER = {"code": str, "authority": str, "codebook_ref": str, "version": str}
 PARAMETER_PROFILE = {"name": str, "data_type_ref": IDENTIFIER, "default_value": str, "description": str}
@@ -93,7 +100,7 @@ NOTIFICATIONS: dict[str, dict[str, Any]] = {
     "rois.system.notify_error": {"error_id": str, "error_type": ERROR_TYPES},
     "rois.system.profile_changed": {},
     "openrois.events_dropped": {"count": int},
-    "openrois.reason": {"request_id": Absent(str), "command_id": Absent(str), "reason": str},
+    "openrois.reason": {"request_id": Absent(OneOf(str, int, float)), "command_id": Absent(str), "reason": str},
     "rois.stream.notify_stream_status": {
         "stream_id": str,
         "component_ref": str,
@@ -123,6 +130,8 @@ def check(schema: Any, value: Any, path: str = "") -> None:
     if isinstance(schema, Optional):
         if value is not None:
             check(schema.schema, value, path)
+    elif isinstance(schema, OneOf):
+        assert type(value) in schema.types, f"{path}: {value!r}"
     elif isinstance(schema, set):
         assert value in schema, f"{path}: {value!r}"
     elif isinstance(schema, list):
