@@ -110,6 +110,21 @@ class TestServing:
             assert "result" in await other.hear()
             assert (await other.hear())["method"] == "caused"
 
+    async def test_what_explains_a_reply_stands_right_before_it(self) -> None:
+        async def refuse(params: dict[str, Any]) -> Reply:
+            return Reply({"ok": False}, lambda: other.session.notify("after", {}), params["why"])
+
+        async with connected({"refuse": refuse}) as other:
+            other.session.explain = lambda request_id, reason: other.session.notify("why", {reason: request_id})
+            for request_id in ("a", 5, None, 2.5):
+                await other.say(id=request_id, method="refuse", params={"why": "no"})
+            for request_id in ("a", 5, None, 2.5):
+                assert await other.hear() == {"method": "why", "params": {"no": request_id}}
+                assert await other.hear() == {"id": request_id, "result": {"ok": False}}
+                assert (await other.hear())["method"] == "after"
+            await other.say(id=1, method="refuse", params={"why": ""})
+            assert (await other.hear())["id"] == 1
+
     async def test_what_fails_after_the_reply_is_not_a_second_answer(self, caplog: pytest.LogCaptureFixture) -> None:
         def fail() -> None:
             raise ZeroDivisionError
@@ -279,6 +294,23 @@ class TestSlowReader:
             assert heard.pop(0)["id"] == 0
             numbers = {name: [m["params"]["n"] for m in heard if m["method"] == name] for name in ("event", "control")}
             assert numbers == {"event": [0, 4, 5], "control": [1, 2, 3, 4, 5]}
+
+    async def test_what_is_dispensable_is_left_out_where_half_of_the_room_is_taken(self) -> None:
+        async with connected({"echo": echo}, outbox=Outbox(control_limit=10), capacity=1) as other:
+            await other.say(id=0, method="echo")
+            await settle()
+            other.session.notify("control", {"n": 0})
+            await settle()
+            for number in range(1, 7):
+                other.session.notify("courtesy", {"n": number}, dispensable=True)
+                other.session.notify("control", {"n": number})
+            heard = [await other.hear() for _ in range(11)]
+            assert heard.pop(0)["id"] == 0
+            numbers = {
+                name: [m["params"]["n"] for m in heard if m["method"] == name] for name in ("control", "courtesy")
+            }
+            assert numbers == {"control": [0, 1, 2, 3, 4, 5, 6], "courtesy": [1, 2, 3]}
+            assert [m["method"] for m in heard[1:5]] == ["courtesy", "control"] * 2
 
     async def test_too_many_control_messages_abort_the_connection_once(self, caplog: pytest.LogCaptureFixture) -> None:
         async with connected(outbox=Outbox(control_limit=3), capacity=1) as other:
