@@ -71,7 +71,7 @@ def _parser() -> argparse.ArgumentParser:
     which.add_argument(
         "--type", choices=_TYPES, metavar="TYPE", help=f"a type of the standard: {', '.join(_TYPES)}; asks no gateway"
     )
-    export.add_argument("--format", choices=("xml", "json"), default="xml", help="(%(default)s)")
+    export.add_argument("--format", choices=("xml", "json"), default="xml", help="what is written (%(default)s)")
     export.add_argument(
         "--output", type=Path, metavar="PATH", help="a file, or for all profiles as XML an empty or new directory"
     )
