@@ -49,6 +49,7 @@ async def test_the_tab_key_goes_everywhere_in_the_order_in_which_one_reads(guest
     assert len(reactions) >= 10
     await guest.page.keyboard.press("Shift")  # any key lets the page sound, and changes that button
     await expect(guest.item("sound-off")).to_be_visible()
+    await expect(guest.item("say-language")).to_be_visible()  # once the voice has said what it speaks
     order = [
         *("skip", "show-avatar", "show-inspector", "help-open", "theme-toggle", "stage", "sound-off", "fullscreen"),
         *("say-text", "say-language", "say-send"),

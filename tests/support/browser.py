@@ -4,11 +4,11 @@ import asyncio
 import itertools
 import json
 import re
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 import cv2
 import numpy as np
@@ -18,6 +18,7 @@ from playwright.async_api import Browser, ConsoleMessage, Error, Locator, Page, 
 __all__ = ["GATEWAY_AWAY", "PATIENCE", "Seen", "Visit", "running_browser", "visiting"]
 
 Message = dict[str, Any]
+T = TypeVar("T")
 
 PATIENCE: Final = 15.0
 """Seconds that anything here may take; on an idle machine nearly all of it takes less than one."""
@@ -65,7 +66,7 @@ class Visit:
     complaints: list[str] = field(default_factory=list)
     sent: list[Message] = field(default_factory=list)
     received: list[Message] = field(default_factory=list)
-    _arrival: asyncio.Event = field(default_factory=asyncio.Event)
+    _passing: asyncio.Event = field(default_factory=asyncio.Event)
 
     def item(self, name: str) -> Locator:
         """The element that page and tests know by this name."""
@@ -129,11 +130,29 @@ class Visit:
 
     async def until_told(self, method: str, **params: str) -> Message:
         """Wait for such a notification; only the wire is looked at."""
+        return (await self._until_passed(lambda: self.told(method, **params)))[-1]
+
+    def executed(self, component_ref: str, command_type: str) -> list[str]:
+        """The ids of the commands of this type that the page executed on a component so far."""
+        return [
+            unit["command_id"]
+            for message in self.sent
+            if message["method"] == "rois.command.execute"
+            for unit in message["params"]["command_unit_list"]
+            if (unit["component_ref"], unit["command_type"]) == (component_ref, command_type)
+        ]
+
+    async def until_executed(self, component_ref: str, command_type: str) -> str:
+        """Wait for such a command and return the id of the last one."""
+        return (await self._until_passed(lambda: self.executed(component_ref, command_type)))[-1]
+
+    async def _until_passed(self, found: Callable[[], list[T]]) -> list[T]:
+        """Wait until there is something among the messages that the page sent or received."""
         async with asyncio.timeout(PATIENCE):
-            while not (found := self.told(method, **params)):
-                self._arrival.clear()
-                await self._arrival.wait()
-        return found[-1]
+            while not (there := found()):
+                self._passing.clear()
+                await self._passing.wait()
+        return there
 
     async def watch(self, name: str, left: float, top: float, width: float, height: float) -> None:
         """Watch a part of the picture from now on; places and sizes are fractions of the picture's."""
@@ -194,12 +213,12 @@ class Visit:
 
     def connected(self, socket: WebSocket) -> None:
         """Take note of what a WebSocket of the page carries."""
-        socket.on("framesent", lambda text: self.sent.append(json.loads(text)))
-        socket.on("framereceived", self._arrived)
+        socket.on("framesent", lambda text: self._passed(text, self.sent))
+        socket.on("framereceived", lambda text: self._passed(text, self.received))
 
-    def _arrived(self, text: str | bytes) -> None:
-        self.received.append(json.loads(text))
-        self._arrival.set()
+    def _passed(self, text: str | bytes, messages: list[Message]) -> None:
+        messages.append(json.loads(text))
+        self._passing.set()
 
     def heard(self, message: ConsoleMessage) -> None:
         """Take what the console says."""

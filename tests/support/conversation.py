@@ -57,14 +57,8 @@ async def aloud(visit: Visit) -> None:
 
 async def outcome(visit: Visit, component_ref: str, command_type: str) -> str:
     """How the command ended that the page executed last on a component, as the wire said it."""
-    units = [
-        unit
-        for message in visit.sent
-        if message["method"] == "rois.command.execute"
-        for unit in message["params"]["command_unit_list"]
-        if (unit["component_ref"], unit["command_type"]) == (component_ref, command_type)
-    ]
-    completed = await visit.until_told("rois.command.completed", command_id=units[-1]["command_id"])
+    command_id = await visit.until_executed(component_ref, command_type)
+    completed = await visit.until_told("rois.command.completed", command_id=command_id)
     return str(completed["status"])
 
 
