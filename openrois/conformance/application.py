@@ -9,7 +9,7 @@ from openrois.conformance.connection import Connection
 from openrois.conformance.deviation import Deviation, expect, shown
 from openrois.conformance.strictness import (
     check_envelope,
-    check_reason,
+    explained_by,
     is_extension,
     read_notification,
     read_result,
@@ -53,7 +53,9 @@ class Application(Connection):
         """Return the next frame, checked: a response as it came, a notification kept in `told` as well."""
         message: dict[str, Any] = await self.receive()
         check_envelope(message)
-        self._check_explained(message)
+        told, self._explained = self._explained, None
+        if told is not None:
+            self.reasons[explained_by(told, message)] = told["reason"]
         if "method" in message:
             params = read_notification(message["method"], message.get("params", {}), extended=self.extended)
             if message["method"] == REASON:
@@ -62,15 +64,6 @@ class Application(Connection):
             self._count(message["method"], params)
             self.told.append((message["method"], params))
         return message
-
-    def _check_explained(self, message: dict[str, Any]) -> None:
-        """Refuse what comes right behind a reason and is not what that explains."""
-        told, self._explained = self._explained, None
-        if told is None:
-            return
-        check_reason(told, message)
-        subject = told["request_id"] if told["command_id"] is None else told["command_id"]
-        self.reasons[subject] = told["reason"]
 
     def _count(self, method: str, params: dict[str, Any]) -> None:
         if method == COMPLETED:

@@ -10,7 +10,7 @@ from openrois.types.messages import ReturnResult
 from openrois.types.methods import METHODS, NOTIFICATIONS
 from openrois.types.model import Model
 
-__all__ = ["check_envelope", "check_reason", "is_extension", "read_notification", "read_result"]
+__all__ = ["check_envelope", "explained_by", "is_extension", "read_notification", "read_result"]
 
 
 class _Section(Model):
@@ -93,24 +93,27 @@ def check_envelope(message: Any) -> None:
         raise Deviation("the members of a JSON-RPC response or notification and no other", shown(message))
 
 
-def check_reason(told: Mapping[str, Any], message: Mapping[str, Any]) -> None:
-    """Refuse a reason that is no line, or that is not about the message right behind it.
+def explained_by(told: Mapping[str, Any], message: Mapping[str, Any]) -> Any:
+    """Return the id that a reason names, of a request or of a command.
+
+    Args:
+        told: the params of the reason.
+        message: the one right behind it.
 
     Raises:
-        Deviation: it is not.
+        Deviation: it is no line, or not about that message.
     """
     if not told["reason"].isprintable():
         raise Deviation("a reason of one line, without control characters", shown(told["reason"]))
-    params, result = message.get("params", {}), message.get("result")
-    if told["command_id"] is None:
-        fits = "id" in message and message["id"] == told["request_id"] and isinstance(result, dict)
-        code = result.get("return_code") if isinstance(result, dict) else None
-    else:
-        fits = message.get("method") == "rois.command.completed" and params.get("command_id") == told["command_id"]
-        fits = fits and told["request_id"] is None
-        code = params.get("status")
-    if not fits or code == "OK":
-        raise Deviation(f"right behind a reason what it explains ({shown(told)})", shown(message))
+    request_id, command_id = told["request_id"], told["command_id"]
+    result, params = message.get("result"), message.get("params", {})
+    refused = isinstance(result, dict) and result.get("return_code") != "OK"
+    failed = message.get("method") == "rois.command.completed" and params.get("status") != "OK"
+    if refused and command_id is None and message["id"] == request_id:
+        return request_id
+    if failed and request_id is None and params.get("command_id") == command_id:
+        return command_id
+    raise Deviation(f"right behind a reason what it explains ({shown(told)})", shown(message))
 
 
 def _is_error(error: Any) -> bool:

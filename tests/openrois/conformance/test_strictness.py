@@ -5,7 +5,13 @@ from typing import Any
 import pytest
 
 from openrois.conformance.deviation import Deviation
-from openrois.conformance.strictness import check_envelope, is_extension, read_notification, read_result
+from openrois.conformance.strictness import (
+    check_envelope,
+    explained_by,
+    is_extension,
+    read_notification,
+    read_result,
+)
 
 OK = {"return_code": "OK"}
 COMPLETED = {"command_id": "c", "status": "OK"}
@@ -75,3 +81,37 @@ def test_what_is_an_extension() -> None:
     assert is_extension("signaling.answer")
     assert not is_extension("rois.command.search")
     assert not is_extension("rois.system.gossip")
+
+
+REFUSED = {"id": 7, "result": {"return_code": "ERROR"}}
+FAILED = {"method": "rois.command.completed", "params": {"command_id": "c", "status": "ABORT"}}
+
+
+def why(request_id: Any = None, command_id: str | None = None, reason: str = "it sleeps") -> dict[str, Any]:
+    return {"request_id": request_id, "command_id": command_id, "reason": reason}
+
+
+def test_a_reason_stands_right_before_what_it_explains() -> None:
+    assert explained_by(why(request_id=7), REFUSED) == 7
+    assert explained_by(why(command_id="c"), FAILED) == "c"
+
+
+@pytest.mark.parametrize(
+    ("told", "message"),
+    [
+        (why(request_id=7), FAILED),
+        (why(request_id=8), REFUSED),
+        (why(request_id=7), {"id": 7, "result": OK}),
+        (why(request_id=7), {"id": 7, "error": {"code": -32603, "message": "no"}}),
+        (why(command_id="c"), REFUSED),
+        (why(command_id="d"), FAILED),
+        (why(command_id="c"), {**FAILED, "params": COMPLETED}),
+        (why(command_id="c"), {"method": "rois.system.profile_changed"}),
+        (why(7, "c"), REFUSED),
+        (why(7, "c"), FAILED),
+        (why(request_id=7, reason="two\nlines"), REFUSED),
+    ],
+)
+def test_reasons_that_are_refused(told: dict[str, Any], message: dict[str, Any]) -> None:
+    with pytest.raises(Deviation, match=r"reason"):
+        explained_by(told, message)
