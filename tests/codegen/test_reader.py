@@ -9,8 +9,8 @@ import pytest
 from openrois_codegen.ir import (
     Enumeration,
     Field,
-    Instant,
     Identity,
+    Instant,
     Integer,
     ListOf,
     MapOf,
