@@ -1,0 +1,30 @@
+"""The conversation in docs/wire.md is one that a gateway has, word for word."""
+
+import json
+import re
+import runpy
+from pathlib import Path
+from typing import Any
+
+from openrois.testing import memory_gateway
+
+ROOT = Path(__file__).parents[2]
+
+
+def conversation() -> list[tuple[str, Any]]:
+    """Return who says what: `->` the application, `<-` the gateway."""
+    page = (ROOT / "docs" / "wire.md").read_text(encoding="utf-8")
+    (talk,) = re.findall(r"^```text\n(.*?)^```$", page, re.DOTALL | re.MULTILINE)
+    return [(line[:2], json.loads(line[3:])) for line in talk.splitlines()]
+
+
+async def test_it_goes_as_the_page_says() -> None:
+    lamp = runpy.run_path(str(ROOT / "docs" / "examples" / "lamp_adapter.py"))["Lamp"]
+    said = conversation()
+    assert {speaker for speaker, _ in said} == {"->", "<-"}
+    async with memory_gateway(lamp("lamp"), engine_id="lamp_1") as gateway, gateway.dial() as stream:
+        for speaker, message in said:
+            if speaker == "->":
+                await stream.send(json.dumps(message))
+            else:
+                assert json.loads(await stream.receive()) == message
