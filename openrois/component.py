@@ -12,7 +12,7 @@ from openrois.authoring.parameters import ParameterStore
 from openrois.authoring.reading import AuthoredType, Message, own_type, read_class
 from openrois.catalog.component_type import ComponentType
 from openrois.catalog.payload import Payload
-from openrois.errors import Aborted, BadParameter, ComponentFailed, RoISError, TimedOut, Unsupported
+from openrois.errors import Aborted, BadParameter, ComponentFailed, RoISError, TimedOut, Unsupported, require_usable
 from openrois.types.codes import ComponentFunction, ComponentStatus, ErrorType
 from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIComponentProfile
@@ -31,7 +31,6 @@ DISCONNECT_TIMEOUT: Final = 5.0
 """Seconds that a component has to let go of what it is connected to."""
 
 _MILLISECOND: Final = 0.001
-_USABLE: Final = (ComponentStatus.READY, ComponentStatus.BUSY)
 
 
 class Component:
@@ -217,9 +216,7 @@ class Component:
     @final
     def require_usable(self) -> None:
         """Raise `ComponentFailed` where the component is not READY or BUSY."""
-        status = self.status
-        if status not in _USABLE:
-            raise ComponentFailed(f"{self.name} is in status {status}")
+        require_usable(self.name, self.status)
 
     def __rois_announce__(self, method: str, values: tuple[object, ...], named: Mapping[str, object]) -> None:
         """Announce the event behind a method, from any thread; one that the class omits is nobody's.

@@ -2,7 +2,7 @@
 
 from typing import ClassVar
 
-from openrois.types.codes import CompletedStatus, ReturnCode
+from openrois.types.codes import CompletedStatus, ComponentStatus, ReturnCode
 
 __all__ = [
     "Aborted",
@@ -15,6 +15,7 @@ __all__ = [
     "TimedOut",
     "Unsupported",
     "error_for",
+    "require_usable",
 ]
 
 
@@ -86,3 +87,15 @@ _BY_RETURN_CODE: dict[ReturnCode, type[RoISError]] = {
 def error_for(code: ReturnCode, message: str) -> RoISError:
     """Return the error that `code`, which is not OK, stands for."""
     return _BY_RETURN_CODE[code](message)
+
+
+def require_usable(name: str, status: ComponentStatus) -> None:
+    """Do nothing where a component is READY or BUSY.
+
+    Raises:
+        ComponentFailed: it is not; the sentence says what that means.
+    """
+    if status is ComponentStatus.UNINITIALIZED:
+        raise ComponentFailed(f"{name} is not connected yet (UNINITIALIZED)")
+    if status not in (ComponentStatus.READY, ComponentStatus.BUSY):
+        raise ComponentFailed(f"{name} does not work now ({status})")

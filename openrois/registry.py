@@ -9,9 +9,9 @@ from typing import Final
 
 from openrois.component import Component
 from openrois.contract import Directory, Event, Extension, OnFault, Sink, ignore_fault
-from openrois.errors import BadParameter, ComponentFailed, OutOfResources, TimedOut, Unsupported
+from openrois.errors import BadParameter, OutOfResources, TimedOut, Unsupported, require_usable
 from openrois.faults import FaultMint
-from openrois.types.codes import ComponentStatus, ErrorType
+from openrois.types.codes import ErrorType
 from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIEngineProfile, RoISIdentifier
 from openrois.types.references import flaw_of_name, new_id, reference
@@ -133,8 +133,7 @@ class LocalRegistry:
         component = self._component(component_ref)
         if not component.profile.has_event(event_type):
             raise Unsupported(f"{component_ref} has no event {event_type!r}")
-        if component.status not in (ComponentStatus.READY, ComponentStatus.BUSY):
-            raise ComponentFailed(f"{component_ref} is in status {component.status}")
+        require_usable(component_ref, component.status)
         subscribe_id = new_id(self.engine_id)
         self._subscriptions[subscribe_id] = _Subscription(component_ref, event_type, sink)
         return subscribe_id

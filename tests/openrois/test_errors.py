@@ -3,8 +3,8 @@
 import pytest
 
 from openrois import errors
-from openrois.errors import RoISError, error_for
-from openrois.types.codes import CompletedStatus, ReturnCode
+from openrois.errors import ComponentFailed, RoISError, error_for, require_usable
+from openrois.types.codes import CompletedStatus, ComponentStatus, ReturnCode
 
 
 @pytest.mark.parametrize("code", [code for code in ReturnCode if code is not ReturnCode.OK])
@@ -28,3 +28,21 @@ def test_every_failure_has_an_error_that_carries_it(code: ReturnCode) -> None:
 def test_codes_of_operations_and_commands(name: str, code: str, status: str) -> None:
     error: type[RoISError] = getattr(errors, name)
     assert (error.return_code, error.completed_status) == (ReturnCode(code), CompletedStatus(status))
+
+
+@pytest.mark.parametrize("status", [ComponentStatus.READY, ComponentStatus.BUSY])
+def test_a_component_that_can_be_used(status: ComponentStatus) -> None:
+    require_usable("arm", status)
+
+
+@pytest.mark.parametrize(
+    ("status", "sentence"),
+    [
+        (ComponentStatus.UNINITIALIZED, r"^arm is not connected yet \(UNINITIALIZED\)$"),
+        (ComponentStatus.ERROR, r"^arm does not work now \(ERROR\)$"),
+        (ComponentStatus.WARNING, r"^arm does not work now \(WARNING\)$"),
+    ],
+)
+def test_a_component_that_cannot_be_used_says_what_that_means(status: ComponentStatus, sentence: str) -> None:
+    with pytest.raises(ComponentFailed, match=sentence):
+        require_usable("arm", status)

@@ -16,7 +16,7 @@ from openrois.catalog.payload import Payload
 from openrois.catalog.streaming import ConnectStreamResults, NotifyStreamStatus, StreamArguments, StreamStatusResults
 from openrois.dialer import serve_parent
 from openrois.engine import Engine
-from openrois.errors import Aborted, BadParameter, ComponentFailed, Unsupported
+from openrois.errors import Aborted, BadParameter, Unsupported, require_usable
 from openrois.registry import LocalRegistry
 from openrois.tasks import TaskScope
 from openrois.types.codes import ComponentStatus, ErrorType, StreamStatus
@@ -207,8 +207,7 @@ class Part:
         self.emit("notify_stream_status", told.named(Result))
 
     def _require_usable(self) -> None:
-        if self.status not in (ComponentStatus.READY, ComponentStatus.BUSY):
-            raise ComponentFailed(f"{self.profile.name} is in status {self.status}")
+        require_usable(self.profile.name, self.status)
 
 
 @dataclass(frozen=True)
