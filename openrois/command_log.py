@@ -8,10 +8,12 @@ from openrois.errors import BadParameter, OutOfResources
 from openrois.remembered import Remembered
 from openrois.types.messages import Result
 
-__all__ = ["MAX_RUNNING", "MAX_UNFINISHED", "CommandBudget", "CommandLog"]
+__all__ = ["MAX_ID", "MAX_RUNNING", "MAX_UNFINISHED", "CommandBudget", "CommandLog"]
 
 MAX_FINISHED: Final = 4096
 MAX_RUNNING: Final = 1024
+MAX_ID: Final = 1024
+"""Characters of an id: those of unfinished commands are kept, however many applications choose them."""
 MAX_UNFINISHED: Final = 16_384
 """Commands of all applications, those that are gone included: what they started goes on, however long that takes."""
 RECENT: Final = 10.0

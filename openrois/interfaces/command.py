@@ -4,6 +4,7 @@ import logging
 
 from openrois.application import ApplicationSession
 from openrois.arguments import check_arguments
+from openrois.command_log import MAX_ID
 from openrois.condition import parse_condition
 from openrois.errors import BadParameter, OutOfResources, RoISError, Unsupported
 from openrois.interfaces import stream
@@ -145,6 +146,8 @@ class _Commands:
     def _check_id(self, command_id: str, seen: set[str]) -> None:
         if not command_id or command_id in seen or command_id in self._app.commands:
             raise BadParameter(f"the command_id {command_id[:200]!r} is empty or taken")
+        if len(command_id) > MAX_ID:
+            raise BadParameter(f"a command_id has at most {MAX_ID} characters")
         if engine_of(command_id) in self._app.engine.directory.profile.engine_ids() and not self._app.trusted:
             raise BadParameter("a command_id cannot begin with the id of an engine and a slash")
         seen.add(command_id)

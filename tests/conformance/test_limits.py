@@ -127,9 +127,13 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
         (reasons.MAX_REASON,),
         ("tests/openrois/types/test_reasons.py::test_what_is_long_is_cut",),
     ),
-    "items in a command sequence; characters of a condition": (
-        (messages.MAX_ITEMS, 32602, condition.MAX_LENGTH),
-        (f"{HERE}::test_items_of_a_sequence", f"{HERE}::test_characters_of_a_condition"),
+    "items in a command sequence; characters of a `command_id` / a condition": (
+        (messages.MAX_ITEMS, 32602, command_log.MAX_ID, condition.MAX_LENGTH),
+        (
+            f"{HERE}::test_items_of_a_sequence",
+            f"{HERE}::test_characters_of_a_command_id",
+            f"{HERE}::test_characters_of_a_condition",
+        ),
     ),
     "a `delay_time`": (
         (0, messages.MAX_DELAY, 32602),
@@ -331,6 +335,11 @@ class TestCommands:
         with pytest.raises(session.RpcError) as refused:
             await execute(app, sequence(0, messages.MAX_ITEMS + 1))
         assert refused.value.code == -32602
+
+    async def test_characters_of_a_command_id(self, app: wire.Application) -> None:
+        for length, code in ((command_log.MAX_ID, "OK"), (command_log.MAX_ID + 1, "BAD_PARAMETER")):
+            unit = {"component_ref": DOOR, "command_type": "list", "command_id": "x" * length}
+            assert await execute(app, [unit]) == code
 
     async def test_characters_of_a_condition(self, app: wire.Application) -> None:
         for length, code in ((condition.MAX_LENGTH, "OK"), (condition.MAX_LENGTH + 1, "BAD_PARAMETER")):
