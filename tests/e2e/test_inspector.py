@@ -183,7 +183,7 @@ async def test_a_command_is_refused_without_binding_and_runs_with_it(visit: Visi
     await _field(command, "degrees").locator("input").fill("95")
     await _field(command, "note").locator("textarea").fill("for two")
     await command.locator("[type=submit]").click()
-    await _shows(command, re.compile("OUT_OF_RESOURCES.*bind it first"))
+    await _shows(command, re.compile("OUT_OF_RESOURCES.*has to be bound first"))
 
     await command.get_by_role("button", name="Bind and execute").click()
     await _shows(visit.item("bind-state"), "Bound by this page")
