@@ -3,18 +3,18 @@ PY := .venv/bin/python
 PAGE := web_demo/openrois_web_demo/static/index.html
 PAGE_SOURCES := $(shell find web_demo/sdk web_demo/app -type f) web_demo/build.mjs web_demo/package-lock.json
 NODE_MODULES := web_demo/node_modules/.stamp
+UNIT := not media and not browser and not engine
 export PATH := $(if $(shell command -v npm),,$(CURDIR)/.venv/bin:)$(PATH)
 .PHONY: demo test unit check lint fmt generate page
-
 demo: .venv/demo.stamp $(PAGE)
 	@.venv/bin/openrois demo $(ARGS)
 
 test: .venv/dev.stamp $(NODE_MODULES) $(PAGE)
 	cd web_demo && npm run --silent test
-	$(PY) -m pytest $(ARGS)
+	$(PY) -m pytest $(if $(ARGS),$(ARGS),-n auto -m "$(UNIT)" && $(PY) -m pytest -m "not ($(UNIT))")
 
 unit: .venv/dev.stamp
-	$(PY) -m pytest -n auto -m "not media and not browser and not engine and not long" $(ARGS)
+	$(PY) -m pytest -n auto -m "$(UNIT) and not long" $(ARGS)
 
 check: lint test
 lint: .venv/dev.stamp $(NODE_MODULES)
