@@ -1,10 +1,11 @@
 /** One value that is typed or chosen, as its type wants it, with what is wrong beside it. */
 
+import { ComponentStatus } from "../../sdk/index.ts";
 import type { ParameterProfile } from "../../sdk/index.ts";
 import { make, setText } from "../dom.ts";
 import { button } from "./controls.ts";
 import { ListEditor } from "./list_editor.ts";
-import { STATUSES, fieldKind, misfit, sameValue } from "./value_text.ts";
+import { fieldKind, misfit, sameValue } from "./value_text.ts";
 import type { FieldKind } from "./value_text.ts";
 
 /** What a text is typed into, whatever it looks like. */
@@ -91,7 +92,7 @@ function makeEditor(profile: ParameterProfile, id: string, empty: string, onChan
     case "truth":
       return choice(id, empty, ["true", "false"], onChange);
     case "status":
-      return choice(id, empty, STATUSES, onChange);
+      return choice(id, empty, ComponentStatus, onChange);
     case "time":
       return moment(id, onChange);
     default:

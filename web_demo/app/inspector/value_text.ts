@@ -1,8 +1,8 @@
 /** Values as text: which field a type wants, whether a text fits it, and lists as their items. Pure. */
 
-export type FieldKind = "integer" | "number" | "truth" | "status" | "time" | "text" | "list" | "nested";
+import { ComponentStatus } from "../../sdk/index.ts";
 
-export const STATUSES = ["UNINITIALIZED", "READY", "BUSY", "WARNING", "ERROR"] as const;
+export type FieldKind = "integer" | "number" | "truth" | "status" | "time" | "text" | "list" | "nested";
 
 const KINDS: ReadonlyMap<string, FieldKind> = new Map<string, FieldKind>(
   Object.entries({
@@ -35,7 +35,7 @@ const EXPECTED: Readonly<Record<Exclude<FieldKind, "text">, string>> = {
   integer: "A whole number is expected, such as 42.",
   number: "A number is expected, such as 0.5 or 1e-3.",
   truth: "true or false is expected.",
-  status: `One of ${STATUSES.join(", ")} is expected.`,
+  status: `One of ${ComponentStatus.join(", ")} is expected.`,
   time: "A date and time of ISO 8601 is expected, such as 2026-06-01T12:00:00Z.",
   list: "A JSON array is expected.",
   nested: 'A JSON array of arrays is expected, such as [["a"], ["b"]].',
@@ -61,7 +61,7 @@ function fits(kind: Exclude<FieldKind, "text" | "list" | "nested">, text: string
     case "truth":
       return text === "true" || text === "false";
     case "status":
-      return STATUSES.some((each) => each === text);
+      return ComponentStatus.some((each) => each === text);
     case "time":
       return TIME.test(text) && !Number.isNaN(Date.parse(text));
   }
