@@ -4,104 +4,159 @@ import asyncio
 import logging
 from collections.abc import Callable, Sequence
 
-from aiortc import RTCConfiguration, RTCIceServer, RTCPeerConnection, RTCSessionDescription
+from aioice import Candidate
+from aiortc import InvalidStateError, RTCConfiguration, RTCPeerConnection, RTCSessionDescription
 from aiortc.rtcconfiguration import RTCBundlePolicy
-from aiortc.rtcicetransport import parse_stun_turn_uri
+from aiortc.rtcicetransport import RTCIceTransport
 from openrois_signaling.messages import SECTIONS_LIMIT, IceServer, StreamSection
 
-from openrois_streaming import aiortc_seams
-from openrois_streaming.errors import InvalidCandidate, InvalidDescription, TooManySections
-from openrois_streaming.sdp import CandidatePolicy, OfferedSection, clean_answer, read_candidate
+from openrois_streaming.clock import MediaClock
+from openrois_streaming.errors import InvalidCandidate, InvalidDescription, PeerClosed, TooManySections
+from openrois_streaming.levels import level_of, with_levels
+from openrois_streaming.network.gathering import Gathering
+from openrois_streaming.network.guard import GuardFigures
+from openrois_streaming.network.servers import read_servers
+from openrois_streaming.network.settings import NetworkSettings
+from openrois_streaming.receiving.receiver import RtpReceiver
+from openrois_streaming.receiving.remote_time import RemoteClock
+from openrois_streaming.sdp import OfferedSection, clean_answer, read_candidate
+from openrois_streaming.seams.connection import contain_starts
+from openrois_streaming.seams.ice import IceAgent
+from openrois_streaming.seams.incoming import Incoming
+from openrois_streaming.seams.sending import DtlsWire
 from openrois_streaming.section import Leg, Section
+from openrois_streaming.sending.outlet import Outlet
 from openrois_streaming.stream import Stream
 
 CLOSE_TIMEOUT = 3.0
 """Seconds that aiortc has to close a connection."""
 
+_END_OF_CANDIDATES = "a=end-of-candidates\r\n"
+
 _log = logging.getLogger(__name__)
-
-
-def usable_servers(servers: Sequence[IceServer]) -> list[RTCIceServer]:
-    """`servers` as aiortc takes them, without URLs that it cannot read: one of those must not end every connection."""
-    usable = []
-    for server in servers:
-        for url in server.urls:
-            try:
-                parse_stun_turn_uri(url)
-            except ValueError:
-                _log.warning("the ICE server %s is not used: its URL cannot be read", url)
-            else:
-                usable.append(RTCIceServer(url, server.username, server.credential))
-    return usable
 
 
 class BundledConnection:
     """A peer connection that offers, with all its sections on one transport.
 
     Args:
-        ice_servers: of which aiortc uses the first STUN and the first TURN server.
-        policy: the addresses of the other end that may be sent to.
+        ice_servers: STUN and TURN servers; nothing waits for them unless there must be a relay.
+        network: what of the network is used.
+        guarded: where is counted what does not get in.
+        clock: by which frames are captured.
         wall_offset: the time of day (epoch seconds) at which the media clock was 0. It does not follow a clock that is
             stepped, because sound and pictures would part for a while.
-        on_state: called with "connected", "failed" or "closed".
-        on_rtcp: called for each RTCP packet of the other end.
+        on_state: called with "connected", "failed" or "closed", in a turn of the loop of its own.
+        on_sign: called for each sign of life of the other end: each RTCP packet, and an answer to `ask_for_a_sign`.
+        on_candidate: called with each candidate-attribute of this end that is found after the first description, and
+            with None after the last.
     """
 
     def __init__(
         self,
         ice_servers: Sequence[IceServer],
-        policy: CandidatePolicy,
+        network: NetworkSettings,
+        guarded: GuardFigures,
+        clock: MediaClock,
         wall_offset: float,
         on_state: Callable[[str], None],
-        on_rtcp: Callable[[], None],
+        on_sign: Callable[[], None],
+        on_candidate: Callable[[str | None], None],
     ) -> None:
         self.sections: list[Section] = []
-        self._policy = policy
-        self._wall_offset = wall_offset
-        self._on_rtcp = on_rtcp
+        self._policy = network.policy
+        self._guarded = guarded
+        self._clock = clock
+        self._remote = RemoteClock()
+        self._outlet = Outlet.made(clock, wall_offset, asyncio.get_running_loop().call_later)
+        self._wire = DtlsWire()
+        self._agent: IceAgent | None = None
+        self._incoming: Incoming | None = None
+        servers = read_servers(ice_servers)
+        for reason in servers.unusable:
+            _log.warning("an ICE server is not used: %s", reason)
+        self._gathering = Gathering(network, servers, on_candidate)
+        self._on_sign = on_sign
         self._offered: tuple[OfferedSection, ...] = ()
         self._closing: asyncio.Future[None] | None = None
         # With any other policy a later section would get a transport of its own, which disturbs the first.
-        self._connection = RTCPeerConnection(
-            RTCConfiguration(iceServers=usable_servers(ice_servers), bundlePolicy=RTCBundlePolicy.MAX_BUNDLE)
-        )
-        self._connection.on("connectionstatechange", lambda: on_state(self._connection.connectionState))
+        self._connection = RTCPeerConnection(RTCConfiguration(iceServers=[], bundlePolicy=RTCBundlePolicy.MAX_BUNDLE))
+        contain_starts(self._connection)
+        self._on_state = on_state
+        self._connection.on("connectionstatechange", self._state_changed)
 
     def section_for(self, stream: Stream) -> Section:
         """An idle section that `stream` can take over, or a new one.
 
         Raises:
             TooManySections: there is none, and no room for another.
+            PeerClosed: nothing can be sent over it any more.
         """
+        if self.sections and self.sections[0].transceiver.sender.transport.state == "closed":
+            raise PeerClosed("the application has closed the peer connection")
         for section in self.sections:
             if section.suits(stream):
                 return section
         if len(self.sections) >= SECTIONS_LIMIT:
             raise TooManySections(f"the peer connection has {SECTIONS_LIMIT} sections, and none to spare")
-        section = Section(self._connection, stream.kind, stream.codecs, self._wall_offset)
+        section = Section(self._connection, stream.kind, stream.codecs, self._outlet, self._wire, stream.direction)
+        section.round_trip = self.round_trip
+        if stream.intake is not None:
+            section.reception = RtpReceiver(section.transceiver, self._clock, self._remote)
         self.sections.append(section)
         if len(self.sections) == 1:
             transport = section.transceiver.sender.transport
-            aiortc_seams.limit_gathering(transport.transport)
-            aiortc_seams.watch_rtcp(transport, self._on_rtcp)
+            self._agent = self._take_over(transport.transport)
+            self._incoming = Incoming(transport, self._on_sign, self._guarded)
         return section
+
+    def _state_changed(self) -> None:
+        """Tell it in a moment: aiortc may be closing, and what is done about it must not disturb that."""
+        asyncio.get_running_loop().call_soon(self._on_state, self._connection.connectionState)
+
+    def _take_over(self, transport: RTCIceTransport) -> IceAgent:
+        async def gather() -> list[Candidate]:
+            return await self._gathering.first(agent)
+
+        agent = IceAgent(transport, gather, self._policy.permits_target, self._guarded)
+        return agent
 
     @property
     def sender_failed(self) -> bool:
-        """Whether aiortc gave up sending in a section; it cannot be made to start again."""
-        return any(section.track.readyState == "ended" for section in self.sections)
+        """Whether nothing can be sent any more in a section."""
+        return any(section.sender.failed for section in self.sections)
+
+    @property
+    def crowded(self) -> bool:
+        """Whether the other end sends from more sources than it can have."""
+        return self._incoming is not None and self._incoming.crowded
 
     async def describe(self, generation: int) -> tuple[str, tuple[StreamSection, ...]]:
-        """Make offer number `generation` of the sections as they are now; returns it and the streams it lists."""
+        """Make offer number `generation` of the sections as they are now; returns it and the streams it lists.
+
+        Raises:
+            NoPath: there is no way for media to leave this machine.
+            PeerClosed: the other end has closed it.
+        """
         described = [(section, section.leg) for section in self.sections]
         for section, leg in described:
-            section.transceiver.direction = "inactive" if leg is None else "sendonly"
+            section.describe()
             if leg is not None and leg.generation is None:
                 leg.generation = generation
-        await self._connection.setLocalDescription(await self._connection.createOffer())
-        self._offered = tuple(OfferedSection(each.mid, each.kind, leg is not None) for each, leg in described)
+        try:
+            await self._connection.setLocalDescription(await self._connection.createOffer())
+        except InvalidStateError as error:
+            raise PeerClosed("the application has closed the peer connection") from error
+        self._offered = tuple(
+            OfferedSection(each.mid, each.kind, "inactive" if leg is None else each.direction)
+            for each, leg in described
+        )
         streams = tuple(_listed(section, leg) for section, leg in described if leg is not None)
-        return self._connection.localDescription.sdp, streams
+        if generation == 1 and self._agent is not None:
+            self._gathering.go_on(self._agent)
+        levels = [None if leg is None else level_of(leg.stream) for _, leg in described]
+        sdp = with_levels(self._connection.localDescription.sdp, levels)
+        return sdp if self._gathering.complete else sdp.replace(_END_OF_CANDIDATES, ""), streams
 
     async def apply(self, sdp: str) -> tuple[str, ...]:
         """Apply an answer to the last offer; returns the candidate-attributes that were in it.
@@ -114,8 +169,8 @@ class BundledConnection:
             await self._connection.setRemoteDescription(RTCSessionDescription(clean.sdp, "answer"))
         except Exception as error:  # aiortc raises whatever it meets half-way through
             raise InvalidDescription("the answer was refused") from error
-        for section in self.sections[: len(self._offered)]:
-            section.negotiated()
+        for section, answered in zip(self.sections, clean.directions, strict=False):  # later ones are not offered yet
+            section.negotiated(answered)
         return clean.candidates
 
     async def add_candidate(self, attribute: str, *, only_check: bool = False) -> None:
@@ -133,15 +188,26 @@ class BundledConnection:
         except Exception as error:  # aioice raises ValueError and others
             raise InvalidCandidate("the candidate cannot be used") from error
 
-    async def ask_for_a_sign(self) -> bool:
-        """Whether the other end answers within 0.5 s."""
-        return await aiortc_seams.ask_for_a_sign(self.sections[0].transceiver.sender.transport.transport)
+    async def ask_for_a_sign(self) -> None:
+        """Have `on_sign` called if the other end answers within 0.5 s."""
+        if self._agent is not None and await self._agent.checks.answers():
+            self._on_sign()
+
+    async def round_trip(self) -> float | None:
+        """Seconds that a packet takes there and back now, behind all that was sent before; None without an answer."""
+        since = self._clock.now()
+        if self._agent is None or not await self._agent.checks.answers():
+            return None
+        return self._clock.now() - since
 
     async def close(self) -> None:
         """Close it, within `CLOSE_TIMEOUT`."""
+        await self._gathering.aclose()
+        self._outlet.pacer.close()
         # aiortc may be closing by itself, and a waiter that is cancelled would break that; so this is only waited for.
         closing = self._closing = asyncio.ensure_future(self._connection.close())
         done, _ = await asyncio.wait({closing}, timeout=CLOSE_TIMEOUT)
+        self._wire.close()
         if done:
             closing.result()
         else:
@@ -154,5 +220,5 @@ def _listed(section: Section, leg: Leg) -> StreamSection:
         stream_id=leg.stream.stream_id,
         component_ref=leg.stream.component_ref,
         kind=section.kind,
-        direction="recvonly",
+        direction=section.direction,
     )

@@ -1,10 +1,6 @@
 """What an encoder puts out and every viewer shares."""
 
 from dataclasses import dataclass
-from fractions import Fraction
-from typing import Any
-
-import av
 
 VIDEO_CLOCK_RATE = 90_000
 """RTP clock of all video codecs (RFC 6184 section 8.2.1, RFC 7741 section 6.1)."""
@@ -17,23 +13,17 @@ AUDIO_CLOCK_RATE = 48_000
 class EncodedFrame:
     """One picture or one block of sound, encoded once for all viewers.
 
-    `data` is an H.264 access unit in Annex B form, a VP8 frame, or an Opus packet. `pts` is the capture time on the
-    media clock in units of `1 / clock_rate` seconds, not reduced to 32 bits; it grows with every frame of a rendition.
+    `data` is an H.264 access unit in Annex B form, a VP8 frame, or an Opus packet; `payloads` are the same for RTP.
+    `pts` is the capture time on the media clock in units of `1 / clock_rate` seconds, not reduced to 32 bits; it grows
+    with every frame of a rendition.
     `keyframe` is true for every block of sound. `sequence` counts what the rendition has put out, without gaps, and
     goes on when its encoder is stopped and started again. `captured_at` is in seconds of the media clock.
     """
 
     data: bytes
+    payloads: tuple[bytes, ...]
     pts: int
     clock_rate: int
     keyframe: bool
     sequence: int
     captured_at: float
-
-    def to_packet(self) -> "av.Packet[Any]":
-        """The frame as aiortc's senders take pre-encoded media; the data is copied."""
-        packet: av.Packet[Any] = av.Packet(self.data)
-        packet.pts = packet.dts = self.pts
-        packet.time_base = Fraction(1, self.clock_rate)
-        packet.is_keyframe = self.keyframe
-        return packet

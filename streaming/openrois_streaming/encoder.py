@@ -13,6 +13,8 @@ class Chunk(NamedTuple):
     pts: int
     keyframe: bool
     captured_at: float
+    payloads: tuple[bytes, ...]
+    """The same in RTP payloads."""
 
 
 class Encoder(Protocol[RawT_contra]):

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from openrois_streaming.codecs import LIBRARIES, OPUS
 from openrois_streaming.encoded import AUDIO_CLOCK_RATE
 from openrois_streaming.encoder import Chunk
+from openrois_streaming.rtp.payloads import payloads_of
 from openrois_streaming.source import SAMPLE_RATE, RawAudio
 
 MIN_AUDIO_BITRATE = 6_000
@@ -19,9 +20,10 @@ MAX_AUDIO_BITRATE = 510_000
 
 SAMPLES_PER_PACKET = SAMPLE_RATE // 50
 
-# How far, in samples, the sound may be from their capture times before the packets' times are set anew. Less is the
-# jitter of the source, or a drift of its sample clock that a receiver evens out by itself.
-_TOLERANCE = SAMPLE_RATE // 25
+# How far, in samples, the sound may be from its capture times before the packets' times are set anew. Less is the
+# jitter of the source, or a drift of its sample clock that a receiver evens out by itself. As much as a block of 20 ms
+# is one that was lost: without a gap in its place, all sound after it would come too early for its pictures.
+_TOLERANCE = SAMPLE_RATE * 15 // 1000
 _TIME_BASE = Fraction(1, AUDIO_CLOCK_RATE)
 
 
@@ -31,6 +33,9 @@ class OpusEncoder:
     Sound that is missing leaves a gap in the packets' times. Sound that comes ahead of its time, from a source whose
     sample clock is too fast, is left out until the times agree again. A change between mono and stereo starts the codec
     anew.
+
+    The codec looks ahead: what is heard of a packet was captured a little before the samples that went in with it
+    (6.5 ms, RFC 7845 section 4.2), and its `captured_at` says so. Otherwise sound would come so much behind the lips.
     """
 
     def __init__(self, *, bitrate: int) -> None:
@@ -82,15 +87,20 @@ class OpusEncoder:
             self._layout = layout
         frame = av.AudioFrame.from_ndarray(np.ascontiguousarray(block).reshape(1, -1), format="s16", layout=layout)
         frame.sample_rate, frame.pts, frame.time_base = SAMPLE_RATE, pts, _TIME_BASE
-        return [
-            Chunk(bytes(packet), pts, keyframe=True, captured_at=pts / SAMPLE_RATE)
-            for packet in self._context.encode(frame)
-        ]
+        packets = [bytes(packet) for packet in self._context.encode(frame)]
+        captured_at = (pts - _look_ahead(self._context)) / SAMPLE_RATE
+        return [Chunk(data, pts, True, captured_at, payloads_of(OPUS, data)) for data in packets]
 
 
 def audio_within_bounds(bitrate: int) -> int:
     """`bitrate`, or the nearest one that an Opus rendition can have."""
     return max(MIN_AUDIO_BITRATE, min(bitrate, MAX_AUDIO_BITRATE))
+
+
+def _look_ahead(context: AudioCodecContext) -> int:
+    """Samples by which what is decoded lags behind what went in: the pre-skip of the codec's own header."""
+    header = context.extradata or b""
+    return int.from_bytes(header[10:12], "little")
 
 
 def _open(layout: str, bitrate: int) -> AudioCodecContext:

@@ -11,6 +11,7 @@ from functools import partial
 from types import TracebackType
 from typing import Generic, NamedTuple, Self, TypeVar
 
+from openrois_streaming.clock import MediaClock
 from openrois_streaming.encoder import Chunk, Encoder
 
 RawT = TypeVar("RawT")
@@ -18,10 +19,20 @@ RawT = TypeVar("RawT")
 JOIN_TIMEOUT = 2.0
 """Seconds that closing waits for the thread to finish the frame it is at."""
 
+HANG = 3.0
+"""Seconds at one frame after which an encoder is given up."""
+
+# So many looks make a hang: a process that was stopped looks once when it goes on, and its encoder gets its time.
+_LOOKS = 6
+
 # Encoded chunks that the loop has not fetched yet, before the thread rests and its input loses frames instead.
 _BACKLOG = 8
 
 _log = logging.getLogger(__name__)
+
+
+class EncoderHung(Exception):
+    """The encoder does not return."""
 
 
 class _Work(NamedTuple, Generic[RawT]):
@@ -56,6 +67,9 @@ class EncoderThread(Generic[RawT]):
         self._changed = threading.Condition()
         self._waiting: deque[_Work[RawT]] = deque()
         self._unfetched = 0
+        # Counts the frames that were begun and those that were done: while it is odd the encoder is at one.
+        self._steps = 0
+        self._hung = False
         self._stopping = False
         self._draining = False
         self._bitrate: int | None = None
@@ -75,6 +89,8 @@ class EncoderThread(Generic[RawT]):
         with self._changed:
             self._stopping = True
             self._changed.notify()
+        if self._hung:
+            return
         try:
             async with asyncio.timeout(self._join_timeout):
                 await self._finished.wait()
@@ -120,6 +136,26 @@ class EncoderThread(Generic[RawT]):
             raise self._cause
         return chunk
 
+    async def watch(self, clock: MediaClock) -> None:
+        """Give the encoder up when it is at one frame for `HANG` seconds: `get` then raises `EncoderHung`.
+
+        The thread cannot be ended; it ends when the encoder returns after all.
+        """
+        looks, seen = 0, -1
+        while looks < _LOOKS:
+            await clock.sleep_until(clock.now() + HANG / _LOOKS)
+            steps = self._steps
+            looks = looks + 1 if steps % 2 and steps == seen else 0
+            seen = steps
+        _log.error("%s: the encoder is at one frame for %.0f s; its thread is abandoned", self._thread.name, HANG)
+        self._hung = True
+        self._finish(EncoderHung(f"the encoder does not return after {HANG:.0f} s"))
+
+    @property
+    def is_abandoned(self) -> bool:
+        """Whether the encoder was given up and has not returned since."""
+        return self._hung and self._thread.is_alive()
+
     @property
     def name(self) -> str:
         """The name of the thread."""
@@ -128,11 +164,15 @@ class EncoderThread(Generic[RawT]):
     def _run(self) -> None:
         error: Exception | None = None
         try:
+            self._steps += 1
             encoder = self._make_encoder()
+            self._steps += 1
             while (work := self._next(encoder)) is not None:
+                self._steps += 1
                 started = time.perf_counter()
                 chunks = encoder.encode(work.raw, key_frame=work.key_frame)
                 self.encode_seconds += time.perf_counter() - started
+                self._steps += 1
                 with self._changed:
                     self._unfetched += len(chunks)
                 self._tell_loop(partial(self._deliver, chunks))

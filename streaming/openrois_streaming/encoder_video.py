@@ -1,7 +1,7 @@
 """H.264 and VP8 for live pictures: one packet out for each frame in, and a key frame only when one is asked for."""
 
 from fractions import Fraction
-from typing import cast
+from typing import Any, cast
 
 import av
 import cv2
@@ -10,17 +10,15 @@ from av.video.codeccontext import VideoCodecContext
 from av.video.frame import PictureType
 from numpy.typing import NDArray
 
+from openrois_streaming.adaptation.rung import MAX_BITRATE, MIN_BITRATE
 from openrois_streaming.codecs import H264, LIBRARIES
 from openrois_streaming.encoded import VIDEO_CLOCK_RATE
 from openrois_streaming.encoder import Chunk
+from openrois_streaming.rtp.payloads import payloads_of
 from openrois_streaming.source import RawVideo
 
-MIN_BITRATE = 50_000
-MAX_BITRATE = 4_000_000
-"""Bounds of a video rendition in bit/s."""
-
 # Seconds of the bit rate that a burst may hold: a larger key frame arrives late, a smaller one is blurred.
-_BURST = 0.3
+_BURST = 0.2
 _TIME_BASE = Fraction(1, VIDEO_CLOCK_RATE)
 _NO_REGULAR_KEY_FRAMES = 1 << 30
 
@@ -30,39 +28,46 @@ _PACE_SMOOTHING = 0.1
 # Smaller corrections of the bit rate are not worth making.
 _TOLERANCE = 0.05
 _RESTART_TOLERANCE = 0.1
+_RESTART_SHARE = 0.35
 
 
 class VideoEncoder:
     """Encodes the frames of one rendition with H.264 (`video/H264`) or VP8 (`video/VP8`).
 
-    The size follows the frames: a frame of another size starts the codec anew, with a key frame. Odd sizes lose their
-    last row or column. `frame_rate` is the pace expected of the source; the bit rate is met at another pace too.
+    The size follows the frames, halved `halvings` times: a frame of another size starts the codec anew, with a key
+    frame. Odd sizes lose their last row or column. `frame_rate` is the pace expected of the source; the bit rate is met
+    at another pace too, and is never above `max_bitrate`.
     """
 
-    def __init__(self, mime_type: str, *, bitrate: int, frame_rate: float) -> None:
+    def __init__(
+        self, mime_type: str, *, bitrate: int, frame_rate: float, max_bitrate: int = 4_000_000, halvings: int = 0
+    ) -> None:
         self._mime_type = mime_type
         self._frame_rate = frame_rate
+        self._max_bitrate = max(MIN_BITRATE, min(max_bitrate, MAX_BITRATE))
+        self._halvings = halvings
         self._interval = 1 / frame_rate
-        self._bitrate = self._opened_bitrate = within_bounds(bitrate)
+        self._bitrate = self._opened_bitrate = self._within_bounds(bitrate)
         self._rate = 0
         self._context: VideoCodecContext | None = None
         self._captured_at: float | None = None
         self._pts = -1
 
     def set_bitrate(self, bitrate: int) -> None:
-        """Aim at `bitrate` (bit/s), kept within MIN_BITRATE and MAX_BITRATE, from the next frame on.
+        """Aim at `bitrate` (bit/s), kept within MIN_BITRATE and `max_bitrate`, from the next frame on.
 
-        H.264 follows without a key frame. VP8 starts anew, with one, if the change is more than a tenth.
+        H.264 follows without a key frame, down to a third of what it started with; below that it starts anew, with one.
+        VP8 does if the change is more than a tenth.
         """
-        self._bitrate = within_bounds(bitrate)
+        self._bitrate = self._within_bounds(bitrate)
 
     def encode(self, raw: RawVideo, *, key_frame: bool) -> list[Chunk]:
-        """Encode one picture, colour conversion included.
+        """Encode one picture, scaling and colour conversion included.
 
         Raises:
             av.FFmpegError: the codec cannot be opened for this picture, or has failed.
         """
-        pixels = planar(raw)
+        pixels = planar(raw, self._halvings)
         context = self._context_for(width=pixels.shape[1], height=pixels.shape[0] * 2 // 3)
         self._keep_pace(raw.captured_at)
         if self._mime_type == H264:
@@ -71,9 +76,11 @@ class VideoEncoder:
         self._pts = max(round(raw.captured_at * VIDEO_CLOCK_RATE), self._pts + 1)
         frame.pts, frame.time_base = self._pts, _TIME_BASE
         frame.pict_type = PictureType.I if key_frame else PictureType.NONE
-        return [
-            Chunk(bytes(packet), self._pts, packet.is_keyframe, raw.captured_at) for packet in context.encode(frame)
-        ]
+        return [self._chunk(packet, raw.captured_at) for packet in context.encode(frame)]
+
+    def _chunk(self, packet: "av.Packet[Any]", captured_at: float) -> Chunk:
+        data = bytes(packet)
+        return Chunk(data, self._pts, packet.is_keyframe, captured_at, payloads_of(self._mime_type, data))
 
     def _context_for(self, width: int, height: int) -> VideoCodecContext:
         context = self._context
@@ -86,18 +93,22 @@ class VideoEncoder:
         context.gop_size = _NO_REGULAR_KEY_FRAMES
         context.thread_count = 1
         if self._mime_type == H264:
-            _prepare_h264(context, self._bitrate, self._frame_rate)
+            _prepare_h264(context, self._bitrate, self._max_bitrate, self._frame_rate)
         else:
             _prepare_vp8(context, self._bitrate, self._frame_rate)
         context.open()
         self._context, self._opened_bitrate = context, self._bitrate
-        self._rate = MAX_BITRATE
+        self._rate = self._max_bitrate
         return context
 
     def _must_restart(self) -> bool:
-        """Whether the bit rate cannot be reached as the codec is: libvpx takes none later through FFmpeg."""
-        change = abs(self._bitrate - self._opened_bitrate) / self._opened_bitrate
-        return self._mime_type != H264 and change > _RESTART_TOLERANCE
+        """Whether the bit rate cannot be had with the codec as it is.
+
+        libvpx takes no other one later through FFmpeg; x264 does, but its bounds of bursts stay those of its start.
+        """
+        if self._mime_type == H264:
+            return self._bitrate < _RESTART_SHARE * self._opened_bitrate
+        return abs(self._bitrate - self._opened_bitrate) > _RESTART_TOLERANCE * self._opened_bitrate
 
     def _keep_pace(self, captured_at: float) -> None:
         if self._captured_at is not None and 0 < captured_at - self._captured_at < _PAUSE:
@@ -106,36 +117,64 @@ class VideoEncoder:
 
     def _steer(self, context: VideoCodecContext) -> None:
         """Give x264, which without delay counts frames and not time, the rate that makes the right one at this pace."""
-        rate = min(round(self._bitrate * self._interval * self._frame_rate), MAX_BITRATE)
+        rate = min(round(self._bitrate * self._interval * self._frame_rate), self._max_bitrate)
         if abs(rate - self._rate) > _TOLERANCE * self._rate:
             context.bit_rate = self._rate = rate
 
-
-def within_bounds(bitrate: int) -> int:
-    """`bitrate`, or the nearest one that a video rendition can have."""
-    return max(MIN_BITRATE, min(bitrate, MAX_BITRATE))
+    def _within_bounds(self, bitrate: int) -> int:
+        return max(MIN_BITRATE, min(bitrate, self._max_bitrate))
 
 
-def planar(raw: RawVideo) -> NDArray[np.uint8]:
-    """The picture in contiguous I420, without its last row or column where their number is odd."""
+def planar(raw: RawVideo, halvings: int = 0) -> NDArray[np.uint8]:
+    """The picture in contiguous I420, its width and height halved so many times, and each even then.
+
+    What is left over, by an odd number of rows or columns, is cut off below and on the right.
+    """
+    # Each halving takes the mean of four pixels, which OpenCV does many times faster than any other step; and the fewer
+    # pixels there are the less their conversion costs.
     if raw.format == "i420":
-        return np.ascontiguousarray(raw.data)
-    even = raw.data[: raw.height & ~1, : raw.width & ~1]
+        data = np.ascontiguousarray(raw.data)
+        width, height = raw.width, raw.height
+        for _ in range(halvings):
+            data, width, height = _half_i420(data, width, height)
+        return data
+    pixels: NDArray[np.uint8] = raw.data
+    for _ in range(halvings):
+        pixels = _half(pixels[: pixels.shape[0] & ~1, : pixels.shape[1] & ~1])
+    even = pixels[: pixels.shape[0] & ~1, : pixels.shape[1] & ~1]
     code = cv2.COLOR_BGRA2YUV_I420 if raw.format == "bgra" else cv2.COLOR_BGR2YUV_I420
     return cast("NDArray[np.uint8]", cv2.cvtColor(even, code))
 
 
-def _prepare_h264(context: VideoCodecContext, bitrate: int, frame_rate: float) -> None:
+def _half(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    height, width = pixels.shape[:2]
+    return cast("NDArray[np.uint8]", cv2.resize(pixels, (width // 2, height // 2), interpolation=cv2.INTER_AREA))
+
+
+def _half_i420(data: NDArray[np.uint8], width: int, height: int) -> tuple[NDArray[np.uint8], int, int]:
+    """A contiguous I420 picture of half the width and height, and these."""
+    even = (width & ~3, height & ~3)
+    half = (even[0] // 2, even[1] // 2)
+    small = np.empty((half[1] * 3 // 2, half[0]), np.uint8)
+    small[: half[1]] = _half(data[: even[1], : even[0]])
+    colour = data.reshape(-1)[width * height :].reshape(2, height // 2, width // 2)
+    small_colour = small.reshape(-1)[half[0] * half[1] :].reshape(2, half[1] // 2, half[0] // 2)
+    for plane, small_plane in zip(colour, small_colour, strict=True):
+        small_plane[:] = _half(plane[: even[1] // 2, : even[0] // 2])
+    return small, *half
+
+
+def _prepare_h264(context: VideoCodecContext, bitrate: int, max_bitrate: int, frame_rate: float) -> None:
     # x264 changes its rate while it runs only if it starts at a constant one, and then never above that one: start at
     # the highest, and let the first frame take it down.
-    context.bit_rate = MAX_BITRATE
+    context.bit_rate = max_bitrate
     context.options = {
         "preset": "ultrafast",
         "tune": "zerolatency",
         "profile": "baseline",
         "forced-idr": "1",
-        "maxrate": str(MAX_BITRATE),
-        "bufsize": str(round(max(bitrate * _BURST, MAX_BITRATE / frame_rate))),
+        "maxrate": str(max_bitrate),
+        "bufsize": str(round(max(bitrate * _BURST, max_bitrate / frame_rate))),
     }
 
 

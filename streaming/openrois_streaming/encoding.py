@@ -11,11 +11,14 @@ from typing import Generic, TypeVar, cast
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.encoded import EncodedFrame
 from openrois_streaming.encoder import Encoder
-from openrois_streaming.encoder_thread import EncoderThread
+from openrois_streaming.encoder_thread import EncoderHung, EncoderThread
 from openrois_streaming.fanout import Fanout, SourceEnded, Subscription
 from openrois_streaming.keyframes import KeyFrameBudget, KeyFrameCause
 
 RawT = TypeVar("RawT")
+
+MAX_ABANDONED = 3
+"""Encoders that may hang at a time; no further one is started then."""
 
 # Seconds between two reports of frames that were lost before the encoder.
 _REPORT_INTERVAL = 10.0
@@ -36,6 +39,8 @@ class Encoding(Generic[RawT]):
     """Whether most frames can only be decoded after those before them."""
     depth: int
     """How many raw frames may wait for the encoder: 1 is the latest alone."""
+    choose: Callable[[RawT], bool] | None = None
+    """Which raw frames are encoded, if not all are."""
 
 
 class EncodedSource(Generic[RawT]):
@@ -56,6 +61,7 @@ class EncodedSource(Generic[RawT]):
         self._clock = clock
         self._budget = KeyFrameBudget()
         self._run: _Run[RawT] | None = None
+        self._abandoned: list[EncoderThread[RawT]] = []
         self._dropped_before = 0
         self._encode_seconds_before = 0.0
 
@@ -81,8 +87,15 @@ class EncodedSource(Generic[RawT]):
 
     @asynccontextmanager
     async def open(self) -> AsyncIterator[AsyncIterator[EncodedFrame]]:
-        """Start the encoder and feed it; the iterator fails when the raw source or the encoder fails."""
+        """Start the encoder and feed it; the iterator fails when the raw source or the encoder fails, or hangs.
+
+        Raises:
+            EncoderHung: `MAX_ABANDONED` encoders hang already.
+        """
         encoding = self._encoding
+        self._abandoned = [each for each in self._abandoned if each.is_abandoned]
+        if len(self._abandoned) >= MAX_ABANDONED:
+            raise EncoderHung(f"{MAX_ABANDONED} encoders do not return")
         thread = EncoderThread(
             partial(encoding.make_encoder, self.bitrate),
             depth=encoding.depth,
@@ -90,21 +103,29 @@ class EncodedSource(Generic[RawT]):
         )
         async with self._raw.subscribe(encoding.depth) as raw, thread:
             self._run = _Run(raw, thread)
-            feeding = asyncio.create_task(self._feed(self._run), name=f"feed {thread.name}")
+            tasks = {
+                asyncio.create_task(self._feed(self._run), name=f"feed {thread.name}"),
+                asyncio.create_task(thread.watch(self._clock), name=f"watch {thread.name}"),
+            }
             try:
                 yield self._frames(thread)
             finally:
-                feeding.cancel()
-                await asyncio.wait({feeding})
+                for task in tasks:
+                    task.cancel()
+                await asyncio.wait(tasks)
+                self._abandoned.append(thread)
                 self._dropped_before, self._encode_seconds_before = self.dropped_input, self.encode_seconds
                 self._run = None
 
     async def _feed(self, run: "_Run[RawT]") -> None:
         report = _DropReport(run.thread.name, self._clock.now())
+        choose = self._encoding.choose
         try:
             while True:
                 raw = await run.raw.get()
                 now = self._clock.now()
+                if choose is not None and not choose(raw):
+                    continue
                 cause = self._budget.take(now) if self._encoding.predicted else None
                 if cause:
                     self.forced[cause] += 1
@@ -118,7 +139,13 @@ class EncodedSource(Generic[RawT]):
     async def _frames(self, thread: EncoderThread[RawT]) -> AsyncIterator[EncodedFrame]:
         while (chunk := await thread.get()) is not None:
             frame = EncodedFrame(
-                chunk.data, chunk.pts, self._encoding.clock_rate, chunk.keyframe, self.encoded, chunk.captured_at
+                chunk.data,
+                chunk.payloads,
+                chunk.pts,
+                self._encoding.clock_rate,
+                chunk.keyframe,
+                self.encoded,
+                chunk.captured_at,
             )
             self.encoded += 1
             self.encoded_bytes += len(chunk.data)

@@ -39,3 +39,11 @@ class TooManySections(SessionError):
 
 class TooManySessions(SessionError):
     """No further application can be served."""
+
+
+class PeerClosed(SessionError):
+    """The other end has closed the peer connection, which is told in a moment."""
+
+
+class NoPath(SessionError):
+    """There is no way for media to leave this machine that the settings allow."""

@@ -160,12 +160,14 @@ class Fanout(Generic[T]):
     that stalls loses items of its own and slows down nobody. When the source ends or fails, every reader learns of it
     after the items it still has queued; whoever subscribes afterwards opens the source anew.
 
-    `pulled` counts the items that came from the source, over all its openings.
+    `pulled` counts the items that came from the source, over all its openings. `failure` is why it ended last, if that
+    was a failure and no item has come since.
     """
 
     def __init__(self, source: MediaSource[T], *, name: str, close_timeout: float = CLOSE_TIMEOUT) -> None:
         self.name = name
         self.pulled = 0
+        self.failure: Exception | None = None
         self._source = source
         self._close_timeout = close_timeout
         self._run: _Run[T] | None = None
@@ -222,15 +224,18 @@ class Fanout(Generic[T]):
                 try:
                     async for item in items:
                         self.pulled += 1
+                        self.failure = None
                         for reader in run.readers:
                             reader._put(item)
                 except Exception as error:
                     # Told before the source closes, which may take its time.
+                    self.failure = error
                     run.end(error)
                     raise
                 run.end(None)
         except Exception as error:
             _log.warning("%s: the source failed: %r", self.name, error)
+            self.failure = error
             run.end(error)
         finally:
             run.end(None)

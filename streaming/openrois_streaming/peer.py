@@ -5,7 +5,7 @@ import logging
 from collections.abc import Sequence
 from typing import Protocol
 
-from openrois_signaling.messages import Answer, Bye, Candidate, IceServer, Offer
+from openrois_signaling.messages import Answer, Bye, Candidate, Downward, IceServer
 from openrois_signaling.negotiation import Negotiation, Verdict
 
 from openrois_streaming.clock import MediaClock
@@ -13,6 +13,8 @@ from openrois_streaming.connection import BundledConnection
 from openrois_streaming.errors import (
     InvalidCandidate,
     InvalidDescription,
+    NoPath,
+    PeerClosed,
     SessionError,
     StaleGeneration,
     TooManyCandidates,
@@ -20,7 +22,8 @@ from openrois_streaming.errors import (
 )
 from openrois_streaming.liveness import Verdict as Progress
 from openrois_streaming.liveness import Viewer
-from openrois_streaming.sdp import CandidatePolicy
+from openrois_streaming.network.guard import GuardFigures
+from openrois_streaming.network.settings import NetworkSettings
 from openrois_streaming.section import Leg
 from openrois_streaming.stream import Stream
 from openrois_streaming.tasks import OwnedTasks, Task
@@ -34,12 +37,16 @@ _log = logging.getLogger(__name__)
 class PeerOwner(Protocol):
     """Who hears of a peer connection. All calls are made in the event loop and must not block."""
 
-    def peer_says(self, message: Offer | Bye) -> None:
+    def peer_says(self, message: Downward) -> None:
         """`message` is for the application."""
         ...
 
     def peer_changed(self, peer: "Peer") -> None:
         """Media can pass over more of it than before."""
+        ...
+
+    def peer_declined(self, peer: "Peer", stream: Stream) -> None:
+        """The application wants nothing of `stream` here, which is to be detached."""
         ...
 
     def peer_ended(self, peer: "Peer") -> None:
@@ -59,7 +66,8 @@ class Peer:
         *,
         replaces: str | None,
         ice_servers: Sequence[IceServer],
-        policy: CandidatePolicy,
+        network: NetworkSettings,
+        guarded: GuardFigures,
         clock: MediaClock,
         tasks: OwnedTasks,
         owner: PeerOwner,
@@ -73,7 +81,14 @@ class Peer:
         self._owner = owner
         self._negotiation = Negotiation(peer_id, replaces)
         self._connection = BundledConnection(
-            ice_servers, policy, clock.wall() - clock.now(), self._connection_is, self._sign_of_life
+            ice_servers,
+            network,
+            guarded,
+            clock,
+            clock.wall() - clock.now(),
+            self._connection_is,
+            self._sign_of_life,
+            self._found,
         )
         self._answered_at: float | None = None
         self._work: Task[object] | None = None
@@ -86,13 +101,14 @@ class Peer:
 
         Raises:
             TooManySections: there is no section to spare.
+            PeerClosed: the application has closed it.
         """
         section = self._connection.section_for(stream)
         section.leg = self.legs[stream] = Leg(stream, section, self._tasks, self._clock)
         self._renegotiate()
 
     def detach(self, stream: Stream) -> None:
-        """Stop sending `stream`, at once; its section becomes idle with the next offer."""
+        """Stop `stream`, at once; its section becomes idle with the next offer."""
         leg = self.legs.pop(stream, None)
         if leg is None:
             return
@@ -102,11 +118,10 @@ class Peer:
             self._renegotiate()
 
     def follow(self) -> None:
-        """Send what is to be sent now, and nothing else."""
+        """Pass what is to be passed now, and nothing else."""
         connected = self.viewer is not None and not self.ended
         for leg in self.legs.values():
-            negotiated = leg.generation is not None and leg.generation <= self._negotiation.answered
-            leg.up = connected and negotiated
+            leg.up = connected and leg.listed_by(self._negotiation.answered)
             leg.follow()
 
     def judge(self, stream: Stream, now: float) -> Progress | None:
@@ -114,7 +129,7 @@ class Peer:
         leg = self.legs.get(stream)
         if leg is None or not leg.up or self.viewer is None:
             return None
-        return leg.flow.judge(now, self.viewer.seen)
+        return leg.judge(now, self.viewer.seen)
 
     async def answer(self, answer: Answer) -> None:
         """Apply an answer. It is applied to its end also when the caller is cancelled.
@@ -161,15 +176,23 @@ class Peer:
         """Judge deadlines and signs of life at the time `now`; for `late` seconds before, nobody listened."""
         if self.ended:
             return
+        if late:
+            self._negotiation.excuse(late, now)
+            if self._answered_at is not None:
+                self._answered_at = min(now, self._answered_at + late)
         bye = self._negotiation.expire(now)
         if bye is not None:
             self._finish(bye)
         elif self._connection.sender_failed:
             self.end("a sender has failed")
+        elif self._connection.crowded:
+            self.end("the application sends from too many sources (SSRC)")
         elif self.viewer is None:
             if self._answered_at is not None and now - self._answered_at >= CONNECT_TIMEOUT:
                 self.end("no media path to the application was found")
         else:
+            for leg in self.legs.values():
+                leg.tick(now)
             self.viewer.excuse(late)
             self._watch(self.viewer, now)
 
@@ -198,6 +221,8 @@ class Peer:
             self._negotiation.describe()
             sdp, streams = await self._connection.describe(self._negotiation.generation + 1)
             offer = self._negotiation.made(sdp, streams, self._clock.now())
+        except (NoPath, PeerClosed) as refusal:
+            self.end(str(refusal))
         except Exception:
             _log.exception("no offer could be made")
             self.end("no offer could be made")
@@ -220,11 +245,31 @@ class Peer:
                 await self._connection.add_candidate(attribute)
             except InvalidCandidate:
                 _log.debug("a candidate cannot be used")
+        self._heed()
         self.follow()
         self._owner.peer_changed(self)
         if self._negotiation.dirty:
             self._renegotiate()
         return None
+
+    def _heed(self) -> None:
+        """Let go of the streams of which the application has answered that it wants nothing."""
+        for stream, leg in tuple(self.legs.items()):
+            answered = leg.section.answered
+            if leg.listed_by(self._negotiation.answered) and answered != stream.direction:
+                told = "the application answers %s to the %s stream %s"
+                _log.info(told, answered, stream.direction, stream.stream_id)
+                if leg.declined:
+                    self._owner.peer_declined(self, stream)
+
+    def _found(self, candidate: str | None) -> None:
+        """A candidate of this end was found after the offer."""
+        if not self.ended:
+            mid = self._connection.sections[0].mid if candidate else None
+            told = Candidate(
+                peer_id=self.peer_id, generation=self._negotiation.generation, candidate=candidate, sdp_mid=mid
+            )
+            self._owner.peer_says(told)
 
     def _connection_is(self, state: str) -> None:
         if self.ended:
@@ -244,11 +289,7 @@ class Peer:
             return
         waiting = any(self.judge(stream, now) is Progress.UNANSWERED for stream in self.legs)
         if viewer.ask(now, urgent=waiting):
-            self._tasks.start(self._ask(), "ask for a sign of life")
-
-    async def _ask(self) -> None:
-        if await self._connection.ask_for_a_sign():
-            self._sign_of_life()
+            self._tasks.start(self._connection.ask_for_a_sign(), "ask for a sign of life")
 
     def _sign_of_life(self) -> None:
         if self.viewer is not None:

@@ -3,9 +3,9 @@
 from collections.abc import Callable
 from typing import TypeAlias
 
-from openrois_signaling.messages import Bye, Offer
+from openrois_signaling.messages import Downward
 
-from openrois_streaming.errors import TooManySections, UnknownPeer
+from openrois_streaming.errors import PeerClosed, TooManySections, UnknownPeer
 from openrois_streaming.liveness import Verdict
 from openrois_streaming.peer import Peer, PeerOwner
 from openrois_streaming.section import Leg
@@ -22,14 +22,14 @@ class Peers:
     """At most two peer connections: the present one and, until that plays, the one it replaces.
 
     When the present one ends, the streams go back to the one before if that is still there, or end with it. `send` gets
-    offers and byes; `on_change` is called whenever it is worth to look at the streams.
+    offers, candidates and byes; `on_change` is called whenever it is worth to look at the streams.
     """
 
     def __init__(
         self,
         streams: StreamTable,
         make: MakePeer,
-        send: Callable[[Offer | Bye], None],
+        send: Callable[[Downward], None],
         on_change: Callable[[], None],
     ) -> None:
         self._streams = streams
@@ -53,9 +53,13 @@ class Peers:
 
     def attach(self, stream: Stream) -> None:
         """Play `stream` over the present one, which is made if there is none. Raises TooManySections."""
-        if self._present is None:
-            self._present = self._make(None, self)
-        self._present.attach(stream)
+        while True:
+            if self._present is None:
+                self._present = self._make(None, self)
+            try:
+                return self._present.attach(stream)
+            except PeerClosed as closed:
+                self._present.end(str(closed))
 
     def detach(self, stream: Stream) -> None:
         """Play `stream` no more."""
@@ -118,13 +122,18 @@ class Peers:
         for peer in self._closing:
             await peer.closed()
 
-    def peer_says(self, message: Offer | Bye) -> None:
+    def peer_says(self, message: Downward) -> None:
         """`message` is for the application."""
         self._send(message)
 
     def peer_changed(self, peer: Peer) -> None:
         """Media can pass over more of `peer` than before."""
         self._on_change()
+
+    def peer_declined(self, peer: Peer, stream: Stream) -> None:
+        """The application wants nothing of `stream`, which ends."""
+        self.detach(stream)
+        self._streams.end(stream)
 
     def peer_ended(self, peer: Peer) -> None:
         """`peer` has ended."""
@@ -138,6 +147,8 @@ class Peers:
         self._on_change()
 
     def _fall_back(self, stream: Stream) -> None:
+        if stream.stream_id not in self._streams:
+            return  # it ended with the peer connection that another one could not fall back to
         if self._present is None:
             self._streams.end(stream)
         elif stream not in self._present.legs:
@@ -145,3 +156,5 @@ class Peers:
                 self._present.attach(stream)
             except TooManySections:
                 self._streams.end(stream)
+            except PeerClosed as closed:
+                self._present.end(str(closed))

@@ -2,9 +2,11 @@
 
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
-from functools import partial
 from typing import Generic, TypeVar
 
+from openrois_streaming.adaptation.demand import LOWEST, MIDDLE, TOP, Demands
+from openrois_streaming.adaptation.rung import Rung, every_for, ladder
+from openrois_streaming.adaptation.thinning import Thinning
 from openrois_streaming.clock import MediaClock, wall_at
 from openrois_streaming.codecs import CodecUnavailable, codec_named
 from openrois_streaming.encoded import AUDIO_CLOCK_RATE, VIDEO_CLOCK_RATE
@@ -25,7 +27,7 @@ _SOUND_DEPTH = 10
 class _HandOver(Generic[RawT]):
     """A source as it is handed to the encoders: it is seen to advance, and each frame gets its finish."""
 
-    def __init__(self, source: MediaSource[RawT], clock: MediaClock, finish: Callable[[RawT], RawT] | None) -> None:
+    def __init__(self, source: MediaSource[RawT], clock: MediaClock, finish: Callable[[RawT], RawT]) -> None:
         self.last_frame_at: float | None = None
         self._source = source
         self._clock = clock
@@ -40,55 +42,51 @@ class _HandOver(Generic[RawT]):
     async def _hand_over(self, items: AsyncIterator[RawT]) -> AsyncIterator[RawT]:
         async for item in items:
             self.last_frame_at = self._clock.now()
-            yield item if self._finish is None else self._finish(item)
+            yield self._finish(item)
 
 
 class Publisher(Generic[RawT]):
-    """Shares one source among its renditions. The source is open only while somebody is subscribed to one of them."""
+    """Shares one source among its renditions. The source is open only while somebody plays one of them."""
 
     def __init__(
         self,
         source: MediaSource[RawT],
-        encoding_for: Callable[[str], Encoding[RawT]],
         *,
         clock: MediaClock,
-        bitrate: int,
         name: str,
-        finish: Callable[[RawT], RawT] | None = None,
+        finish: Callable[[RawT], RawT] = lambda raw: raw,
     ) -> None:
-        self._encoding_for = encoding_for
         self._clock = clock
-        self._bitrate = bitrate
         self._source = _HandOver(source, clock, finish)
         self._raw: Fanout[RawT] = Fanout(self._source, name=name)
-        self._renditions: dict[str, Rendition[RawT]] = {}
-
-    def rendition(self, mime_type: str) -> Rendition[RawT]:
-        """The rendition of a media type: the same one for all who ask.
-
-        Raises:
-            CodecUnavailable: this source cannot be encoded so, here or at all.
-        """
-        name = codec_named(mime_type)
-        if name not in self._renditions:
-            encoding = self._encoding_for(name)
-            self._renditions[name] = Rendition(self._raw, encoding, clock=self._clock, bitrate=self._bitrate)
-        return self._renditions[name]
+        self._made: dict[tuple[object, ...], Rendition[RawT]] = {}
 
     @property
-    def renditions(self) -> tuple[Rendition[RawT], ...]:
-        """All renditions that were asked for so far."""
-        return tuple(self._renditions.values())
+    def made(self) -> tuple[Rendition[RawT], ...]:
+        """All renditions that were played so far."""
+        return tuple(each for each in self._made.values() if each.was_played)
 
     @property
     def running_encoders(self) -> int:
         """How many encoders run now: one for each rendition that has a viewer."""
-        return sum(rendition.running for rendition in self._renditions.values())
+        return sum(rendition.running for rendition in self._made.values())
 
     @property
     def frames(self) -> int:
         """Raw frames taken from the source so far."""
         return self._raw.pulled
+
+    @property
+    def failure(self) -> str:
+        """A sentence on what failed last, if no frame has come since; empty where nothing did."""
+        if self._raw.failure is not None:
+            return f"the source of {self._raw.name} has failed: {self._raw.failure!r}"
+        failed = next((each for each in self._made.values() if each.failure is not None), None)
+        return (
+            ""
+            if failed is None
+            else f"the encoder of {self._raw.name} ({failed.mime_type}) has failed: {failed.failure!r}"
+        )
 
     @property
     def last_frame_at(self) -> float | None:
@@ -97,14 +95,16 @@ class Publisher(Generic[RawT]):
 
 
 class VideoPublisher(Publisher[RawVideo]):
-    """Publishes pictures as `video/H264` and `video/VP8`.
+    """Publishes pictures as `video/H264` and `video/VP8`, in several sizes.
 
     Args:
-        source: where the pictures come from; they must be at least 160 pixels wide if they are to be stamped.
+        source: where the pictures come from.
         clock: the media clock that the source's capture times are of.
-        stamp: whether each picture carries its number and the wall time of its capture, see `stamp`.
-        bitrate: of each rendition at first, in bit/s.
+        stamp: whether each picture carries its number and the wall time of its capture, see `stamp`; one that is too
+            small for that goes without.
         frame_rate: frames per second that the source is expected to give.
+        size: width and height that it is expected to give, until the first frame shows what it does.
+        max_bitrate: the most that a rendition is encoded with, in bit/s; None: as much as is of use for its size.
         name: what it is called in the log.
     """
 
@@ -114,18 +114,50 @@ class VideoPublisher(Publisher[RawVideo]):
         *,
         clock: MediaClock,
         stamp: bool = False,
-        bitrate: int = 1_500_000,
         frame_rate: float = 30.0,
+        size: tuple[int, int] = (1280, 720),
+        max_bitrate: int | None = None,
         name: str = "video",
     ) -> None:
-        super().__init__(
-            source,
-            partial(_video_encoding, frame_rate),
-            clock=clock,
-            bitrate=bitrate,
-            name=name,
-            finish=(lambda raw: stamped(raw, wall_at(clock, raw.captured_at))) if stamp else None,
-        )
+        super().__init__(source, clock=clock, name=name, finish=self._finished)
+        self._stamp = stamp
+        self._frame_rate = frame_rate
+        self._size = size
+        self._max_bitrate = max_bitrate
+
+    def renditions(self, mime_type: str, fps: float | None = None) -> tuple[Rendition[RawVideo], ...]:
+        """The renditions of a media type, the largest first: the same ones for all who ask.
+
+        Args:
+            mime_type: "video/H264" or "video/VP8".
+            fps: pictures per second that are enough; None: all there are.
+
+        Raises:
+            CodecUnavailable: this source cannot be encoded so, here or at all.
+        """
+        codec = codec_named(mime_type)
+        if not codec.startswith("video/"):
+            raise CodecUnavailable(f"pictures cannot be encoded as {codec}")
+        every = every_for(self._frame_rate, fps)
+        rungs = ladder(*self._size, self._frame_rate, every=every, max_bitrate=self._max_bitrate)
+        return tuple(self._rendition(codec, rung, last=rung is rungs[-1]) for rung in rungs)
+
+    def _rendition(self, codec: str, rung: Rung, *, last: bool) -> Rendition[RawVideo]:
+        key = (codec, rung.halvings, rung.every)
+        tolerance = LOWEST if last else TOP if rung.halvings == 0 else MIDDLE
+        rendition = self._made.get(key)
+        if rendition is None:
+            demands = Demands(rung, tolerance)
+            encoding = _video_encoding(codec, demands)
+            rendition = self._made[key] = Rendition(
+                self._raw, encoding, clock=self._clock, bitrate=rung.max_bitrate, demands=demands
+            )
+        rendition.suit(rung, tolerance)
+        return rendition
+
+    def _finished(self, raw: RawVideo) -> RawVideo:
+        self._size = (raw.width, raw.height)
+        return stamped(raw, wall_at(self._clock, raw.captured_at)) if self._stamp else raw
 
 
 class AudioPublisher(Publisher[RawAudio]):
@@ -134,25 +166,49 @@ class AudioPublisher(Publisher[RawAudio]):
     Args:
         source: where the sound comes from.
         clock: the media clock that the source's capture times are of.
-        bitrate: of the rendition at first, in bit/s.
+        bitrate: of the rendition, in bit/s.
         name: what it is called in the log.
     """
 
     def __init__(
         self, source: MediaSource[RawAudio], *, clock: MediaClock, bitrate: int = 64_000, name: str = "audio"
     ) -> None:
-        super().__init__(source, _audio_encoding, clock=clock, bitrate=bitrate, name=name)
+        super().__init__(source, clock=clock, name=name)
+        self._bitrate = bitrate
+
+    def renditions(self, mime_type: str, fps: float | None = None) -> tuple[Rendition[RawAudio], ...]:
+        """The one rendition of a media type; `fps` says nothing about sound.
+
+        Raises:
+            CodecUnavailable: this source cannot be encoded so, here or at all.
+        """
+        codec = codec_named(mime_type)
+        if (codec,) not in self._made:
+            encoding = _audio_encoding(codec)
+            self._made[codec,] = Rendition(self._raw, encoding, clock=self._clock, bitrate=self._bitrate)
+        return (self._made[codec,],)
 
 
-def _video_encoding(frame_rate: float, mime_type: str) -> Encoding[RawVideo]:
-    if not mime_type.startswith("video/"):
-        raise CodecUnavailable(f"pictures cannot be encoded as {mime_type}")
+def _video_encoding(mime_type: str, demands: Demands) -> Encoding[RawVideo]:
+    rung = demands.rung
+    thinning = Thinning(rung.frame_rate)
+
+    def make_encoder(bitrate: int) -> VideoEncoder:
+        return VideoEncoder(
+            mime_type,
+            bitrate=bitrate,
+            frame_rate=rung.frame_rate,
+            max_bitrate=demands.rung.max_bitrate,
+            halvings=rung.halvings,
+        )
+
     return Encoding(
         mime_type=mime_type,
         clock_rate=VIDEO_CLOCK_RATE,
-        make_encoder=lambda bitrate: VideoEncoder(mime_type, bitrate=bitrate, frame_rate=frame_rate),
+        make_encoder=make_encoder,
         predicted=True,
         depth=1,
+        choose=None if rung.every == 1 else lambda raw: thinning.wants(raw.captured_at),
     )
 
 

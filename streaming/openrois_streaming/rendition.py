@@ -1,19 +1,28 @@
 """One encoding of one source, made once and shared by every viewer that plays it."""
 
+import logging
 from collections import deque
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Hashable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from functools import partial
 from typing import Generic, TypeVar
 
+from openrois_streaming.adaptation.demand import CoarseRate, Demands
+from openrois_streaming.adaptation.rung import Rung
 from openrois_streaming.clock import MediaClock
+from openrois_streaming.codecs import VP8
 from openrois_streaming.encoded import EncodedFrame
 from openrois_streaming.encoding import EncodedSource, Encoding
 from openrois_streaming.fanout import DropOldest, Fanout, Mailbox, Subscription
 from openrois_streaming.keyframes import KeyFrameCause
 
 RawT = TypeVar("RawT")
+
+# Smaller changes of the bit rate are not worth telling the encoder.
+_TOLERANCE = 0.03
+
+_log = logging.getLogger(__name__)
 
 
 class WholePictures:
@@ -63,6 +72,33 @@ class WholePictures:
         return len(self._items)
 
 
+class HandedOn:
+    """The mailbox of a viewer that takes each frame at once: nothing waits, and nothing is lost here."""
+
+    __slots__ = ("_take",)
+
+    def __init__(self, take: Callable[[EncodedFrame], None]) -> None:
+        self._take = take
+
+    def put(self, item: EncodedFrame) -> int:
+        """Hand `item` on; a failure to take it is the viewer's own."""
+        try:
+            self._take(item)
+        except Exception:
+            _log.exception("a viewer could not take a frame")
+        return 0
+
+    def take(self) -> EncodedFrame:
+        """Never called: it is always empty."""
+        raise LookupError
+
+    def awaited(self) -> None:
+        """Nothing to do."""
+
+    def __len__(self) -> int:
+        return 0
+
+
 @dataclass(frozen=True, slots=True)
 class RenditionFigures:
     """What a rendition has done since it was made; its encoder may have run several times."""
@@ -86,7 +122,9 @@ class RenditionFigures:
     dropped_input: int
     """Raw frames that were lost because the encoder was busy."""
     encode_seconds: float
-    """Time spent in the encoder, colour conversion included."""
+    """Time spent in the encoder, scaling and colour conversion included."""
+    size: str = ""
+    """Width, height and pace, as in "640x360@30"; empty for sound."""
 
 
 class Rendition(Generic[RawT]):
@@ -96,8 +134,19 @@ class Rendition(Generic[RawT]):
     fails, every subscription ends with `SourceEnded` and the failure as its cause; the next one starts both anew.
     """
 
-    def __init__(self, raw: Fanout[RawT], encoding: Encoding[RawT], *, clock: MediaClock, bitrate: int) -> None:
+    def __init__(
+        self,
+        raw: Fanout[RawT],
+        encoding: Encoding[RawT],
+        *,
+        clock: MediaClock,
+        bitrate: int,
+        demands: Demands | None = None,
+    ) -> None:
         self._encoding = encoding
+        self._clock = clock
+        self._demands = demands
+        self._coarse = CoarseRate() if encoding.mime_type == VP8 else None
         self._source = EncodedSource(raw, encoding, clock=clock, bitrate=bitrate)
         self._fanout: Fanout[EncodedFrame] = Fanout(self._source, name=f"{raw.name} {encoding.mime_type}")
 
@@ -116,6 +165,16 @@ class Rendition(Generic[RawT]):
         """Whether the encoder runs: somebody is subscribed and nothing has failed."""
         return self._fanout.running
 
+    @property
+    def failure(self) -> Exception | None:
+        """Why it ended last, if its encoder or its source has failed and no frame has come since."""
+        return self._fanout.failure
+
+    @property
+    def was_played(self) -> bool:
+        """Whether its encoder runs or has ever put out a frame."""
+        return self.running or self._source.encoded > 0
+
     @asynccontextmanager
     async def subscribe(self, maxsize: int = 8) -> AsyncIterator[Subscription[EncodedFrame]]:
         """Play this rendition while the context lasts; a viewer that is suspended leaves it.
@@ -132,6 +191,60 @@ class Rendition(Generic[RawT]):
         async with self._fanout.subscribe(mailbox=mailbox) as subscription:
             self.request_key_frame(KeyFrameCause.START)
             yield subscription
+
+    @property
+    def rung(self) -> Rung | None:
+        """Its size, pace and bounds of bit rate; None if there is nothing to choose."""
+        return None if self._demands is None else self._demands.rung
+
+    def suit(self, rung: Rung, tolerance: float) -> None:
+        """The source has another size than before, or may have: what follows from it for this rendition."""
+        if self._demands is not None and self._demands.suit(rung, tolerance):
+            self._follow()
+
+    @asynccontextmanager
+    async def play(
+        self, viewer: Hashable, take: Callable[[EncodedFrame], None], bitrate: float | None = None
+    ) -> AsyncIterator[Subscription[EncodedFrame]]:
+        """Play this rendition while the context lasts: `take` is called in the loop with each frame as it is there.
+
+        A key frame is asked for here, but `take` gets what comes before it too. What is yielded has nothing to read:
+        its `get` raises `SourceEnded` when the source or the encoder has ended.
+
+        Args:
+            viewer: who it is.
+            take: must not wait.
+            bitrate: what the viewer can take, in bit/s.
+        """
+        try:
+            if bitrate is not None:
+                self.demand(viewer, bitrate)
+            async with self._fanout.subscribe(mailbox=HandedOn(take)) as subscription:
+                self.request_key_frame(KeyFrameCause.START)
+                yield subscription
+        finally:
+            if self._demands is not None:
+                self._demands.drop(viewer)
+                self._follow()
+
+    def demand(self, viewer: Hashable, bitrate: float) -> None:
+        """`viewer`, who plays it, can take `bitrate` (bit/s) from now on."""
+        if self._demands is not None:
+            self._demands.put(viewer, bitrate)
+            self._follow()
+
+    def least(self, viewer: Hashable) -> float:
+        """Bit/s that `viewer` must be able to take, so as not to be sent more than that."""
+        return 0.0 if self._demands is None else self._demands.least(viewer)
+
+    def _follow(self) -> None:
+        if self._demands is None or not self._demands.viewers:
+            return
+        bitrate = self._demands.bitrate
+        if self._coarse is not None:
+            bitrate = self._coarse.follow(bitrate, self._demands.rung, self._clock.now())
+        if abs(bitrate - self._source.bitrate) > _TOLERANCE * self._source.bitrate:
+            self._source.set_bitrate(bitrate)
 
     def request_key_frame(self, cause: KeyFrameCause) -> None:
         """Ask for a key frame; it comes as soon as the budget of `cause` allows, and serves all who wait for one."""
@@ -160,4 +273,5 @@ class Rendition(Generic[RawT]):
             repairs=source.forced[KeyFrameCause.REPAIR],
             dropped_input=source.dropped_input,
             encode_seconds=source.encode_seconds,
+            size="" if self.rung is None else f"{self.rung.width}x{self.rung.height}@{self.rung.frame_rate:g}",
         )

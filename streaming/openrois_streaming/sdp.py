@@ -2,18 +2,21 @@
 
 aiortc's parser meets hostile text with any exception, it applies an answer section by section, and it keeps only the
 last section's candidates of a bundle. So an answer is taken apart here: only attributes that matter pass, sections must
-be the offered ones in the offered order, and candidates come out of it, to be added one by one.
+be the offered ones in the offered order, and candidates come out of it, to be added one by one. An application may do
+less in a section than was offered (a person did not let the page have the microphone), never more.
 """
 
-import ipaddress
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final, Literal, TypeAlias
 
-from aiortc import RTCIceCandidate
+from aiortc import RTCDtlsFingerprint, RTCIceCandidate
 from aiortc.sdp import SessionDescription, candidate_from_sdp
+from openrois_signaling.messages import CANDIDATES_LIMIT, Direction
 
 from openrois_streaming.errors import InvalidCandidate, InvalidDescription
+from openrois_streaming.network.policy import CandidatePolicy
 
 LINES_LIMIT = 128
 """Lines of one section that pass; aiortc's parser takes a time that grows with their square. Chromium has 40."""
@@ -22,7 +25,10 @@ _LINE = re.compile(r"[a-z]=[ -~]*")
 _MEDIA = re.compile(r"m=(audio|video) (\d{1,5}) [A-Z/]{1,32}( \d{1,3}){1,32}")
 _UFRAG = re.compile(r"[A-Za-z0-9+/]{4,256}")  # RFC 8839 section 5.4
 _PASSWORD = re.compile(r"[A-Za-z0-9+/]{22,256}")
+_PAYLOAD_TYPES = frozenset((*range(64), *range(96, 128)))  # the others are taken for RTCP (RFC 5761 section 4)
 _EXTENSION_IDS = range(1, 15)  # of the one-byte form, RFC 8285 section 4.2
+_HASHES = {"sha-256": 95, "sha-384": 143, "sha-512": 191}  # and the length of their text
+_HEX = re.compile(r"[0-9A-Fa-f]{2}(:[0-9A-Fa-f]{2})*")
 _CANDIDATE_TYPES = frozenset({"host", "srflx", "prflx", "relay"})
 _SESSION_ATTRIBUTES = frozenset({"fingerprint", "ice-lite", "ice-options", "ice-pwd", "ice-ufrag", "setup"})
 _MEDIA_ATTRIBUTES = _SESSION_ATTRIBUTES - {"ice-lite"} | {
@@ -40,49 +46,40 @@ _MEDIA_ATTRIBUTES = _SESSION_ATTRIBUTES - {"ice-lite"} | {
 }
 
 
+_SSRC = re.compile(r"a=ssrc:(\d{1,10})(?: .*)?")
+_REPAIRED = re.compile(r"a=ssrc-group:FID (\d{1,10}) (\d{1,10})")
+
+Answered: TypeAlias = Direction | Literal["inactive"]
+"""What an application does in a section."""
+
+_LESS: Final[dict[Answered, tuple[Answered, ...]]] = {
+    "recvonly": ("recvonly", "inactive"),
+    "sendonly": ("sendonly", "inactive"),
+    "sendrecv": ("sendrecv", "recvonly", "sendonly", "inactive"),
+    "inactive": ("inactive",),
+}
+"""What may be answered to what was offered, both seen from the application."""
+
+
 @dataclass(frozen=True, slots=True)
 class OfferedSection:
-    """An m-section as it was offered. `active` is whether it carries a stream."""
+    """An m-section as it was offered. `direction` is what the application shall do in it."""
 
     mid: str
     kind: str
-    active: bool
+    direction: Answered
 
 
 @dataclass(frozen=True, slots=True)
 class CleanAnswer:
-    """An answer that can be given to aiortc, without candidates, and the candidate-attributes that were in it."""
+    """An answer that can be given to aiortc, without candidates, and the candidate-attributes that were in it.
+
+    `directions` says what the application does, section by section.
+    """
 
     sdp: str
     candidates: tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class CandidatePolicy:
-    """Which addresses of viewers a deployment sends to. Multicast and unspecified addresses are never used.
-
-    `allow_private` covers the private networks of RFC 1918 and RFC 4193, and shared address space (RFC 6598).
-    """
-
-    allow_loopback: bool = True
-    allow_private: bool = True
-    allow_link_local: bool = False
-
-    def permits(self, host: str) -> bool:
-        """Whether `host` is a literal IP address that may be used; names, `.local` above all, are never resolved."""
-        try:
-            address = ipaddress.ip_address(host)
-        except ValueError:
-            return False
-        if isinstance(address, ipaddress.IPv6Address) and address.ipv4_mapped is not None:
-            address = address.ipv4_mapped
-        if address.is_multicast or address.is_unspecified:
-            return False
-        if address.is_loopback:
-            return self.allow_loopback
-        if address.is_link_local:
-            return self.allow_link_local
-        return address.is_global or self.allow_private
+    directions: tuple[Answered, ...]
 
 
 def clean_answer(text: str, offered: Sequence[OfferedSection]) -> CleanAnswer:
@@ -102,15 +99,23 @@ def clean_answer(text: str, offered: Sequence[OfferedSection]) -> CleanAnswer:
     if bundled != {section.mid for section in offered}:
         raise InvalidDescription("the answer does not bundle all sections")
     candidates: list[str] = []
+    sources: list[int] = []
     for section, lines in zip(offered, media, strict=True):
-        candidates += [line.removeprefix("a=") for line in lines if _attribute(line) == "candidate"]
+        candidates += [line.removeprefix("a=") for line in lines if _attribute(line) == "candidate"][:CANDIDATES_LIMIT]
         passing = [line for line in lines if line[0] in "mc" or _attribute(line) in _MEDIA_ATTRIBUTES]
         if len(passing) > LINES_LIMIT:
             raise InvalidDescription(f"section {section.mid} is too long")
         kept += passing
+        if section.direction in {"sendonly", "sendrecv"}:
+            own = _sources(lines)
+            sources += own
+            kept += _source_lines(own)
+    if len(set(sources)) < len(sources):
+        raise InvalidDescription("the answer names a source (SSRC) twice")
     sdp = "\r\n".join(kept) + "\r\n"
-    _check_parsed(sdp, offered)
-    return CleanAnswer(sdp, tuple(candidates))
+    # All sections share one path: their candidates are the same, and more than one needs are of no use.
+    unique = tuple(dict.fromkeys(candidates))[:CANDIDATES_LIMIT]
+    return CleanAnswer(sdp, unique, _check_parsed(sdp, offered))
 
 
 def _blocks(text: str) -> tuple[list[str], list[list[str]]]:
@@ -138,8 +143,28 @@ def _check_media_line(line: str, offered: OfferedSection) -> None:
         raise InvalidDescription(f"the {offered.kind} section {offered.mid} was rejected")
 
 
-def _check_parsed(sdp: str, offered: Sequence[OfferedSection]) -> None:
-    """Check what aiortc reads in it. What it misses here would fail later, in a task of its own or half-way through."""
+def _sources(lines: Sequence[str]) -> list[int]:
+    """The SSRC that a section is sent with, and the one of its repetitions (RFC 5576, RFC 4588), if it names them."""
+    named = [found for line in lines if (found := _SSRC.fullmatch(line))]
+    groups = [found for line in lines if (found := _REPAIRED.fullmatch(line))]
+    numbers = [int(number) for found in (groups or named)[:1] for number in found.groups()]
+    if not all(0 < number < 2**32 for number in numbers):
+        raise InvalidDescription("the answer names a source (SSRC) out of range")
+    return numbers
+
+
+def _source_lines(sources: Sequence[int]) -> list[str]:
+    """`sources` as aiortc finds them: the first is what is played, a second one repeats it."""
+    group = [f"a=ssrc-group:FID {sources[0]} {sources[1]}"] if len(sources) > 1 else []
+    return group + [f"a=ssrc:{number} cname:application" for number in sources]
+
+
+def _check_parsed(sdp: str, offered: Sequence[OfferedSection]) -> tuple[Answered, ...]:
+    """Check what aiortc reads in it, and say what the application does in each section.
+
+    What is missed here would fail later, in a task of its own or half-way through.
+    """
+    directions: list[Answered] = []
     try:
         parsed = SessionDescription.parse(sdp)
     except Exception as error:  # its parser raises whatever hostile text makes of it
@@ -147,16 +172,27 @@ def _check_parsed(sdp: str, offered: Sequence[OfferedSection]) -> None:
     for section, media in zip(offered, parsed.media, strict=True):
         if media.rtp.muxId != section.mid:
             raise InvalidDescription(f"the answer has another section in the place of {section.mid}")
-        if media.direction != ("recvonly" if section.active else "inactive"):
+        found = [answered for answered in _LESS[section.direction] if answered == media.direction]
+        if not found:
             raise InvalidDescription(f"section {section.mid} cannot be {media.direction}")
+        directions += found
         if media.ice is None or not _are_credentials(media.ice.usernameFragment, media.ice.password):
             raise InvalidDescription(f"section {section.mid} has no valid ICE credentials")
-        if media.dtls is None or not media.dtls.fingerprints or media.dtls.role == "auto":
-            raise InvalidDescription(f"section {section.mid} has no DTLS fingerprint or role")
+        if media.dtls is None or media.dtls.role == "auto" or not _are_fingerprints(media.dtls.fingerprints):
+            raise InvalidDescription(f"section {section.mid} has no usable DTLS fingerprint or role")
         if not media.rtp.codecs:
             raise InvalidDescription(f"section {section.mid} has no codec")
+        if not all(codec.payloadType in _PAYLOAD_TYPES for codec in media.rtp.codecs):
+            raise InvalidDescription(f"section {section.mid} has a payload type that cannot be sent")
         if not all(extension.id in _EXTENSION_IDS for extension in media.rtp.headerExtensions):
             raise InvalidDescription(f"section {section.mid} has a header extension id that cannot be sent")
+    return tuple(directions)
+
+
+def _are_fingerprints(found: Sequence[RTCDtlsFingerprint]) -> bool:
+    """Whether at least one is of a hash that certificates are still checked with (RFC 8122 section 5)."""
+    known = [each for each in found if each.algorithm.lower() in _HASHES]
+    return any(_HEX.fullmatch(each.value) and len(each.value) == _HASHES[each.algorithm.lower()] for each in known)
 
 
 def _are_credentials(fragment: str | None, password: str | None) -> bool:
@@ -167,8 +203,8 @@ def read_candidate(text: str, mid: str, policy: CandidatePolicy) -> RTCIceCandid
     """A candidate-attribute (RFC 8839 section 5.1), with or without `a=`, as a candidate of the section `mid`.
 
     Returns:
-        None if it is of no use here: TCP, another component than RTP, port 0, a name instead of an address, or an
-        address that `policy` does not permit.
+        None if it is of no use here: TCP, another component than RTP, a name instead of an address, or an address
+        or port that `policy` does not permit.
 
     Raises:
         InvalidCandidate: it cannot be read.
@@ -180,8 +216,8 @@ def read_candidate(text: str, mid: str, policy: CandidatePolicy) -> RTCIceCandid
         raise InvalidCandidate("the candidate cannot be parsed") from error
     if not (0 <= candidate.port < 2**16 and 0 <= candidate.priority < 2**32) or candidate.type not in _CANDIDATE_TYPES:
         raise InvalidCandidate("the candidate has a value out of range")
-    usable = candidate.component == 1 and candidate.protocol.lower() == "udp" and candidate.port != 0
-    if not usable or not policy.permits(candidate.ip):
+    usable = candidate.component == 1 and candidate.protocol.lower() == "udp"
+    if not usable or not policy.permits_target(candidate.ip, candidate.port):
         return None
     candidate.sdpMid = mid
     return candidate

@@ -1,27 +1,36 @@
-"""What one application plays: its streams, over one peer connection."""
+"""What one application plays and sends: its streams, over one peer connection."""
 
 import logging
 from collections.abc import Callable, Sequence
 from types import TracebackType
-from typing import Self
+from typing import Final, Self
 
-from openrois_signaling.messages import Answer, Bye, Candidate, IceServer, MediaKind, Offer
+from openrois_signaling.messages import Answer, Candidate, Direction, Downward, IceServer, MediaKind
 
+from openrois_streaming.adaptation.caps import Caps
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.feed import MediaPublisher
+from openrois_streaming.inlet import Intake, MediaInlet
+from openrois_streaming.network.guard import GuardFigures
+from openrois_streaming.network.settings import NetworkSettings
 from openrois_streaming.peer import Peer, PeerOwner
 from openrois_streaming.peers import Peers
-from openrois_streaming.sdp import CandidatePolicy
-from openrois_streaming.state import StreamInput, StreamStatus
+from openrois_streaming.state import Party, StreamStatus
 from openrois_streaming.stats import Counters, StreamStats
 from openrois_streaming.stream import Stream, StreamChange, StreamTable, choose_codecs
 from openrois_streaming.tasks import OwnedTasks, Task
 
-TICK = 0.1
-"""Seconds between two looks at deadlines, signs of life and progress."""
+TICK = 0.125
+"""Seconds between two looks at deadlines, signs of life and progress; a power of two, whose multiples are exact."""
 
 LATE = 1.0
 """Seconds a look may be late before the delay counts as this process's own: it was stopped, or the machine slept."""
+
+IDLE = 30.0
+"""Seconds for which a peer connection is kept when no stream is left: the next stream can take its section over."""
+
+DIRECTIONS: Final[tuple[Direction, ...]] = ("recvonly", "sendonly", "sendrecv")
+"""All that a stream can have."""
 
 _log = logging.getLogger(__name__)
 
@@ -29,15 +38,16 @@ _log = logging.getLogger(__name__)
 class StreamSession:
     """The streams of one application, as m-sections of one peer connection (of two while one replaces the other).
 
-    To be used inside `async with`; leaving it ends everything. `send` gets offers and byes, `on_change` every change of
-    a stream's status. Both are called in the event loop and must neither block nor raise. They are not called from
-    within the methods that answer a request (so that the reply can go first), except that `answer` and `restart` may
-    say bye to a peer connection that they end.
+    To be used inside `async with`; leaving it ends everything. `send` gets offers, candidates and byes, `on_change`
+    every change of a stream's status. Both are called in the event loop and must neither block nor raise. They are not
+    called from within the methods that answer a request (so that the reply can go first), except that `answer` and
+    `restart` may say bye to a peer connection that they end.
 
     Args:
         mint: makes a new peer id.
         ice_servers: for the peer connections that are made from now on; may be set at any time.
-        policy: the addresses of the application that may be sent to.
+        network: what of the network the peer connections use.
+        guarded: where is counted what they do not let in; sessions may share it.
         clock: for all deadlines.
         name: in logs and task names.
     """
@@ -46,14 +56,17 @@ class StreamSession:
         self,
         *,
         mint: Callable[[], str],
-        send: Callable[[Offer | Bye], None],
+        send: Callable[[Downward], None],
         on_change: Callable[[StreamChange], None],
         clock: MediaClock,
         ice_servers: Sequence[IceServer] = (),
-        policy: CandidatePolicy | None = None,
+        network: NetworkSettings | None = None,
+        guarded: GuardFigures | None = None,
         name: str = "session",
     ) -> None:
         self.ice_servers = tuple(ice_servers)
+        self.guarded = guarded or GuardFigures()
+        """What did not get in."""
         self._clock = clock
         self._name = name
         self._tasks = OwnedTasks(name, self._failed)
@@ -64,7 +77,8 @@ class StreamSession:
                 mint(),
                 replaces=replaces,
                 ice_servers=self.ice_servers,
-                policy=policy or CandidatePolicy(),
+                network=network or NetworkSettings(),
+                guarded=self.guarded,
                 clock=clock,
                 tasks=self._tasks,
                 owner=owner,
@@ -72,7 +86,9 @@ class StreamSession:
 
         self._peers = Peers(self._streams, make_peer, send, self._look_soon)
         self._supervisor: Task[None] | None = None
+        self._held: dict[str, frozenset[Direction]] = {}
         self._closed = False
+        self._played_at = clock.now()
 
     async def __aenter__(self) -> Self:
         return self
@@ -92,43 +108,91 @@ class StreamSession:
         """The peer connections that have not ended, the present one first."""
         return tuple(peer.peer_id for peer in self._peers.all())
 
+    @property
+    def is_over(self) -> bool:
+        """Whether there is neither a stream nor a peer connection."""
+        return not self._peers.all()
+
     def connect(
         self,
         stream_id: str,
         component_ref: str,
-        publisher: MediaPublisher,
+        publisher: MediaPublisher | None,
         kind: MediaKind,
         codecs: Sequence[str] | None = None,
+        *,
+        direction: Direction = "recvonly",
+        inlet: MediaInlet | None = None,
+        caps: Caps | None = None,
     ) -> None:
-        """Add a stream towards the application; an offer follows.
+        """Add a stream; an offer follows.
 
         Args:
             stream_id: unique for ever.
             component_ref: whose stream it is.
-            publisher: where its frames come from.
+            publisher: where the frames that the application receives come from; None if it only sends.
             kind: "video" or "audio".
-            codecs: what the application can decode, as media types or their subtypes; None if it did not say.
+            codecs: what the application can decode, and encode if it sends, as media types or their subtypes; None if
+                it did not say.
+            direction: seen from the application (W3C's RTCRtpTransceiverDirection); `sendrecv` for audio only.
+            inlet: where what the application sends arrives; None if it only receives.
+            caps: what it is sent at most; None for as much as its path carries.
 
         Raises:
-            NoCommonCodec: it can decode nothing of what can be sent.
+            NoCommonCodec: it can use nothing of what can be had here.
             TooManySections: the peer connection is full.
-            ValueError: the session is closed, or has the stream already.
+            ValueError: the session is closed, or has the stream already, or the direction and its ends do not agree.
         """
         if self._closed or stream_id in self._streams:
             raise ValueError("a stream is connected once, and only to an open session")
-        stream = Stream(stream_id, component_ref, kind, publisher, choose_codecs(kind, codecs), Counters())
+        if (publisher is None) is not (direction == "sendonly") or (inlet is None) is not (direction == "recvonly"):
+            raise ValueError(f"a {direction} stream has other ends")
+        if direction == "sendrecv" and kind != "audio":
+            raise ValueError("only audio goes both ways in one stream")
+        intake = None if inlet is None else Intake(stream_id, inlet)
+        chosen = choose_codecs(kind, codecs)
+        stream = Stream(
+            stream_id, component_ref, kind, publisher, chosen, Counters(), direction, intake, caps or Caps()
+        )
+        if direction in self._held.get(component_ref, ()):
+            stream.suspend(Party.ENGINE)
         self._peers.attach(stream)
         self._streams.add(stream)
+        self._played_at = self._clock.now()
         if self._supervisor is None or self._supervisor.done():
             self._supervisor = self._tasks.start(self._supervise(), "supervisor")
 
     def suspend(self, stream_id: str) -> None:
-        """Send nothing more of a stream until it is resumed. Suspending twice is fine. Raises UnknownStream."""
-        self._gate(stream_id, StreamInput.SUSPEND)
+        """Pass nothing more of a stream until it is resumed. Suspending twice is fine. Raises UnknownStream."""
+        self._streams[stream_id].suspend(Party.APPLICATION)
+        self._look_soon()
 
     def resume(self, stream_id: str) -> None:
-        """Send again, from a key frame on, without a negotiation. Resuming twice is fine. Raises UnknownStream."""
-        self._gate(stream_id, StreamInput.RESUME)
+        """Go on, from a key frame on, without a negotiation. Resuming twice is fine. Raises UnknownStream.
+
+        While the engine holds its component the stream stays suspended, and goes on when that is released.
+        """
+        self._streams[stream_id].resume(Party.APPLICATION)
+        self._look_soon()
+
+    def hold(self, component_ref: str, *directions: Direction) -> None:
+        """Suspend the streams of a component, those to come included, because the engine wants it so.
+
+        Only those of `directions`, if there are any.
+        """
+        held = self._held[component_ref] = frozenset(directions or DIRECTIONS)
+        for stream in self._streams:
+            if stream.component_ref == component_ref and stream.direction in held:
+                stream.suspend(Party.ENGINE)
+        self._look_soon()
+
+    def release(self, component_ref: str) -> None:
+        """Let go what `hold` holds; streams that the application has suspended stay so."""
+        self._held.pop(component_ref, None)
+        for stream in self._streams:
+            if stream.component_ref == component_ref:
+                stream.resume(Party.ENGINE)
+        self._look_soon()
 
     def disconnect(self, stream_id: str) -> None:
         """End a stream; an offer follows that makes its section idle. Raises UnknownStream."""
@@ -161,6 +225,10 @@ class StreamSession:
         """
         return self._peers.restart(peer_id)
 
+    def end_peer(self, peer_id: str, reason: str) -> None:
+        """End a peer connection that cannot come about. Raises UnknownPeer."""
+        self._peers.find(peer_id).end(reason)
+
     async def close(self, reason: str) -> None:
         """End all streams and peer connections and wait until they are closed, for a few seconds at most."""
         self._closed = True
@@ -169,23 +237,24 @@ class StreamSession:
         await self._peers.closed()
         await self._tasks.aclose()
 
-    def _gate(self, stream_id: str, event: StreamInput) -> None:
-        self._streams[stream_id].apply(event)
-        self._peers.follow()
-        self._look_soon()
-
     async def _supervise(self) -> None:
         due = self._clock.now()
         while self._peers.all():
             now = self._clock.now()
             self._peers.tick(now, now - due if now - due > LATE else 0.0)
+            if self.stream_ids:
+                self._played_at = now
+            elif now - self._played_at >= IDLE:
+                self._peers.end("no stream is left to play")
             await self._look()
-            due = self._clock.now() + TICK
+            # All sessions look at the same moments: to wake the process takes longer than a look.
+            due = (self._clock.now() // TICK + 1) * TICK
             await self._clock.sleep_until(due)
 
     def _look_soon(self) -> None:
-        """Look at the streams before the next tick, but not within the present call."""
+        """Pass what may pass now; look at the streams before the next tick, but not within the present call."""
         if not self._closed:
+            self._peers.follow()
             self._tasks.start(self._look(), "look")
 
     async def _look(self) -> None:

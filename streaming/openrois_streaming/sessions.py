@@ -1,14 +1,17 @@
-"""All applications that play something from this engine."""
+"""All applications that have streams of this engine."""
 
 import asyncio
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from types import TracebackType
 from typing import Self
 
-from openrois_streaming.aiortc_seams import self_test
+from openrois_signaling.messages import Direction
+
 from openrois_streaming.errors import TooManySessions, UnknownPeer, UnknownStream
+from openrois_streaming.seams.trial import self_test
 from openrois_streaming.session import StreamSession
+from openrois_streaming.tasks import OwnedTasks
 
 SESSIONS_LIMIT = 64
 """Applications at once. Each costs about 1 % of a core for each stream that plays."""
@@ -18,6 +21,8 @@ _log = logging.getLogger(__name__)
 
 class StreamSessions:
     """Which application has which session; nobody reaches the streams of another.
+
+    A session without streams keeps its place only while nobody else needs it.
 
     To be used inside `async with`, which first tries whether the installed aiortc is one that can be used. `make` makes
     the session of a client id.
@@ -30,6 +35,8 @@ class StreamSessions:
         self._make = make
         self._limit = limit
         self._sessions: dict[str, StreamSession] = {}
+        self._tasks = OwnedTasks("sessions", _failed)
+        self._held: dict[str, tuple[Direction, ...]] = {}
 
     async def __aenter__(self) -> Self:
         await self_test()
@@ -41,7 +48,11 @@ class StreamSessions:
         await self.aclose("the engine stops")
 
     def __len__(self) -> int:
-        return len(self._sessions)
+        """How many sessions have something to play."""
+        return sum(not session.is_over for session in self._sessions.values())
+
+    def __iter__(self) -> Iterator[StreamSession]:
+        return iter(tuple(self._sessions.values()))
 
     def open(self, client_id: str) -> StreamSession:
         """The session of a client; a new one if it has none.
@@ -52,8 +63,12 @@ class StreamSessions:
         session = self._sessions.get(client_id)
         if session is None:
             if len(self._sessions) >= self._limit:
+                self._end_idle()
+            if len(self._sessions) >= self._limit:
                 raise TooManySessions(f"{self._limit} applications are served already")
             session = self._sessions[client_id] = self._make(client_id)
+            for component_ref, directions in self._held.items():
+                session.hold(component_ref, *directions)
         return session
 
     def with_stream(self, client_id: str, stream_id: str) -> StreamSession:
@@ -78,6 +93,18 @@ class StreamSessions:
             raise UnknownPeer("there is no such peer connection")
         return session
 
+    def hold(self, component_ref: str, *directions: Direction) -> None:
+        """Suspend the streams of a component, or those of `directions` alone, those to come included."""
+        self._held[component_ref] = directions
+        for session in self._sessions.values():
+            session.hold(component_ref, *directions)
+
+    def release(self, component_ref: str) -> None:
+        """Let go what `hold` holds; streams that their applications have suspended stay so."""
+        self._held.pop(component_ref, None)
+        for session in self._sessions.values():
+            session.release(component_ref)
+
     async def close(self, client_id: str, reason: str) -> None:
         """End the session of a client that is gone; unknown ones are fine."""
         session = self._sessions.pop(client_id, None)
@@ -90,4 +117,15 @@ class StreamSessions:
         ends = await asyncio.gather(*(session.close(reason) for session in sessions.values()), return_exceptions=True)
         for end in ends:
             if isinstance(end, BaseException):
-                _log.error("a session did not end cleanly", exc_info=end)
+                _failed(end)
+        await self._tasks.aclose()
+
+    def _end_idle(self) -> None:
+        for client_id, session in tuple(self._sessions.items()):
+            if not session.stream_ids:
+                del self._sessions[client_id]
+                self._tasks.start(session.close("nothing is left to play"), f"close {client_id}")
+
+
+def _failed(error: BaseException) -> None:
+    _log.error("a session did not end cleanly", exc_info=error)

@@ -92,9 +92,9 @@ def write(pixels: NDArray[np.uint8], number: int, wall: float) -> None:
         raise ValueError(f"a {width}x{height} picture is too small for a stamp")
     row = Stamp.at(number, wall).bits()[_geometry(width).cell_of_column]
     if pixels.ndim == 2:
-        pixels[-_rows(height) :] = _LUMA[row]
+        pixels[-stamp_rows(height) :] = _LUMA[row]
     else:
-        pixels[-_rows(height) :, :, :3] = _RGB[row][:, np.newaxis]
+        pixels[-stamp_rows(height) :, :, :3] = _RGB[row][:, np.newaxis]
 
 
 def read(luma: NDArray[np.uint8]) -> Stamp | None:
@@ -106,7 +106,7 @@ def read(luma: NDArray[np.uint8]) -> Stamp | None:
     if width < MIN_WIDTH or height < MIN_HEIGHT:
         return None
     scaled_rows = height * 8 // 360
-    for rows in (_rows(height), scaled_rows) if 2 <= scaled_rows < _rows(height) else (_rows(height),):
+    for rows in (stamp_rows(height), scaled_rows) if 2 <= scaled_rows < stamp_rows(height) else (stamp_rows(height),):
         stamp = _read_rows(luma, rows)
         if stamp is not None:
             return stamp
@@ -116,11 +116,11 @@ def read(luma: NDArray[np.uint8]) -> Stamp | None:
 def stamped(raw: RawVideo, wall: float) -> RawVideo:
     """The picture with a stamp of its sequence number and of `wall` (epoch seconds).
 
-    It is written into the frame's own pixels where they can be written to, otherwise into a copy.
-
-    Raises:
-        ValueError: the picture is too small.
+    It is written into the frame's own pixels where they can be written to, otherwise into a copy. A picture that is too
+    small for a stamp stays as it is.
     """
+    if raw.width < MIN_WIDTH or raw.height < MIN_HEIGHT:
+        return raw
     data = raw.data
     if raw.format == "i420":
         data = data if data.flags.writeable and data.flags.c_contiguous else np.ascontiguousarray(data).copy()
@@ -134,7 +134,7 @@ def stamped(raw: RawVideo, wall: float) -> RawVideo:
 
 def _neutralise_colour(data: NDArray[np.uint8], width: int, height: int) -> None:
     """Make the stamp of a contiguous I420 picture black and white also for a reader that sees RGB."""
-    first = (height - _rows(height)) // 2
+    first = (height - stamp_rows(height)) // 2
     planes = data.reshape(-1)[width * height :].reshape(2, height // 2, width // 2)
     planes[:, first:] = _GREY
 
@@ -155,7 +155,8 @@ def _geometry(width: int) -> _Geometry:
     return _Geometry(np.repeat(np.arange(CELLS), widths), edges[:-1] + margins, edges[1:] - margins)
 
 
-def _rows(height: int) -> int:
+def stamp_rows(height: int) -> int:
+    """How many rows at the bottom of a picture of `height` rows its stamp takes."""
     return max(8, height * 8 // 360)
 
 

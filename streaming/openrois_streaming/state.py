@@ -1,9 +1,10 @@
 """The life of one stream, as a table. Pure.
 
-A stream is connected, suspended, resumed and disconnected by its application; everything else is measured. The status
-that is told follows from the phase.
+A stream is connected and disconnected by its application, suspended and resumed by application and engine, each for
+itself; everything else is measured. The status that is told follows from the phase.
 """
 
+from collections.abc import Set as AbstractSet
 from enum import Enum
 
 
@@ -24,13 +25,13 @@ class StreamPhase(Enum):
     PARKED = "parked"
     """There is no media path yet, and it is suspended already."""
     IDLE = "idle"
-    """There is a media path, and no media reaches the viewer."""
+    """There is a media path, and no media reaches the other end."""
     RUNNING = "running"
-    """Media reaches the viewer."""
+    """Media reaches the other end: the viewer, or the engine."""
     SUSPENDED = "suspended"
-    """It sends nothing, because the application wants it so."""
+    """Nothing passes, because the application or the engine wants it so."""
     RESUMING = "resuming"
-    """It sends again, and has not reached the viewer yet."""
+    """It may pass again, and has not reached the other end yet."""
     ENDED = "ended"
     """It is over; its id is not used again."""
 
@@ -41,12 +42,21 @@ class StreamInput(Enum):
     UP = "up"
     """The media path is there."""
     FLOWING = "flowing"
-    """Media was measured to reach the viewer."""
+    """Media was measured to reach the other end."""
     STALLED = "stalled"
-    """Media was measured not to reach the viewer."""
+    """Media was measured not to reach the other end."""
     SUSPEND = "suspend"
+    """Somebody wants it suspended."""
     RESUME = "resume"
+    """Nobody wants it suspended any more."""
     END = "end"
+
+
+class Party(Enum):
+    """Who can suspend a stream; only whoever did can take that back."""
+
+    APPLICATION = "application"
+    ENGINE = "engine"
 
 
 _P, _I = StreamPhase, StreamInput
@@ -95,7 +105,7 @@ STATUS: dict[StreamPhase, StreamStatus] = {
 """The status that belongs to a phase. A stream that resumes is told RUNNING when its first picture is on its way."""
 
 OPEN = frozenset({_P.CONNECTING, _P.IDLE, _P.RUNNING, _P.RESUMING})
-"""The phases in which a stream sends as soon as it can."""
+"""The phases in which media passes as soon as it can."""
 
 
 class IllegalTransition(RuntimeError):
@@ -112,6 +122,14 @@ def following(phase: StreamPhase, event: StreamInput) -> StreamPhase:
         return TRANSITIONS[phase][event]
     except KeyError:
         raise IllegalTransition(f"{event.value} while {phase.value}") from None
+
+
+def resumption(suspended_by: AbstractSet[Party], by: Party) -> StreamInput:
+    """What happens to a stream that `suspended_by` have suspended when `by` takes back what it wanted, if anything.
+
+    A party that wanted nothing takes nothing back: the stream stays suspended as long as there is another that does.
+    """
+    return StreamInput.SUSPEND if suspended_by - {by} else StreamInput.RESUME
 
 
 def state_table() -> str:

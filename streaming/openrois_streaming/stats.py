@@ -3,7 +3,28 @@
 from dataclasses import dataclass
 
 from openrois_streaming.encoded import EncodedFrame
+from openrois_streaming.receiving.receiver import ReceiverFigures
 from openrois_streaming.state import StreamStatus
+
+
+@dataclass(frozen=True, slots=True)
+class AdaptationStats:
+    """What a viewer is sent of a source, at one moment, and why."""
+
+    width: int
+    height: int
+    frame_rate: float
+    """Of the rendition that was chosen for it."""
+    bitrate: int
+    """Bit/s of pictures that it is thought to be able to take."""
+    path: int
+    """Bit/s that its path is thought to carry, everything included."""
+    estimate: int | None
+    """The viewer's own estimate of that (REMB); None if it gives none."""
+    probing: bool
+    """Whether more is being tried now."""
+    switches: int
+    """Changes from one rendition to another so far."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,14 +46,27 @@ class StreamStats:
     """Bytes of the frames sent, without headers and repetitions."""
     key_frame_requests: int
     """PLI and FIR that arrived."""
+    packets_sent: int
+    """Of the present peer connection, as all that follows; without repetitions."""
+    packets_retransmitted: int
+    retransmissions_refused: int
+    """Packets that were asked for again in vain: the budget of repetitions was spent."""
+    frames_received: int
+    """Whole frames that came from the application, decoded or not."""
+    path_bitrate: int | None
+    """Bit/s that the viewer's path carries, as it says; None before its first word."""
     round_trip_time: float | None
     """Seconds, smoothed; None before the first report."""
     packets_lost: int | None
-    """As the viewer reports it for the present peer connection."""
+    """As the viewer reports it."""
     fraction_lost: float | None
     """0..1, between the last two reports."""
     jitter: float | None
     """Seconds."""
+    adaptation: AdaptationStats | None = None
+    """None before the first decision, and where there is nothing to choose."""
+    reception: ReceiverFigures | None = None
+    """Of the present peer connection; None where the application sends nothing."""
 
 
 class Counters:

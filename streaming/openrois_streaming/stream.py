@@ -1,16 +1,18 @@
 """A stream of an application: what it asked for and where it stands, and the table of all it has."""
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from openrois_signaling.messages import MediaKind
+from openrois_signaling.messages import Direction, MediaKind
 
+from openrois_streaming.adaptation.caps import Caps
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.codecs import available_codecs
 from openrois_streaming.errors import NoCommonCodec, UnknownStream
 from openrois_streaming.feed import MediaPublisher
+from openrois_streaming.inlet import Intake
 from openrois_streaming.liveness import Verdict
-from openrois_streaming.state import OPEN, STATUS, StreamInput, StreamPhase, StreamStatus, following
+from openrois_streaming.state import OPEN, STATUS, Party, StreamInput, StreamPhase, StreamStatus, following, resumption
 from openrois_streaming.stats import Counters
 
 
@@ -19,39 +21,49 @@ def choose_codecs(kind: MediaKind, wanted: Sequence[str] | None) -> tuple[str, .
 
     Args:
         kind: of the stream.
-        wanted: what the application can decode, as media types ("video/VP8") or their subtypes ("VP8"), in any case.
-            None if it did not say; then all that can be encoded here are offered, best first.
+        wanted: what the application can decode, and encode if it sends, as media types ("video/VP8") or their subtypes
+            ("VP8"), in any case. None if it did not say; then all that can be had here are offered, best first.
 
     Returns:
         The best of them by our own order alone, because it is the one that viewers can share.
 
     Raises:
-        NoCommonCodec: none of `wanted` can be encoded here.
+        NoCommonCodec: none of `wanted` can be had here.
     """
     ours = [codec for codec in available_codecs() if codec.startswith(kind)]
     if wanted is not None:
         theirs = {name.lower().removeprefix(f"{kind}/") for name in wanted}
         ours = [codec for codec in ours if codec.lower().removeprefix(f"{kind}/") in theirs][:1]
     if not ours:
-        raise NoCommonCodec(f"none of the {kind} codecs the application can decode can be sent")
+        raise NoCommonCodec(f"none of the {kind} codecs of the application can be used here")
     return tuple(ours)
 
 
 @dataclass(slots=True, eq=False)
 class Stream:
-    """A stream that an application has connected. `codecs` are the media types it may be sent in, best first."""
+    """A stream that an application has connected. `codecs` are the media types it may be sent in, best first.
+
+    `direction` is seen from the application. `publisher` is there where the application receives, `intake` where it
+    sends. `caps` limit what it is sent.
+    """
 
     stream_id: str
     component_ref: str
     kind: MediaKind
-    publisher: MediaPublisher
+    publisher: MediaPublisher | None
     codecs: tuple[str, ...]
     counters: Counters
+    direction: Direction = "recvonly"
+    intake: Intake | None = None
+    caps: Caps = field(default_factory=Caps)
+    path_bitrate: float | None = None
+    """What its viewer's path was seen to carry, in bit/s; None if nothing is known yet."""
     phase: StreamPhase = StreamPhase.CONNECTING
+    suspended_by: frozenset[Party] = frozenset()
 
     @property
     def is_open(self) -> bool:
-        """Whether it sends as soon as it can."""
+        """Whether media passes as soon as it can."""
         return self.phase in OPEN
 
     @property
@@ -63,9 +75,22 @@ class Stream:
         """Go on to the phase after `event`."""
         self.phase = following(self.phase, event)
 
+    def suspend(self, by: Party) -> None:
+        """Nothing passes until `by` resumes it."""
+        self.apply(StreamInput.SUSPEND)
+        self.suspended_by |= {by}
+
+    def resume(self, by: Party) -> None:
+        """As far as `by` is concerned it goes on; it does so when nobody else has suspended it."""
+        self.apply(resumption(self.suspended_by, by))
+        self.suspended_by -= {by}
+        if self.phase is StreamPhase.RESUMING and self.intake is not None:
+            # Who has to send before anything is measured must hear of it before.
+            self.apply(StreamInput.STALLED)
+
     def judge(self, verdicts: Sequence[Verdict]) -> None:
         """Go on with what was measured on the media paths it has; one that flows is enough."""
-        if not verdicts:
+        if not verdicts or (self.phase is StreamPhase.RUNNING and Verdict.FLOWING in verdicts):
             return
         self.apply(StreamInput.UP)
         if not self.is_open:
@@ -80,7 +105,8 @@ class Stream:
 class StreamChange:
     """The status of a stream at `at`, in seconds since the epoch, is told because it changed or because it ended.
 
-    The last change of each stream, and only that, has `ended`; its id is unknown from then on.
+    The last change of each stream, and only that, has `ended`; its id is unknown from then on. `resumed` is the first
+    RUNNING after a suspension.
     """
 
     stream_id: str
@@ -89,11 +115,7 @@ class StreamChange:
     status: StreamStatus
     at: float
     ended: bool = False
-
-    @property
-    def resumed(self) -> bool:
-        """Whether this is the moment a suspended stream plays again."""
-        return self.previous is StreamStatus.SUSPENDED and self.status is StreamStatus.RUNNING
+    resumed: bool = False
 
 
 class StreamTable:
@@ -104,6 +126,8 @@ class StreamTable:
         self._clock = clock
         self._streams: dict[str, Stream] = {}
         self._told: dict[Stream, StreamStatus] = {}
+        self._paused: set[Stream] = set()
+        """Those that were told suspended and not running since."""
 
     def __iter__(self) -> Iterator[Stream]:
         return iter(tuple(self._streams.values()))
@@ -131,13 +155,21 @@ class StreamTable:
     def tell(self) -> None:
         """Tell every status that is not the one that was told last, and every end."""
         for stream, told in tuple(self._told.items()):
-            ended = stream.stream_id not in self._streams
-            if ended:
+            if stream.stream_id not in self._streams:
                 del self._told[stream]
-            else:
+                self._paused.discard(stream)
+                self._on_change(self._change(stream, told, ended=True))
+            elif stream.status is not told:
                 self._told[stream] = stream.status
-            if ended or stream.status is not told:
-                at = self._clock.wall()
-                self._on_change(
-                    StreamChange(stream.stream_id, stream.component_ref, told, stream.status, at, ended=ended)
-                )
+                resumed = stream.status is StreamStatus.RUNNING and stream in self._paused
+                if stream.status is StreamStatus.SUSPENDED:
+                    self._paused.add(stream)
+                elif resumed:
+                    self._paused.remove(stream)
+                self._on_change(self._change(stream, told, resumed=resumed))
+
+    def _change(
+        self, stream: Stream, told: StreamStatus, *, ended: bool = False, resumed: bool = False
+    ) -> StreamChange:
+        at = self._clock.wall()
+        return StreamChange(stream.stream_id, stream.component_ref, told, stream.status, at, ended, resumed)

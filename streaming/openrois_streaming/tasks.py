@@ -29,6 +29,11 @@ class OwnedTasks:
         task.add_done_callback(self._done)
         return task
 
+    async def finished(self) -> None:
+        """Wait until nothing runs any more, which those that run have to bound."""
+        while self._running:
+            await asyncio.wait(self._running)
+
     async def aclose(self) -> None:
         """Cancel what still runs and wait until it has ended. A task that calls this is left running."""
         others = self._running - {asyncio.current_task()}

@@ -1,15 +1,15 @@
 import av
 import numpy as np
 import pytest
-from aiortc.codecs.opus import OpusEncoder as Packetiser
 from numpy.typing import NDArray
-from openrois_streaming.encoded import EncodedFrame
 from openrois_streaming.encoder import Chunk
 from openrois_streaming.encoder_audio import SAMPLES_PER_PACKET, OpusEncoder
 from openrois_streaming.source import RawAudio
 
 START = 1_000_000.0
 FIRST = round(START * 48_000)
+LOOK_AHEAD = 312 / 48_000
+"""What libopus needs to know of the future (RFC 7845 section 4.2: 6.5 ms at 48 kHz)."""
 
 
 def sine(hertz: float, seconds: float, channels: int = 1) -> NDArray[np.int16]:
@@ -46,20 +46,23 @@ def test_a_block_of_20_ms_gives_one_packet_at_once(channels: int) -> None:
         moment = START + number / 50
         [chunk] = encoder.encode(RawAudio(sine(440, 0.02, channels), moment), key_frame=False)
         assert chunk.pts == FIRST + number * SAMPLES_PER_PACKET
-        assert chunk.captured_at == pytest.approx(moment, abs=1e-6)
+        assert chunk.captured_at == pytest.approx(moment - LOOK_AHEAD, abs=1e-6)
         assert chunk.keyframe
 
 
+def test_a_click_is_decoded_when_its_packet_says_that_it_was_captured() -> None:
+    samples = np.zeros((24_000, 1), np.int16)
+    samples[9600:9624] = 20_000
+    chunks = encode(OpusEncoder(bitrate=128_000), samples, 960)
+    heard = int(np.argmax(np.abs(decode([chunk.data for chunk in chunks])[:, 0].astype(int))))
+    captured_at = chunks[0].captured_at + heard / 48_000
+    assert captured_at == pytest.approx(START + 9612 / 48_000, abs=0.001)
+
+
 @pytest.mark.parametrize("channels", [1, 2])
-def test_what_aiortc_packs_is_the_sound_that_went_in(channels: int) -> None:
+def test_its_payloads_are_the_sound_that_went_in(channels: int) -> None:
     chunks = encode(OpusEncoder(bitrate=64_000), sine(1000, 0.5, channels), 960)
-    payloads = []
-    for number, chunk in enumerate(chunks):
-        frame = EncodedFrame(chunk.data, chunk.pts, 48_000, chunk.keyframe, number, chunk.captured_at)
-        packed, timestamp = Packetiser().pack(frame.to_packet())
-        assert timestamp == chunk.pts
-        payloads += packed
-    decoded = decode(payloads)
+    decoded = decode([payload for chunk in chunks for payload in chunk.payloads])
     assert len(decoded) == 24_000
     for channel in range(2):
         assert loudest(decoded[4800:, channel]) == pytest.approx(1000, abs=5)
@@ -78,12 +81,12 @@ def test_blocks_of_any_length_become_packets_of_20_ms(block: int) -> None:
     chunks = encode(OpusEncoder(bitrate=64_000), sine(440, 0.5), block)
     assert len(chunks) == 25
     assert [chunk.pts for chunk in chunks] == [FIRST + number * 960 for number in range(25)]
-    assert chunks[-1].captured_at == pytest.approx(START + 0.48)
+    assert chunks[-1].captured_at == pytest.approx(START + 0.48 - LOOK_AHEAD)
 
 
 def test_the_jitter_of_capture_times_is_not_passed_on() -> None:
     encoder = OpusEncoder(bitrate=64_000)
-    jitter = [0.0, 0.012, -0.009, 0.03, -0.02, 0.0]
+    jitter = [0.0, 0.012, -0.009, 0.014, -0.014, 0.0]
     chunks = [
         encoder.encode(RawAudio(sine(440, 0.02), START + number / 50 + late), key_frame=False)[0]
         for number, late in enumerate(jitter)
@@ -97,6 +100,14 @@ def test_missing_sound_leaves_a_gap_in_time() -> None:
     after = encode(encoder, sine(440, 0.1), 480, start=START + 2)
     assert [chunk.pts for chunk in before] == [FIRST + number * 960 for number in range(5)]
     assert [chunk.pts for chunk in after] == [FIRST + 96_000 + number * 960 for number in range(5)]
+
+
+@pytest.mark.parametrize("lost", [1, 2, 3])
+def test_the_sound_after_lost_blocks_keeps_its_time(lost: int) -> None:
+    encoder = OpusEncoder(bitrate=64_000)
+    numbers = [0, 1, 2, *range(3 + lost, 10)]
+    chunks = [encoder.encode(RawAudio(sine(440, 0.02), START + number / 50), key_frame=False)[0] for number in numbers]
+    assert [chunk.pts for chunk in chunks] == [FIRST + number * 960 for number in numbers]
 
 
 def test_a_sample_clock_that_is_too_fast_does_not_run_away() -> None:

@@ -1,11 +1,13 @@
 import av
 import numpy as np
 import pytest
-from aiortc.codecs.h264 import H264Encoder, h264_depayload
-from aiortc.codecs.vpx import Vp8Encoder, vp8_depayload
-from openrois_streaming.encoded import EncodedFrame
+from aiortc.codecs.h264 import h264_depayload
+from aiortc.codecs.vpx import vp8_depayload
+from openrois_streaming import stamp
+from openrois_streaming.adaptation.rung import MIN_BITRATE, ladder
 from openrois_streaming.encoder import Chunk
-from openrois_streaming.encoder_video import MAX_BITRATE, MIN_BITRATE, VideoEncoder, planar
+from openrois_streaming.encoder_video import VideoEncoder, planar
+from openrois_streaming.rtp.payloads import PAYLOAD_LIMIT
 from openrois_streaming.source import PixelFormat, RawVideo, picture_shape
 
 from tests.support.pictures import Decoder, Scene, psnr
@@ -73,19 +75,15 @@ def test_h264_is_constrained_baseline_with_parameter_sets_in_each_key_frame() ->
 
 
 @both
-def test_aiortc_packs_it_and_what_it_depacks_can_be_decoded(mime_type: str) -> None:
-    packetiser = H264Encoder() if mime_type == H264 else Vp8Encoder()
+def test_what_aiortc_depacks_of_its_payloads_can_be_decoded(mime_type: str) -> None:
     depayload = h264_depayload if mime_type == H264 else vp8_depayload
     scene, decoder = Scene(), Decoder(mime_type)
     chunks = encode(VideoEncoder(mime_type, bitrate=600_000, frame_rate=30), scene, 10, 30, forced=(5,))
     most = 0
     for number, chunk in enumerate(chunks):
-        frame = EncodedFrame(chunk.data, chunk.pts, 90_000, chunk.keyframe, number, chunk.captured_at)
-        payloads, timestamp = packetiser.pack(frame.to_packet())
-        assert timestamp == chunk.pts
-        assert all(len(payload) <= 1300 for payload in payloads)
-        most = max(most, len(payloads))
-        [plane] = decoder.decode(b"".join(map(depayload, payloads)))
+        assert all(len(payload) <= PAYLOAD_LIMIT for payload in chunk.payloads)
+        most = max(most, len(chunk.payloads))
+        [plane] = decoder.decode(b"".join(map(depayload, chunk.payloads)))
         assert psnr(plane, scene.luma(number)) > 26
     assert most > 2, "a key frame that takes several packets was among them"
 
@@ -117,8 +115,8 @@ def test_a_bit_rate_out_of_bounds_is_brought_within(mime_type: str) -> None:
     scene = Scene()
     least = encode(VideoEncoder(mime_type, bitrate=1, frame_rate=30), scene, 60, 30)
     assert kbits_per_second(least[20:], 30) < 2.5 * MIN_BITRATE / 1000
-    most = VideoEncoder(mime_type, bitrate=10**9, frame_rate=30)
-    assert kbits_per_second(encode(most, scene, 20, 30)[10:], 30) < 1.3 * MAX_BITRATE / 1000
+    most = VideoEncoder(mime_type, bitrate=10**9, frame_rate=30, max_bitrate=700_000)
+    assert kbits_per_second(encode(most, scene, 40, 30)[20:], 30) < 1.3 * 700
 
 
 @both
@@ -206,3 +204,49 @@ def test_a_strided_view_is_encoded_without_its_padding() -> None:
     padded[:, :64] = coloured("bgra", 64, 32).data
     view = RawVideo(padded[:, :64], "bgra", 64, 32, 0, START)
     assert np.array_equal(planar(view), planar(coloured("bgra", 64, 32)))
+
+
+@both
+@pytest.mark.parametrize("size", [(1280, 720), (1920, 1080), (640, 360)])
+def test_a_stamp_can_be_read_on_every_rung_at_its_lowest_rate(mime_type: str, size: tuple[int, int]) -> None:
+    scene = Scene(*size)
+    for rung in ladder(*size, 30):
+        encoder = VideoEncoder(
+            mime_type,
+            bitrate=max(rung.min_bitrate, 80_000),
+            frame_rate=30,
+            max_bitrate=rung.max_bitrate,
+            halvings=rung.halvings,
+        )
+        decoder = Decoder(mime_type)
+        for number in range(8):
+            raw = stamp.stamped(scene.picture(number, START + number / 30), 1_800_000_000 + number)
+            [chunk] = encoder.encode(raw, key_frame=False)
+            [plane] = decoder.decode(chunk.data)
+            assert plane.shape == (rung.height, rung.width)
+            assert stamp.read(plane) == stamp.Stamp.at(number, 1_800_000_000 + number)
+
+
+@pytest.mark.parametrize(("halvings", "size"), [(0, (206, 106)), (1, (102, 52)), (2, (50, 26))])
+@pytest.mark.parametrize("pixel_format", ["i420", "bgra", "bgr24"])
+def test_halving_keeps_colours_and_cuts_off_what_is_left_over(
+    pixel_format: PixelFormat, halvings: int, size: tuple[int, int]
+) -> None:
+    raw = coloured("bgra" if pixel_format == "i420" else pixel_format, 206, 106)
+    if pixel_format == "i420":
+        raw = RawVideo(planar(raw), "i420", 206, 106, 0, START)
+    small = planar(raw, halvings)
+    width, height = size
+    assert small.shape == (height * 3 // 2, width)
+    assert small.flags.c_contiguous
+    u, v = small.reshape(-1)[width * height :].reshape(2, height // 2, width // 2)
+    assert u[0, 0] > 200 > 128 > u[-1, 0]
+    assert v[0, 0] < 128 < 200 < v[-1, 0]
+
+
+def test_a_much_lower_rate_starts_h264_anew_because_its_bursts_would_be_too_long() -> None:
+    encoder, scene = VideoEncoder(H264, bitrate=1_000_000, frame_rate=30), Scene()
+    encode(encoder, scene, 10, 30)
+    encoder.set_bitrate(200_000)
+    then = encode(encoder, scene, 30, 30, first=10)
+    assert [chunk.keyframe for chunk in then] == [True] + [False] * 29

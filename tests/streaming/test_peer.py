@@ -3,12 +3,14 @@ import logging
 from collections.abc import AsyncIterator
 
 import pytest
-from openrois_signaling.messages import SDP_LIMIT, Answer, Bye, Candidate, Offer
+from openrois_signaling.messages import SDP_LIMIT, Answer, Bye, Candidate, Downward, Offer
 from openrois_signaling.negotiation import ANSWER_TIMEOUT, APPLY_TIMEOUT, PREPARE_TIMEOUT
 from openrois_streaming import peer as peer_module
 from openrois_streaming.errors import (
     InvalidCandidate,
     InvalidDescription,
+    NoPath,
+    PeerClosed,
     StaleGeneration,
     TooManyCandidates,
     TooManySections,
@@ -16,8 +18,9 @@ from openrois_streaming.errors import (
 )
 from openrois_streaming.keyframes import KeyFrameCause
 from openrois_streaming.liveness import SILENCE, Verdict
+from openrois_streaming.network.guard import GuardFigures
+from openrois_streaming.network.settings import NetworkSettings
 from openrois_streaming.peer import CONNECT_TIMEOUT, Peer
-from openrois_streaming.sdp import CandidatePolicy
 from openrois_streaming.state import StreamInput
 from openrois_streaming.stats import Counters
 from openrois_streaming.stream import Stream
@@ -34,26 +37,32 @@ class Owner:
         self.clock = VirtualClock()
         self.publisher = FedPublisher()
         self.failures: list[BaseException] = []
-        self.said: list[Offer | Bye] = []
+        self.said: list[Downward] = []
         self.ended: list[str] = []
+        self.declined: list[str] = []
         self.changes = 0
         self.tasks = OwnedTasks("peer", self.failures.append)
         self.peer = Peer(
             "engine/p",
             replaces="engine/o",
             ice_servers=(),
-            policy=CandidatePolicy(),
+            network=NetworkSettings(),
+            guarded=GuardFigures(),
             clock=self.clock,
             tasks=self.tasks,
             owner=self,
         )
         self.connection = WirelessConnection.made[-1]
 
-    def peer_says(self, message: Offer | Bye) -> None:
+    def peer_says(self, message: Downward) -> None:
         self.said.append(message)
 
     def peer_changed(self, peer: Peer) -> None:
         self.changes += 1
+
+    def peer_declined(self, peer: Peer, stream: Stream) -> None:
+        self.declined.append(stream.stream_id)
+        peer.detach(stream)
 
     def peer_ended(self, peer: Peer) -> None:
         self.ended.append(peer.peer_id)
@@ -78,8 +87,7 @@ class Owner:
         await self.answer()
         self.connection.become("connected")
         await settle()
-        await self.publisher.rendition("video/VP8").play(keyframe=True)
-        await self.connection.take()
+        await self.publisher.renditions("video/VP8")[0].show(keyframe=True)
         self.connection.report(1)
         return stream
 
@@ -100,7 +108,7 @@ async def owner(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Owner]:
     assert owner.failures == []
     assert owner.connection.closed
     assert owner.ended == ["engine/p"]
-    assert all(rendition.readers == 0 for rendition in owner.publisher.renditions.values())
+    assert all(rendition.readers == 0 for rendition in owner.publisher.made.values())
 
 
 async def test_streams_that_come_together_are_offered_together(owner: Owner) -> None:
@@ -155,13 +163,12 @@ async def test_media_flows_when_the_offer_is_answered_and_the_connection_is_ther
     assert owner.peer.judge(stream, 0.0) is None
     await owner.answer()
     await settle()
-    assert owner.publisher.renditions == {}
+    assert owner.publisher.made == {}
     owner.connection.become("connected")
     await settle()
-    rendition = owner.publisher.rendition("video/VP8")
+    rendition = owner.publisher.renditions("video/VP8")[0]
     assert rendition.asked == [KeyFrameCause.START]
-    await rendition.play(keyframe=True)
-    await owner.connection.take()
+    await rendition.show(keyframe=True)
     assert owner.peer.judge(stream, owner.clock.now()) is Verdict.UNDECIDED
     owner.connection.report(1)
     assert owner.peer.judge(stream, owner.clock.now()) is Verdict.FLOWING
@@ -179,12 +186,12 @@ async def test_a_stream_added_to_a_connected_peer_flows_after_its_own_answer(own
 
 async def test_a_suspended_stream_leaves_its_rendition_and_a_resumed_one_starts_with_a_key_frame(owner: Owner) -> None:
     stream = await owner.play()
-    rendition = owner.publisher.rendition("video/VP8")
+    rendition = owner.publisher.renditions("video/VP8")[0]
     stream.apply(StreamInput.SUSPEND)
     owner.peer.follow()
     await settle()
     assert rendition.readers == 0
-    owner.connection.sections[0].transceiver.sender._send_keyframe()
+    owner.connection.sections[0].key_frame_wanted()
     assert rendition.asked == [KeyFrameCause.START]
     stream.apply(StreamInput.RESUME)
     owner.peer.follow()
@@ -197,15 +204,14 @@ async def test_a_suspended_stream_leaves_its_rendition_and_a_resumed_one_starts_
 
 async def test_a_key_frame_that_the_viewer_asks_for_is_a_repair(owner: Owner) -> None:
     stream = await owner.play()
-    owner.connection.sections[0].transceiver.sender._send_keyframe()
-    assert owner.publisher.rendition("video/VP8").asked == [KeyFrameCause.START, KeyFrameCause.REPAIR]
+    owner.connection.sections[0].key_frame_wanted()
+    assert owner.publisher.renditions("video/VP8")[0].asked == [KeyFrameCause.START, KeyFrameCause.REPAIR]
     assert stream.counters.key_frame_requests == 1
     owner.peer.detach(stream)
     owner.peer.detach(stream)
-    owner.connection.sections[0].transceiver.sender._send_keyframe()
+    owner.connection.sections[0].key_frame_wanted()
     owner.connection.report(9)
-    await owner.connection.sections[0].track.deliver(frame(9))
-    await owner.connection.take()
+    owner.connection.sections[0].sender.send(frame(9))
     assert (stream.counters.key_frame_requests, stream.counters.frames_sent) == (1, 1)
 
 
@@ -393,8 +399,7 @@ async def test_sound_is_asked_about_at_once(owner: Owner) -> None:
     owner.connection.answers_questions = True
     await settle()
     await owner.clock.advance(0.6)
-    await owner.publisher.rendition("audio/opus").play(keyframe=True)
-    await owner.connection.take()
+    await owner.publisher.renditions("audio/opus")[0].show(keyframe=True)
     assert owner.peer.judge(stream, owner.clock.now()) is Verdict.UNANSWERED
     owner.peer.tick(owner.clock.now())
     await settle()
@@ -436,3 +441,36 @@ async def test_a_sender_that_failed_ends_the_peer(owner: Owner) -> None:
     owner.connection.sender_failed = True
     owner.peer.tick(owner.clock.now())
     assert owner.reasons == ["a sender has failed"]
+
+
+async def test_an_application_with_sources_without_end_is_given_up(owner: Owner) -> None:
+    await owner.play()
+    owner.connection.crowded = True
+    owner.peer.tick(owner.clock.now())
+    assert owner.reasons == ["the application sends from too many sources (SSRC)"]
+
+
+async def test_a_candidate_that_is_found_late_follows_the_offer(owner: Owner) -> None:
+    owner.attach()
+    await owner.answer()
+    owner.connection.find("candidate:1 1 udp 1 203.0.114.7 5000 typ srflx")
+    owner.connection.find(None)
+    found, last = owner.said[-2:]
+    assert isinstance(found, Candidate)
+    assert (found.peer_id, found.generation, found.sdp_mid) == ("engine/p", 1, "0")
+    assert isinstance(last, Candidate)
+    assert last.is_last
+    owner.peer.end("enough")
+    owner.connection.find("candidate:1 1 udp 1 203.0.114.7 5001 typ srflx")
+    assert isinstance(owner.said[-1], Bye), "nothing follows the end"
+
+
+@pytest.mark.parametrize("refusal", [NoPath, PeerClosed])
+async def test_without_a_way_out_the_application_is_told_why(
+    owner: Owner, refusal: type[Exception], caplog: pytest.LogCaptureFixture
+) -> None:
+    owner.connection.failure = refusal("there is no way")
+    owner.attach()
+    await settle()
+    assert owner.reasons == ["there is no way"]
+    assert not caplog.records

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from openrois_streaming import stamp
 from openrois_streaming.codecs import CodecUnavailable
-from openrois_streaming.fanout import SourceEnded
 from openrois_streaming.publisher import AudioPublisher, VideoPublisher
 from openrois_streaming.source import RawAudio, RawVideo
 from openrois_streaming.stamp import Stamp
@@ -20,10 +19,10 @@ def clock() -> VirtualClock:
 
 async def test_two_renditions_share_one_source_and_one_stamp(clock: VirtualClock) -> None:
     source: FedSource[RawVideo] = FedSource()
-    publisher = VideoPublisher(source, clock=clock, stamp=True, bitrate=400_000)
+    publisher = VideoPublisher(source, clock=clock, stamp=True, max_bitrate=400_000)
     scene = Scene()
-    assert (publisher.running_encoders, publisher.last_frame_at, publisher.renditions) == (0, None, ())
-    h264, vp8 = publisher.rendition("video/H264"), publisher.rendition("video/vp8")
+    assert (publisher.running_encoders, publisher.last_frame_at, publisher.made) == (0, None, ())
+    h264, vp8 = publisher.renditions("video/H264")[0], publisher.renditions("video/vp8")[0]
     decoders = [Decoder("video/H264"), Decoder("video/VP8")]
     async with h264.subscribe() as first, vp8.subscribe() as second, h264.subscribe() as third:
         assert publisher.running_encoders == 2
@@ -43,13 +42,13 @@ async def test_two_renditions_share_one_source_and_one_stamp(clock: VirtualClock
         assert source.opened == 1
         assert publisher.frames == 5
     assert publisher.running_encoders == 0
-    assert publisher.renditions == (h264, vp8)
+    assert publisher.made == (h264, vp8)
 
 
 async def test_a_picture_is_not_stamped_unless_that_is_wanted(clock: VirtualClock) -> None:
     source: FedSource[RawVideo] = FedSource()
     publisher = VideoPublisher(source, clock=clock)
-    async with publisher.rendition("video/H264").subscribe() as viewer:
+    async with publisher.renditions("video/H264")[0].subscribe() as viewer:
         raw = picture(0, clock.now())
         await source.feed(raw)
         async with asyncio.timeout(5):
@@ -57,29 +56,30 @@ async def test_a_picture_is_not_stamped_unless_that_is_wanted(clock: VirtualCloc
         assert np.all(raw.data == 128)
 
 
-async def test_a_picture_too_small_for_its_stamp_fails_the_source(clock: VirtualClock) -> None:
+async def test_a_picture_too_small_for_its_stamp_goes_without(clock: VirtualClock) -> None:
     source: FedSource[RawVideo] = FedSource()
     publisher = VideoPublisher(source, clock=clock, stamp=True)
-    async with publisher.rendition("video/H264").subscribe() as viewer:
-        await source.feed(picture(0, clock.now(), width=80))
-        with pytest.raises(SourceEnded) as told:
+    async with publisher.renditions("video/H264")[0].subscribe() as viewer:
+        raw = picture(0, clock.now(), width=80)
+        await source.feed(raw)
+        async with asyncio.timeout(5):
             await viewer.get()
-        assert "too small" in str(told.value.__cause__)
+        assert np.all(raw.data == 128)
 
 
 async def test_a_source_that_was_opened_anew_has_to_advance_anew(clock: VirtualClock) -> None:
     source: FedSource[RawVideo] = FedSource()
     publisher = VideoPublisher(source, clock=clock)
-    async with publisher.rendition("video/VP8").subscribe():
+    async with publisher.renditions("video/VP8")[0].subscribe():
         await source.feed(picture(0, clock.now()))
         advanced = publisher.last_frame_at
     assert advanced == clock.now()
-    async with publisher.rendition("video/VP8").subscribe() as viewer:
+    async with publisher.renditions("video/VP8")[0].subscribe() as viewer:
         await source.feed(picture(1, clock.now()))
         async with asyncio.timeout(5):
             await viewer.get()
         await source.end(OSError())
-    async with publisher.rendition("video/VP8").subscribe():
+    async with publisher.renditions("video/VP8")[0].subscribe():
         await clock.advance(0)
         assert publisher.last_frame_at is None
         assert publisher.frames == 2
@@ -87,8 +87,8 @@ async def test_a_source_that_was_opened_anew_has_to_advance_anew(clock: VirtualC
 
 def test_there_is_one_rendition_of_each_codec(clock: VirtualClock) -> None:
     publisher = VideoPublisher(FedSource[RawVideo](), clock=clock)
-    rendition = publisher.rendition("video/H264")
-    assert publisher.rendition("VIDEO/h264") is rendition
+    rendition = publisher.renditions("video/H264")[0]
+    assert publisher.renditions("VIDEO/h264")[0] is rendition
     assert (rendition.mime_type, rendition.clock_rate) == ("video/H264", 90_000)
 
 
@@ -96,17 +96,17 @@ def test_a_codec_that_is_not_there_or_not_for_this_is_refused(clock: VirtualCloc
     video = VideoPublisher(FedSource[RawVideo](), clock=clock)
     audio = AudioPublisher(FedSource[RawAudio](), clock=clock)
     with pytest.raises(CodecUnavailable, match="video/AV1"):
-        video.rendition("video/AV1")
+        video.renditions("video/AV1")[0]
     with pytest.raises(CodecUnavailable, match="pictures cannot be encoded as audio/opus"):
-        video.rendition("audio/opus")
+        video.renditions("audio/opus")[0]
     with pytest.raises(CodecUnavailable, match="sound cannot be encoded as video/VP8"):
-        audio.rendition("video/VP8")
+        audio.renditions("video/VP8")[0]
 
 
 async def test_sound_is_encoded_once_for_all(clock: VirtualClock) -> None:
     source: FedSource[RawAudio] = FedSource()
     publisher = AudioPublisher(source, clock=clock)
-    rendition = publisher.rendition("audio/opus")
+    rendition = publisher.renditions("audio/opus")[0]
     async with rendition.subscribe() as first, rendition.subscribe() as second:
         assert publisher.running_encoders == 1
         for number in range(3):
@@ -117,3 +117,40 @@ async def test_sound_is_encoded_once_for_all(clock: VirtualClock) -> None:
             assert frame.pts == round(clock.now() * 48_000) + 960 * number
             assert (frame.clock_rate, frame.keyframe, frame.sequence) == (48_000, True, number)
     assert rendition.figures().dropped_input == 0
+
+
+async def test_the_sizes_of_a_source_are_those_of_its_pictures_as_soon_as_there_are_any(clock: VirtualClock) -> None:
+    source: FedSource[RawVideo] = FedSource()
+    publisher = VideoPublisher(source, clock=clock, size=(640, 360), max_bitrate=1_000_000)
+
+    def sizes(fps: float | None = None) -> list[tuple[int, int, float]]:
+        rungs = [each.rung for each in publisher.renditions("video/H264", fps)]
+        return [(rung.width, rung.height, rung.frame_rate) for rung in rungs if rung is not None]
+
+    assert sizes() == [(640, 360, 30), (320, 180, 30)]
+    assert sizes(15) == [(640, 360, 15), (320, 180, 15)]
+    best = publisher.renditions("video/H264")[0]
+    async with best.subscribe() as viewer:
+        await source.feed(picture(0, clock.now(), width=320, height=180))
+        async with asyncio.timeout(5):
+            await viewer.get()
+    assert sizes() == [(320, 180, 30)]
+    assert publisher.renditions("video/H264")[0] is best
+    assert publisher.made == (best,)
+
+
+async def test_who_wants_half_the_pictures_gets_every_other_one_and_costs_the_others_nothing(
+    clock: VirtualClock,
+) -> None:
+    source: FedSource[RawVideo] = FedSource()
+    publisher = VideoPublisher(source, clock=clock, size=(160, 90))
+    [all_of_them], [half] = publisher.renditions("video/H264"), publisher.renditions("video/H264", 15)
+    async with all_of_them.subscribe() as first, half.subscribe() as second:
+        for number in range(8):
+            await source.feed(picture(number, clock.now() + number / 30))
+            async with asyncio.timeout(5):
+                await first.get()
+                if number % 2 == 0:
+                    await second.get()
+    assert all_of_them.figures().encoded == 8
+    assert half.figures().encoded == 4

@@ -2,8 +2,11 @@ import asyncio
 import threading
 
 import pytest
+from openrois_streaming.adaptation.demand import LOWEST, Demands
+from openrois_streaming.adaptation.rung import Rung
 from openrois_streaming.encoded import EncodedFrame
-from openrois_streaming.encoding import Encoding
+from openrois_streaming.encoder_thread import HANG, EncoderHung
+from openrois_streaming.encoding import MAX_ABANDONED, Encoding
 from openrois_streaming.fanout import DropOldest, Fanout, SourceEnded, Subscription
 from openrois_streaming.keyframes import KeyFrameCause
 from openrois_streaming.rendition import Rendition, WholePictures
@@ -69,6 +72,7 @@ async def test_a_frame_arrives_with_all_that_is_known_of_it(stage: Stage) -> Non
         frame = await stage.shoot(viewer)
     assert frame == EncodedFrame(
         data=b"0",
+        payloads=(b"0",),
         pts=round((1000 + FRAME) * 90_000),
         clock_rate=90_000,
         keyframe=True,
@@ -180,6 +184,35 @@ async def test_the_failure_of_the_encoder_reaches_every_viewer_and_the_next_star
     assert stage.threads == 0
 
 
+async def test_an_encoder_that_hangs_is_given_up_and_the_next_starts_anew(stage: Stage) -> None:
+    for number in range(MAX_ABANDONED):
+        async with stage.rendition.subscribe() as viewer:
+            await stage.shoot(viewer)
+            await stage.clock.advance(2 * HANG)
+            encoder = stage.encoders.made[number]
+            encoder.go_on.clear()
+            await stage.source.feed(picture(100 + number, stage.clock.now()))
+            await stage.clock.advance(HANG - 0.1)
+            stage.clock.jump(100)
+            await settle()
+            assert stage.rendition.running
+            await stage.clock.advance(HANG)
+            with pytest.raises(SourceEnded) as end:
+                await got(viewer)
+            assert isinstance(end.value.__cause__, EncoderHung)
+    assert (stage.threads, stage.source.is_open) == (MAX_ABANDONED, False)
+    async with stage.rendition.subscribe() as viewer:
+        with pytest.raises(SourceEnded) as end:
+            await got(viewer)
+        assert str(end.value.__cause__) == "3 encoders do not return"
+    for encoder in stage.encoders.made:
+        encoder.go_on.set()
+        encoder.thread.join(5)
+    async with stage.rendition.subscribe() as viewer:
+        await stage.shoot(viewer)
+    assert stage.threads == 0
+
+
 async def test_an_encoder_that_cannot_be_made_is_told_to_the_viewer(stage: Stage) -> None:
     stage.encoders.failure = OSError("no such size")
     async with stage.rendition.subscribe() as viewer:
@@ -259,7 +292,7 @@ async def test_frames_that_come_while_the_encoder_is_busy_are_lost_counted_and_l
         assert encoder.entered.acquire(timeout=5)
         stage.rendition.request_key_frame(KeyFrameCause.REPAIR)
         for number in range(2, 12):
-            await stage.clock.advance(2)
+            stage.clock.jump(10 if number in (6, 11) else 0)
             await stage.source.feed(picture(number, stage.clock.now()))
         encoder.go_on.set()
         assert [(await got(viewer)).data for _ in range(2)] == [b"1", b"11"]
@@ -277,7 +310,7 @@ async def test_frames_that_come_while_the_encoder_is_busy_are_lost_counted_and_l
 
 
 def frame(sequence: int, *, keyframe: bool = False) -> EncodedFrame:
-    return EncodedFrame(b"", sequence, 90_000, keyframe, sequence, 0.0)
+    return EncodedFrame(b"", (), sequence, 90_000, keyframe, sequence, 0.0)
 
 
 def test_the_mailbox_of_a_viewer_counts_what_it_loses_and_asks_when_it_is_read_again() -> None:
@@ -323,3 +356,101 @@ async def test_a_viewer_that_leaves_while_it_waits_leaves_nothing_behind(stage: 
     with pytest.raises(asyncio.CancelledError):
         await watching
     assert (stage.rendition.running, stage.threads, stage.source.is_open) == (False, 0, False)
+
+
+RUNG = Rung(160, 90, 30.0, 50_000, 200_000)
+
+
+def laddered(mime_type: str = "video/H264") -> tuple[Stage, Rendition[RawVideo]]:
+    stage = Stage()
+    encoding = Encoding(mime_type, 90_000, stage.encoders, predicted=True, depth=1)
+    demands = Demands(RUNG, LOWEST)
+    return stage, Rendition(stage.raw, encoding, clock=stage.clock, bitrate=RUNG.max_bitrate, demands=demands)
+
+
+async def test_who_plays_it_takes_each_frame_at_once_and_says_what_it_can_take() -> None:
+    stage, rendition = laddered()
+    taken: list[EncodedFrame] = []
+    assert (rendition.rung, rendition.was_played) == (RUNG, False)
+    async with rendition.play("me", taken.append, 150_000), rendition.subscribe() as watcher:
+        first = await stage.shoot(watcher)
+        assert taken == [first]
+        assert stage.encoders.made[0].bitrate == 150_000
+        rendition.demand("me", 148_000)
+        rendition.demand("me", 100_000)
+        await stage.shoot(watcher)
+        assert stage.encoders.made[0].bitrates == [100_000], "what is hardly another rate is none"
+        assert (rendition.least("me"), rendition.figures().size) == (50_000, "160x90@30")
+        async with rendition.play("other", lambda _: None, 60_000):
+            await stage.shoot(watcher)
+        await stage.shoot(watcher)
+        assert stage.encoders.made[0].bitrates == [100_000, 60_000, 100_000]
+    assert (rendition.running, rendition.was_played, len(taken)) == (False, True, 4)
+
+
+async def test_a_viewer_that_cannot_take_a_frame_hurts_no_other(caplog: pytest.LogCaptureFixture) -> None:
+    stage, rendition = laddered()
+
+    def fail(_: EncodedFrame) -> None:
+        raise ValueError("odd")
+
+    async with rendition.play("odd", fail, 150_000), rendition.subscribe() as watcher:
+        await stage.shoot(watcher)
+        await stage.shoot(watcher)
+        assert rendition.running
+    assert [record.message for record in caplog.records].count("a viewer could not take a frame") == 2
+
+
+async def test_who_plays_it_hears_of_its_end() -> None:
+    stage, rendition = laddered()
+    async with rendition.play("me", lambda _: None, 150_000) as playing:
+        await stage.source.end(OSError("unplugged"))
+        with pytest.raises(SourceEnded) as told:
+            await got(playing)
+        assert isinstance(told.value.__cause__, OSError)
+
+
+async def test_a_codec_that_begins_anew_for_another_rate_changes_in_steps() -> None:
+    stage, rendition = laddered("video/VP8")
+    async with rendition.play("me", lambda _: None, 200_000), rendition.subscribe() as watcher:
+        for bitrate in (190_000, 180_000, 165_000, 120_000):
+            rendition.demand("me", bitrate)
+            await stage.shoot(watcher)
+        assert (stage.encoders.made[0].bitrate, stage.encoders.made[0].bitrates) == (160_000, [102_400])
+
+
+async def test_a_source_of_another_size_has_other_bounds() -> None:
+    stage, rendition = laddered()
+    async with rendition.play("me", lambda _: None, 500_000), rendition.subscribe() as watcher:
+        await stage.shoot(watcher)
+        rendition.suit(RUNG, LOWEST)
+        rendition.suit(Rung(320, 180, 30.0, 50_000, 300_000), LOWEST)
+        await stage.shoot(watcher)
+        assert stage.encoders.made[0].bitrates == [300_000]
+
+
+async def test_frames_that_are_not_chosen_are_not_encoded() -> None:
+    stage = Stage()
+    encoding = Encoding(
+        "video/H264", 90_000, stage.encoders, predicted=True, depth=1, choose=lambda raw: raw.sequence % 2 == 0
+    )
+    rendition = Rendition(stage.raw, encoding, clock=stage.clock, bitrate=1000)
+    async with rendition.subscribe() as viewer:
+        for number in range(4):
+            await stage.source.feed(picture(number, stage.clock.now()))
+            if number % 2 == 0:
+                await got(viewer)
+        assert stage.encoders.made[0].encoded == [0, 2]
+        assert rendition.figures().dropped_input == 0
+
+
+async def test_sound_is_played_by_whoever_wants_it() -> None:
+    stage = Stage(predicted=False)
+    assert (stage.rendition.rung, stage.rendition.least("me")) == (None, 0.0)
+    taken: list[EncodedFrame] = []
+    async with stage.rendition.play("me", taken.append), stage.rendition.subscribe() as watcher:
+        stage.rendition.demand("me", 1.0)
+        stage.rendition.suit(RUNG, LOWEST)
+        await stage.shoot(watcher)
+    assert len(taken) == 1
+    assert stage.rendition.figures().size == ""

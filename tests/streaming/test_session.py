@@ -10,7 +10,7 @@ from openrois_streaming.errors import NoCommonCodec, TooManySections, UnknownPee
 from openrois_streaming.keyframes import KeyFrameCause
 from openrois_streaming.liveness import STALL
 from openrois_streaming.peers import REPLACE_TIMEOUT
-from openrois_streaming.session import StreamSession
+from openrois_streaming.session import IDLE, StreamSession
 from openrois_streaming.state import StreamStatus
 
 from tests.support.streaming import settle
@@ -31,7 +31,7 @@ class Theatre(Application):
 
     @property
     def video(self) -> FedRendition:
-        return self.publisher.rendition("video/VP8")
+        return self.publisher.renditions("video/VP8")[0]
 
     def connect(self, stream_id: str = "v") -> None:
         self.session.connect(stream_id, "engine/Video", self.publisher, "video")
@@ -47,8 +47,7 @@ class Theatre(Application):
     async def play(self, connection: WirelessConnection, seconds: float = 0.5) -> None:
         """Let frames flow over the first section for a while."""
         for number in range(round(seconds * 10)):
-            await self.video.play(keyframe=number == 0)
-            await connection.take()
+            await self.video.show(keyframe=number == 0)
             self._reports += 1
             connection.report(self._reports)
             await self.clock.advance(0.1)
@@ -67,7 +66,7 @@ async def theatre(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Theatre]:
         yield theatre
     assert theatre.session.peer_ids == theatre.session.stream_ids == ()
     assert all(connection.closed for connection in theatre.connections)
-    assert all(rendition.readers == 0 for rendition in theatre.publisher.renditions.values())
+    assert all(rendition.readers == 0 for rendition in theatre.publisher.made.values())
     ended = [change.stream_id for change in theatre.changes if change.ended]
     assert sorted(ended) == sorted(set(ended))
     others = asyncio.all_tasks() - {asyncio.current_task()}
@@ -208,9 +207,7 @@ async def test_a_replacement_plays_before_the_old_one_goes(theatre: Theatre) -> 
     assert list(theatre.session.peer_ids) == ["engine/p2", "engine/p1"]
     new = await theatre.up(1)
     closed = [old.closed]
-    taking = asyncio.create_task(old.take())
     await theatre.play(new)
-    await taking
     assert [(bye.peer_id, bye.reason) for bye in theatre.byes] == [("engine/p1", "it was replaced")]
     await settle()
     closed.append(old.closed)
@@ -276,6 +273,33 @@ async def test_there_are_never_more_than_two_peers(theatre: Theatre) -> None:
     assert [bye.peer_id for bye in theatre.byes] == ["engine/p1"]
     await settle()
     assert theatre.connections[0].closed
+
+
+async def test_what_falls_back_to_a_peer_that_is_closed_there_ends_with_it(theatre: Theatre) -> None:
+    theatre.connect()
+    await theatre.up()
+    theatre.session.restart("engine/p1")
+    theatre.connect("w")
+    theatre.connect("x")
+    await settle()
+    theatre.connections[0].closed_there = True
+    theatre.connections[1].become("closed")
+    await settle()
+    assert [bye.reason for bye in theatre.byes] == ["the application closed the peer connection", "closed there"]
+    assert {change.stream_id for change in theatre.changes if change.ended} == {"v", "w", "x"}
+    assert theatre.session.is_over
+
+
+async def test_a_stream_gets_another_peer_in_place_of_one_that_is_closed_there(theatre: Theatre) -> None:
+    theatre.connect()
+    await theatre.up()
+    theatre.connections[0].closed_there = True
+    theatre.connect("w")
+    await settle()
+    assert [bye.reason for bye in theatre.byes] == ["closed there"]
+    assert theatre.session.stream_ids == ("w",)
+    assert [each.stream_id for each in theatre.offers[-1].streams] == ["w"]
+    assert theatre.offers[-1].peer_id == "engine/p2"
 
 
 async def test_a_peer_without_streams_is_not_replaced(theatre: Theatre) -> None:
@@ -366,3 +390,35 @@ async def test_it_can_be_closed_from_the_application_that_hears_of_it() -> None:
     session: StreamSession = application.session
     await session.close("never used")
     assert application.byes == []
+
+
+async def test_an_offer_whose_answer_could_not_be_read_is_not_given_up(theatre: Theatre) -> None:
+    theatre.connect()
+    await theatre.offered()
+    await theatre.wait(1)
+    theatre.clock.jump(ANSWER_TIMEOUT * 2)
+    await settle()
+    assert not theatre.byes
+    connection = await theatre.up()
+    await theatre.play(connection)
+    assert theatre.told[-1] == ("v", "running")
+
+
+async def test_a_session_without_streams_ends_its_peer_connection_after_a_while(theatre: Theatre) -> None:
+    theatre.connect("a")
+    connection = await theatre.up()
+    await theatre.play(connection)
+    theatre.session.disconnect("a")
+    await theatre.answer()
+    await theatre.wait(IDLE - 1)
+    assert not theatre.byes
+    theatre.connect("b")
+    await theatre.answer()
+    await theatre.play(connection)
+    theatre.session.disconnect("b")
+    await theatre.answer()
+    await theatre.wait(IDLE - 1)
+    assert not theatre.session.is_over
+    await theatre.wait(2)
+    assert theatre.session.is_over
+    assert [bye.reason for bye in theatre.byes] == ["no stream is left to play"]

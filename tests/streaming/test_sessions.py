@@ -4,10 +4,11 @@ from collections.abc import AsyncIterator
 import pytest
 from openrois_streaming import peer as peer_module
 from openrois_streaming import sessions as sessions_module
-from openrois_streaming.aiortc_seams import UnsupportedLibrary
 from openrois_streaming.errors import TooManySessions, UnknownPeer, UnknownStream
+from openrois_streaming.seams.trial import UnsupportedLibrary
 from openrois_streaming.session import StreamSession
 from openrois_streaming.sessions import StreamSessions
+from openrois_streaming.state import Party
 
 from tests.support.streaming import settle
 from tests.support.viewing import Application, FedPublisher, WirelessConnection
@@ -47,13 +48,43 @@ async def test_a_client_has_one_session_and_reaches_no_other(sessions: StreamSes
 
 
 async def test_the_number_of_clients_is_bounded(sessions: StreamSessions) -> None:
-    sessions.open("alice")
-    sessions.open("bob")
+    connect(sessions.open("alice"), "a")
+    connect(sessions.open("bob"), "b")
     with pytest.raises(TooManySessions):
         sessions.open("carol")
     await sessions.close("bob", "gone")
     await sessions.close("bob", "gone")
     assert sessions.open("carol")
+
+
+async def test_a_session_without_streams_makes_room(sessions: StreamSessions) -> None:
+    alice, bob = sessions.open("alice"), sessions.open("bob")
+    connect(alice, "a")
+    connect(bob, "b")
+    assert len(sessions) == 2
+    alice.disconnect("a")
+    connect(sessions.open("carol"), "c")
+    await settle()
+    assert set(sessions) == {bob, sessions.open("carol")}
+    assert not alice.peer_ids
+    with pytest.raises(TooManySessions):
+        sessions.open("dave")
+
+
+async def test_a_component_is_held_for_all_and_for_those_to_come(sessions: StreamSessions) -> None:
+    alice = sessions.open("alice")
+    connect(alice, "a")
+    sessions.hold("engine/Video")
+    bob = sessions.open("bob")
+    connect(bob, "b")
+    connect(bob, "c")
+    bob.suspend("c")
+    held = [stream.suspended_by for session in (alice, bob) for stream in session._streams]
+    assert held == [{Party.ENGINE}, {Party.ENGINE}, {Party.ENGINE, Party.APPLICATION}]
+    sessions.release("engine/Video")
+    connect(alice, "d")
+    held = [stream.suspended_by for session in (alice, bob) for stream in session._streams]
+    assert held == [set(), set(), set(), {Party.APPLICATION}]
 
 
 async def test_a_client_that_goes_takes_its_streams_along(sessions: StreamSessions) -> None:

@@ -82,6 +82,9 @@ def test_a_picture_that_is_too_small_has_no_stamp(size: tuple[int, int]) -> None
     with pytest.raises(ValueError, match="too small"):
         stamp.write(np.zeros(size, np.uint8), 0, WALL)
     assert stamp.read(np.zeros(size, np.uint8)) is None
+    raw = RawVideo(np.zeros((*size, 4), np.uint8), "bgra", size[1], size[0], 1, 0.0)
+    assert stamp.stamped(raw, WALL) is raw
+    assert not raw.data.any()
 
 
 @pytest.mark.parametrize("value", [0, 128, 255])

@@ -6,10 +6,12 @@ from openrois_streaming.state import (
     STATUS,
     TRANSITIONS,
     IllegalTransition,
+    Party,
     StreamInput,
     StreamPhase,
     StreamStatus,
     following,
+    resumption,
     state_table,
 )
 
@@ -65,6 +67,25 @@ def test_a_stream_can_be_suspended_before_it_is_connected() -> None:
     assert walk(StreamInput.SUSPEND, StreamInput.UP) == [StreamStatus.NOT_CONNECTED, StreamStatus.SUSPENDED]
     told = walk(StreamInput.SUSPEND, StreamInput.RESUME, StreamInput.UP)
     assert told == [StreamStatus.NOT_CONNECTED, StreamStatus.NOT_RUNNING]
+
+
+@pytest.mark.parametrize(
+    ("suspended_by", "by", "event"),
+    [
+        (set(), Party.APPLICATION, StreamInput.RESUME),
+        ({Party.APPLICATION}, Party.APPLICATION, StreamInput.RESUME),
+        ({Party.ENGINE}, Party.APPLICATION, StreamInput.SUSPEND),
+        ({Party.APPLICATION, Party.ENGINE}, Party.APPLICATION, StreamInput.SUSPEND),
+        (set(), Party.ENGINE, StreamInput.RESUME),
+        ({Party.ENGINE}, Party.ENGINE, StreamInput.RESUME),
+        ({Party.APPLICATION}, Party.ENGINE, StreamInput.SUSPEND),
+        ({Party.APPLICATION, Party.ENGINE}, Party.ENGINE, StreamInput.SUSPEND),
+    ],
+)
+def test_a_stream_goes_on_when_nobody_wants_it_suspended(
+    suspended_by: set[Party], by: Party, event: StreamInput
+) -> None:
+    assert resumption(suspended_by, by) is event
 
 
 def test_the_table_is_whole_ends_everywhere_and_fits_one_screen() -> None:

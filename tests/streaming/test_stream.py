@@ -1,13 +1,16 @@
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from openrois_streaming import stream as stream_module
 from openrois_streaming.errors import NoCommonCodec, UnknownStream
+from openrois_streaming.inlet import Intake
 from openrois_streaming.liveness import Verdict
-from openrois_streaming.state import StreamInput, StreamPhase, StreamStatus
+from openrois_streaming.state import TRANSITIONS, Party, StreamInput, StreamPhase, StreamStatus
 from openrois_streaming.stats import Counters
 from openrois_streaming.stream import Stream, StreamChange, StreamTable, choose_codecs
 
 from tests.support.streaming import VirtualClock
-from tests.support.viewing import FedPublisher, frame
+from tests.support.viewing import FakeInlet, FedPublisher, frame
 
 
 def make(stream_id: str = "s") -> Stream:
@@ -85,6 +88,49 @@ def test_a_suspended_stream_is_not_judged() -> None:
     assert stream.status is StreamStatus.SUSPENDED
 
 
+@pytest.mark.parametrize("phase", [phase for phase in StreamPhase if phase is not StreamPhase.ENDED])
+@pytest.mark.parametrize("others", [frozenset(), frozenset({Party.APPLICATION}), frozenset({Party.ENGINE})])
+@pytest.mark.parametrize("party", Party)
+def test_each_takes_back_only_what_it_wanted(phase: StreamPhase, others: frozenset[Party], party: Party) -> None:
+    stream = make()
+    stream.phase = TRANSITIONS[phase][StreamInput.SUSPEND] if others else phase
+    stream.suspended_by = others
+    before = stream.phase
+    stream.suspend(party)
+    assert not stream.is_open
+    assert stream.suspended_by == others | {party}
+    stream.resume(party)
+    assert stream.suspended_by == others - {party}
+    assert stream.is_open is not bool(stream.suspended_by)
+    if stream.suspended_by:
+        assert stream.phase is before
+
+
+@given(st.lists(st.tuples(st.sampled_from(Party), st.booleans()) | st.sampled_from(Verdict), max_size=30))
+def test_no_order_of_wishes_passes_media_of_what_somebody_suspended(
+    events: list[tuple[Party, bool] | Verdict],
+) -> None:
+    stream, wanted = make(), dict.fromkeys(Party, True)
+    for event in events:
+        if isinstance(event, Verdict):
+            stream.judge([event])
+        else:
+            party, wanted[party] = event
+            (stream.resume if event[1] else stream.suspend)(party)
+        assert stream.is_open is all(wanted.values())
+        if not stream.is_open:
+            assert stream.status in {StreamStatus.SUSPENDED, StreamStatus.NOT_CONNECTED}
+
+
+def test_who_has_to_send_hears_of_its_turn_before_anything_arrives() -> None:
+    stream = make()
+    stream.intake = Intake("s", FakeInlet())
+    stream.judge([Verdict.FLOWING])
+    stream.suspend(Party.ENGINE)
+    stream.resume(Party.ENGINE)
+    assert stream.status is StreamStatus.NOT_RUNNING
+
+
 def test_what_is_sent_is_counted() -> None:
     counters = Counters()
     counters.sent(frame(1, keyframe=True, data=b"12345"))
@@ -106,9 +152,9 @@ def test_every_change_is_told_once_with_what_was_before() -> None:
     table.tell()
     table.tell()
     assert told == [StreamChange("s", "engine/Video", StreamStatus.NOT_CONNECTED, StreamStatus.RUNNING, 50.0)]
-    stream.apply(StreamInput.SUSPEND)
+    stream.suspend(Party.APPLICATION)
     table.tell()
-    stream.apply(StreamInput.RESUME)
+    stream.resume(Party.APPLICATION)
     stream.judge([Verdict.FLOWING])
     table.tell()
     assert [change.resumed for change in told] == [False, False, True]

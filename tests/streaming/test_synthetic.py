@@ -8,7 +8,8 @@ import pytest
 from numpy.typing import NDArray
 from openrois_streaming.clock import wall_at
 from openrois_streaming.source import RawAudio, RawVideo
-from openrois_streaming.synthetic import ColourBars, Tone
+from openrois_streaming.stamp import read, stamped
+from openrois_streaming.synthetic import ColourBars, TalkingHead, Tone
 
 from tests.support.streaming import VirtualClock
 
@@ -143,6 +144,58 @@ def test_a_picture_is_cheap_to_draw(clock: VirtualClock) -> None:
     for number in range(30):
         bars._draw(number, clock.wall())
     assert time.thread_time() - started < 0.1, "a tenth of a core at 30 frames a second"
+
+
+def lamp(frame: RawVideo) -> int:
+    """Luma of the middle of the lamp."""
+    return int(luma(frame)[frame.height - 30, frame.width - 20])
+
+
+@pytest.mark.parametrize("make", [ColourBars, TalkingHead])
+@pytest.mark.parametrize(("fps", "pictures"), [(60, 3), (30, 2), (15, 1), (10, 1)])
+async def test_the_lamp_shines_at_the_begin_of_each_second(
+    clock: VirtualClock, make: type[ColourBars | TalkingHead], fps: int, pictures: int
+) -> None:
+    async with make(320, 180, fps, clock=clock).open() as frames:
+        arrived = [frame for _, frame in await taken(clock, frames, 2.0)]
+    offset = wall_at(clock, 0.0)
+    shining = [(frame.captured_at + offset) % 1 for frame in arrived if lamp(frame) > 200]
+    assert len(shining) == pytest.approx(2 * pictures, abs=2)
+    assert all(since < max(0.05, 1 / fps) + 1 / fps for since in shining)
+    assert {lamp(frame) for frame in arrived} == {16, 235}
+    first = min(frame.captured_at for frame in arrived if lamp(frame) > 200)
+    assert (first + offset) % 1 < 1 / fps
+
+
+async def test_the_lamp_is_not_in_the_way_of_the_stamp(clock: VirtualClock) -> None:
+    for make in (ColourBars, TalkingHead):
+        async with make(160, 90, clock=clock).open() as frames:
+            first = await anext(frames)
+        picture = stamped(first, clock.wall())
+        found = read(luma(picture))
+        assert found is not None
+        assert found.number == 0
+
+
+async def test_a_head_sways_and_opens_its_mouth(clock: VirtualClock) -> None:
+    async with TalkingHead(320, 180, 30, clock=clock).open() as frames:
+        arrived = [frame for _, frame in await taken(clock, frames, 1.99)]
+    assert [frame.sequence for frame in arrived] == list(range(len(arrived)))
+    assert np.array_equal(arrived[0].data, arrived[30].data), "every second is the same"
+    assert not np.array_equal(arrived[0].data, arrived[10].data)
+    assert not arrived[0].data.flags.writeable
+    reds = [int((frame.data.reshape(-1)[320 * 180 * 5 // 4 :] == 170).sum()) for frame in arrived[:30]]
+    offset = wall_at(clock, 0.0)
+    widest = arrived[int(np.argmax(reds))]
+    assert (widest.captured_at + offset) % 1 < 0.1
+
+
+@pytest.mark.parametrize(
+    ("width", "height", "fps"), [(158, 90, 30), (160, 88, 30), (161, 90, 30), (160, 91, 30), (160, 90, 0.5)]
+)
+def test_a_head_that_cannot_be_is_refused(clock: VirtualClock, width: int, height: int, fps: float) -> None:
+    with pytest.raises(ValueError, match="no talking head"):
+        TalkingHead(width, height, fps, clock=clock)
 
 
 async def sound(clock: VirtualClock, tone: Tone, seconds: float) -> tuple[float, NDArray[np.int16]]:

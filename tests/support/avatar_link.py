@@ -9,7 +9,7 @@ from typing import Self
 from openrois_avatar.link.messages import Hello, VideoShape, Welcome
 from openrois_avatar.link.protocol import Audio, Message, Parser, PixelFormat, Sender, Video, encode
 
-HELLO = Hello("puppet", "1.0", VideoShape(4, 2, 30), 2, ("nod", "bow"), "secret")
+HELLO = Hello("puppet", "1.0", VideoShape(4, 2, 30), 2, ("nod", "bow"), "secret", hears=True)
 
 
 def wire(*messages: Message) -> bytes:

@@ -176,6 +176,8 @@ class Application(Wire):
         self.peers: dict[str, Peer] = {}
         self.answers = True
         self.candidates_first = False
+        self.devices: dict[str, MediaStreamTrack] = {}
+        """What is sent in the streams of a kind, where this application is to send."""
         self._tasks = tasks
         self._ice_servers: list[RTCIceServer] = []
         self._places: dict[str, tuple[str, str]] = {}
@@ -196,18 +198,23 @@ class Application(Wire):
         assert answer["return_code"] == "OK"
         return str(answer["client_id"])
 
-    async def connect_stream(self, component_ref: str, codecs: Sequence[str] | None = None) -> str:
+    async def connect_stream(
+        self, component_ref: str, codecs: Sequence[str] | None = None, direction: str | None = None
+    ) -> str:
         """Connect a stream and return its id; what is offered is answered by itself."""
         servers = (await self.ask("signaling.ice_servers"))["ice_servers"]
         self._ice_servers = [RTCIceServer(**server) for server in servers]
         parameters = [] if codecs is None else [encoding_parameters(json.dumps({"codecs": list(codecs)}))]
+        if direction is not None:
+            value = json.dumps({"direction": direction})
+            parameters.append({"name": "transport_parameters", "data_type_ref": "String", "value": value})
         answer = await self.ask("rois.stream.connect_stream", component_ref=component_ref, parameters=parameters)
         assert answer["return_code"] == "OK", answer
         return str(answer["stream_id"])
 
-    async def play(self, component_ref: str, codecs: Sequence[str] | None = None) -> str:
+    async def play(self, component_ref: str, codecs: Sequence[str] | None = None, direction: str | None = None) -> str:
         """Connect a stream and wait until it is told to run."""
-        stream_id = await self.connect_stream(component_ref, codecs)
+        stream_id = await self.connect_stream(component_ref, codecs, direction)
         await self.until_status(stream_id, "RUNNING")
         return stream_id
 
@@ -273,6 +280,11 @@ class Application(Wire):
         """The answer to an offer that was taken, not sent yet."""
         connection = self.peers[offer["peer_id"]].connection
         await connection.setRemoteDescription(RTCSessionDescription(offer["sdp"], "offer"))
+        places = {each.mid: each for each in connection.getTransceivers()}
+        for each in offer["streams"]:
+            if each["direction"] != "recvonly" and each["kind"] in self.devices:
+                places[each["mid"]].sender.replaceTrack(self.devices[each["kind"]])
+                places[each["mid"]].direction = each["direction"]
         await connection.setLocalDescription(await connection.createAnswer())
         sdp: str = connection.localDescription.sdp
         return sdp

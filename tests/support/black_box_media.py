@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from aiortc import AudioStreamTrack, VideoStreamTrack
 from av import AudioFrame, VideoFrame
 from numpy.typing import NDArray
 
@@ -80,6 +81,30 @@ class Media:
         samples = np.asarray(frame.to_ndarray(), np.float64).reshape(frame.samples, -1)
         self._sound.append(samples[:, 0] / 32768)
         self.blocks += 1
+
+
+class Microphone(AudioStreamTrack):
+    """A tone of 440 Hz with a peak of -6 dBFS; aiortc takes 3 dB of what is mono."""
+
+    async def recv(self) -> AudioFrame:
+        frame = await super().recv()
+        assert isinstance(frame, AudioFrame)
+        rate = frame.sample_rate
+        phase = 2 * np.pi * 440 * (frame.pts + np.arange(frame.samples)) / rate
+        tone = 16_384 * np.sin(phase)
+        told = AudioFrame.from_ndarray(tone.astype(np.int16)[np.newaxis], format="s16", layout="mono")
+        told.sample_rate, told.pts, told.time_base = rate, frame.pts, frame.time_base
+        return told
+
+
+class Camera(VideoStreamTrack):
+    """Pictures that are as bright as can be, 320x180."""
+
+    async def recv(self) -> VideoFrame:
+        pts, time_base = await self.next_timestamp()
+        frame = VideoFrame.from_ndarray(np.full((270, 320), 235, np.uint8), format="yuv420p")
+        frame.pts, frame.time_base = pts, time_base
+        return frame
 
 
 def pitch(sound: NDArray[np.float64]) -> float:

@@ -269,6 +269,6 @@ async def visiting(
         yield visit
         with suppress(Error):  # the tab may have been closed
             visit.complaints += await visit.read("probe.violations")
-        assert visit.complaints == []
+        assert not visit.complaints, visit.complaints
     finally:
         await context.close()

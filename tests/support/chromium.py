@@ -6,8 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import aioice.ice
-from openrois_signaling.messages import Offer
+from openrois_signaling.messages import IceServer, Offer
 from openrois_streaming.errors import SessionError
+from openrois_streaming.testing import ImpairedPath
 from playwright.async_api import Browser, Page, async_playwright
 
 from tests.support.loopback import PATIENCE, Engine
@@ -18,7 +19,7 @@ window.peers = {}; window.media = {}; window.frames = {}; window.closed = [];
 window.respond = async (offer, bend) => {
   let pc = peers[offer.peer_id];
   if (!pc) {
-    pc = peers[offer.peer_id] = new RTCPeerConnection();
+    pc = peers[offer.peer_id] = new RTCPeerConnection(window.configuration);
     pc.onicecandidate = e => trickle(offer.peer_id, e.candidate ? e.candidate.toJSON() : null);
     pc.ontrack = e => {
       const element = document.createElement(e.track.kind);
@@ -58,6 +59,8 @@ class Tab:
         self.bend = ""
         self.candidates: list[str] = []
         self.pass_offered_candidates = True
+        self.path: ImpairedPath | None = None
+        """What its media passes; None for nothing."""
         self.refusals: list[SessionError] = []
         self._newest: dict[str, Offer] = {}
         self._answered: set[str] = set()
@@ -69,6 +72,12 @@ class Tab:
         await self.page.evaluate("() => {" + _PAGE + "}")
         self.engine.application = self.respond
 
+    async def configure(self, *servers: IceServer, relay_only: bool = False) -> None:
+        """Have the peer connections that are opened from now on use these servers."""
+        policy = "relay" if relay_only else "all"
+        told = {"iceServers": [server.wire() for server in servers], "iceTransportPolicy": policy}
+        await self.page.evaluate("told => { window.configuration = told; }", told)
+
     async def respond(self, offer: Offer) -> None:
         self._newest[offer.peer_id] = offer
         wire = offer.wire()
@@ -76,7 +85,11 @@ class Tab:
             wire["sdp"] = "".join(
                 line for line in offer.sdp.splitlines(keepends=True) if not line.startswith("a=candidate")
             )
+        if self.path is not None:
+            wire["sdp"] = self.path.to_viewer(wire["sdp"])
         sdp = await self.page.evaluate("([offer, bend]) => respond(offer, bend)", [wire, self.bend])
+        if self.path is not None:
+            sdp = self.path.to_engine(sdp)
         try:
             await self.engine.answer(offer, sdp)
         except SessionError as refusal:
@@ -86,6 +99,8 @@ class Tab:
         if candidate is None or not candidate["candidate"]:
             return
         self.candidates.append(candidate["candidate"])
+        if self.path is not None:
+            candidate["candidate"] = self.path.to_engine(candidate["candidate"])
         try:
             await self.engine.candidate(self._newest[peer_id], candidate["candidate"], candidate["sdpMid"])
         except SessionError as refusal:

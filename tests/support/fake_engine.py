@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 from openrois_avatar.link.client import LinkClient, connect_from_environment
-from openrois_avatar.link.messages import Completed, Log, Quit, React
+from openrois_avatar.link.messages import Completed, Log, Pause, Quit, React
 from openrois_avatar.link.protocol import PixelFormat
 
 from tests.support.avatar_link import HELLO
@@ -30,12 +30,18 @@ def main(behaviour: str) -> None:
 
 
 def render(link: LinkClient, *, stubborn: bool) -> None:
+    paused = False
     while link.connected or stubborn:
         for command in link.poll_commands(0.01):
             if isinstance(command, Quit) and not stubborn:
                 return
             if isinstance(command, React):
+                paused = {"pause": True, "go on": False}.get(command.reaction, paused)
                 react(link, command)
+        for block in link.poll_audio():
+            link.send_event(Log(f"heard {block.shape} {block.max()}"))
+        if paused:
+            continue
         now = time.monotonic_ns()
         link.send_video(bytes(32), 4, 2, 16, PixelFormat.BGRA, now)
         link.send_audio(np.zeros((960, 2), np.int16), now)
@@ -47,6 +53,8 @@ def react(link: LinkClient, command: React) -> None:
         os._exit(9)
     if command.reaction == "hang up":
         link.close("hanging up")
+    if command.reaction in {"pause", "go on"}:
+        link.send_event(Pause(command.reaction == "pause"))
     link.send_event(Log(command.reaction))
     if command.reaction == "freeze":
         threading.Event().wait()

@@ -3,8 +3,11 @@
 import asyncio
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
+from functools import partial
+from unittest.mock import patch
 
 from openrois_avatar.adapter import Avatar, run_avatar
+from openrois_avatar.scene import synthetic_scene
 from openrois_avatar.settings import AvatarSettings
 from openrois_streaming.rendition import RenditionFigures
 
@@ -63,12 +66,21 @@ class House:
 
     def figures(self, codec: str) -> RenditionFigures:
         """What the encoder of the picture in `codec` has done."""
-        return self.avatar.video.rendition(codec).figures()
+        return self.avatar.video.renditions(codec)[0].figures()
 
 
 @asynccontextmanager
 async def house() -> AsyncIterator[House]:
     """Run all of it for as long as the block does."""
+    # Pictures of one size only: a busy machine would have viewers change to another.
+    small = partial(synthetic_scene, width=320, height=180)
+    with patch("openrois_avatar.adapter.synthetic_scene", small):
+        async with _house() as opened:
+            yield opened
+
+
+@asynccontextmanager
+async def _house() -> AsyncIterator[House]:
     async with (
         run_gateway(GatewaySettings(port=0)) as gateway,
         run_avatar(AvatarSettings(engine="synthetic")) as avatar,

@@ -2,7 +2,7 @@
 
 import asyncio
 import itertools
-from collections.abc import AsyncIterator, Awaitable, Callable, Iterator, Sequence
+from collections.abc import AsyncIterator, Callable, Coroutine, Iterator, Sequence
 from contextlib import asynccontextmanager, contextmanager, suppress
 
 import aioice.ice
@@ -10,9 +10,11 @@ import pytest
 from aiortc import MediaStreamTrack, RTCConfiguration, RTCPeerConnection, RTCSessionDescription
 from aiortc.mediastreams import MediaStreamError
 from aiortc.rtcconfiguration import RTCBundlePolicy
-from openrois_signaling.messages import Answer, Bye, Candidate, Offer
+from aiortc.sdp import candidate_from_sdp
+from openrois_signaling.messages import Answer, Bye, Candidate, Downward, IceServer, Offer
 from openrois_streaming.clock import SystemClock
 from openrois_streaming.errors import SessionError
+from openrois_streaming.network.settings import NetworkSettings
 from openrois_streaming.publisher import AudioPublisher, VideoPublisher
 from openrois_streaming.session import StreamSession
 from openrois_streaming.source import MediaSource, RawVideo
@@ -41,10 +43,11 @@ class News:
 
 
 class Interruptible:
-    """A source of pictures that a test can let fail once, hold, or hand over late."""
+    """A source of pictures that a test can let fail, hold, or hand over late."""
 
     def __init__(self, source: MediaSource[RawVideo]) -> None:
         self.failure: Exception | None = None
+        """What it fails with, each time that it is opened, until a test takes it away."""
         self.delay = 0.0
         """Seconds from the capture of a picture to its being there; the ones in between are lost."""
         self.running = asyncio.Event()
@@ -60,9 +63,8 @@ class Interruptible:
         async for frame in frames:
             await self.running.wait()
             await asyncio.sleep(self.delay)
-            failure, self.failure = self.failure, None
-            if failure is not None:
-                raise failure
+            if self.failure is not None:
+                raise self.failure
             yield frame
 
 
@@ -82,39 +84,55 @@ class HastyClock(SystemClock):
 class Engine:
     """The engine's end: a session with one application, a small video and a tone."""
 
-    def __init__(self, news: News, speed: float) -> None:
+    def __init__(
+        self, news: News, speed: float, network: NetworkSettings, ice_servers: Sequence[IceServer] = ()
+    ) -> None:
         self.news = news
         clock = SystemClock()
         self.source = Interruptible(ColourBars(320, 180, clock=clock))
-        self.video = VideoPublisher(self.source, clock=clock, name="bars")
+        self.video = VideoPublisher(self.source, clock=clock, stamp=True, name="bars")
         self.audio = AudioPublisher(Tone(clock=clock), clock=clock, name="tone")
         self.offers: list[Offer] = []
         self.byes: list[Bye] = []
         self.changes: list[StreamChange] = []
-        self.application: Callable[[Offer], Awaitable[None]] | None = None
+        self.candidates: list[Candidate] = []
+        self.application: Callable[[Offer], Coroutine[None, None, None]] | None = None
         """Answers offers."""
+        self.trickled: Callable[[Candidate], Coroutine[None, None, None]] | None = None
+        """Takes candidates."""
         self.failures: list[BaseException] = []
         self._answering: set[asyncio.Task[None]] = set()
         ids = itertools.count(1)
         self.session = StreamSession(
-            mint=lambda: f"engine/p{next(ids)}", send=self._send, on_change=self._changed, clock=HastyClock(speed)
+            mint=lambda: f"engine/p{next(ids)}",
+            send=self._send,
+            on_change=self._changed,
+            clock=HastyClock(speed),
+            ice_servers=ice_servers,
+            network=network,
         )
 
-    def _send(self, message: Offer | Bye) -> None:
+    def _send(self, message: Downward) -> None:
         if isinstance(message, Bye):
             self.byes.append(message)
+        elif isinstance(message, Candidate):
+            self.candidates.append(message)
+            if self.trickled is not None:
+                self._start(self.trickled(message))
         else:
             self.offers.append(message)
             if self.application is not None:
-                task = asyncio.ensure_future(self._answer(message))
-                self._answering.add(task)
-                task.add_done_callback(self._answering.discard)
+                self._start(self.application(message))
         self.news.tell()
 
-    async def _answer(self, offer: Offer) -> None:
-        assert self.application is not None
+    def _start(self, answer: Coroutine[None, None, None]) -> None:
+        task = asyncio.ensure_future(self._contained(answer))
+        self._answering.add(task)
+        task.add_done_callback(self._answering.discard)
+
+    async def _contained(self, answer: Coroutine[None, None, None]) -> None:
         try:
-            await self.application(offer)
+            await answer
         except Exception as error:
             self.failures.append(error)
         self.news.tell()
@@ -153,7 +171,7 @@ class Engine:
 
 
 @contextmanager
-def _some_address() -> Iterator[None]:
+def some_address() -> Iterator[None]:
     """Media needs an address; where loopback is the only interface, its address is used, which aioice leaves out."""
     with pytest.MonkeyPatch.context() as patch:
         if not aioice.ice.get_host_addresses(use_ipv4=True, use_ipv6=True):
@@ -162,10 +180,12 @@ def _some_address() -> Iterator[None]:
 
 
 @asynccontextmanager
-async def engine(*, speed: float = 1.0) -> AsyncIterator[Engine]:
+async def engine(
+    *, speed: float = 1.0, network: NetworkSettings | None = None, ice_servers: Sequence[IceServer] = ()
+) -> AsyncIterator[Engine]:
     """An engine that leaves nothing running; its session's clock may run faster than time."""
-    with _some_address():
-        one = Engine(News(), speed)
+    with some_address():
+        one = Engine(News(), speed, network or NetworkSettings(), ice_servers)
         try:
             yield one
         finally:
@@ -185,6 +205,8 @@ class Viewer:
         self.bend_offer: Callable[[str], str] = str
         self.bend_answer: Callable[[str], str] = str
         self.refusals: list[SessionError] = []
+        self.answered: set[str] = set()
+        self._taking = asyncio.Lock()
         self._tasks: list[asyncio.Task[None]] = []
         engine.application = self.respond
 
@@ -196,6 +218,20 @@ class Viewer:
             await self.engine.answer(offer, self.bend_answer(connection.localDescription.sdp))
         except SessionError as refusal:
             self.refusals.append(refusal)
+        self.answered.add(offer.peer_id)
+        self.engine.news.tell()
+
+    async def take(self, candidate: Candidate) -> None:
+        """Add a candidate of the engine, in its turn, once the offer that it belongs to is answered."""
+        async with self._taking:
+            await self.engine.news.until(lambda: candidate.peer_id in self.answered)
+            await self._add(candidate)
+
+    async def _add(self, candidate: Candidate) -> None:
+        added = candidate_from_sdp(candidate.candidate.removeprefix("candidate:")) if candidate.candidate else None
+        if added is not None:
+            added.sdpMid = candidate.sdp_mid
+        await self.connections[candidate.peer_id].addIceCandidate(added)
 
     def _open(self, peer_id: str) -> RTCPeerConnection:
         connection = RTCPeerConnection(RTCConfiguration(iceServers=[], bundlePolicy=RTCBundlePolicy.MAX_BUNDLE))

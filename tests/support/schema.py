@@ -85,7 +85,10 @@ RESULTS: dict[str, dict[str, Any]] = {
     "signaling.answer": {},
     "signaling.candidate": {},
     "signaling.restart": {},
-    "signaling.ice_servers": {"ice_servers": Absent([{"urls": [str]}]), "ttl": Absent(int)},
+    "signaling.ice_servers": {
+        "ice_servers": Absent([{"urls": [str], "username": Absent(str), "credential": Absent(str)}]),
+        "ttl": Absent(int),
+    },
 }
 
 NOTIFICATIONS: dict[str, dict[str, Any]] = {

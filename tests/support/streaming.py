@@ -166,7 +166,8 @@ class FakeEncoder:
         if key_frame:
             self.forced.append(raw.sequence)
         pts = round(raw.captured_at * 90_000)
-        return [Chunk(str(raw.sequence).encode(), pts, key_frame or len(self.encoded) == 1, raw.captured_at)]
+        data = str(raw.sequence).encode()
+        return [Chunk(data, pts, key_frame or len(self.encoded) == 1, raw.captured_at, (data,))]
 
 
 class FakeEncoders:

@@ -79,6 +79,7 @@ class FakeStreams:
         calls: every call: its method, its params, the client_id.
         forgotten: the clients that are gone.
         may_answer: calls wait until it is set.
+        refusal: what a call raises, if set.
     """
 
     def __init__(self, engine_id: str = "robot") -> None:
@@ -88,6 +89,7 @@ class FakeStreams:
         self.called = asyncio.Event()
         self.forgotten: list[str] = []
         self.gone = asyncio.Event()
+        self.refusal: Exception | None = None
         self.may_answer = asyncio.Event()
         self.may_answer.set()
 
@@ -98,6 +100,8 @@ class FakeStreams:
         self.calls.append((method, dict(params), client.client_id))
         self.called.set()
         await self.may_answer.wait()
+        if self.refusal is not None:
+            raise self.refusal
         match method:
             case "rois.stream.connect_stream":
                 return self._connect(params["component_ref"], client)

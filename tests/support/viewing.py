@@ -2,35 +2,51 @@
 
 import asyncio
 import itertools
-from collections.abc import AsyncIterator, Callable, Sequence
+from collections.abc import AsyncIterator, Callable, Hashable, Sequence
 from contextlib import asynccontextmanager
+from typing import Any
 
 from aiortc import RTCPeerConnection
-from openrois_signaling.messages import Answer, Bye, Candidate, IceServer, Offer, StreamSection
-from openrois_streaming.aiortc_seams import ReceiverReport
+from openrois_signaling.messages import Answer, Bye, Candidate, Downward, IceServer, Offer, StreamSection
+from openrois_streaming.adaptation.rung import Rung
+from openrois_streaming.clock import MediaClock
 from openrois_streaming.encoded import EncodedFrame
-from openrois_streaming.errors import InvalidCandidate, InvalidDescription, TooManySections
-from openrois_streaming.fanout import DropOldest, Fanout, Subscription
+from openrois_streaming.errors import InvalidCandidate, InvalidDescription, PeerClosed, TooManySections
+from openrois_streaming.fanout import Fanout, Subscription
 from openrois_streaming.keyframes import KeyFrameCause
-from openrois_streaming.sdp import CandidatePolicy
+from openrois_streaming.network.guard import GuardFigures
+from openrois_streaming.network.settings import NetworkSettings
+from openrois_streaming.receiving.receiver import ReceiverFigures
+from openrois_streaming.rendition import HandedOn
+from openrois_streaming.rtp.reports import ReceiverReport
+from openrois_streaming.sdp import Answered
+from openrois_streaming.seams.sending import DtlsWire
 from openrois_streaming.section import Section
+from openrois_streaming.sending.outlet import Outlet
 from openrois_streaming.session import StreamSession
+from openrois_streaming.source import MediaSource, RawAudio
 from openrois_streaming.stream import Stream, StreamChange
 
+from tests.support.sending import NEGOTIATED, Wires
 from tests.support.streaming import FedSource, VirtualClock, settle
 
 
 def frame(sequence: int, *, keyframe: bool = False, at: float | None = None, data: bytes = b"frame") -> EncodedFrame:
     """One encoded picture; 30 of them are a second."""
     captured_at = sequence / 30 if at is None else at
-    return EncodedFrame(data, round(captured_at * 90_000), 90_000, keyframe, sequence, captured_at)
+    return EncodedFrame(data, (data,), round(captured_at * 90_000), 90_000, keyframe, sequence, captured_at)
 
 
 class FedRendition:
     """A rendition whose frames are given by the test. It records the key frames it is asked for."""
 
-    def __init__(self, mime_type: str) -> None:
+    def __init__(self, mime_type: str, rung: Rung | None = None) -> None:
         self.mime_type = mime_type
+        self.rung = rung
+        self.demanded: float | None = None
+        """The bit rate that a viewer said last that it can take."""
+        self.needed = 0.0
+        """What a viewer must be able to take."""
         self.source: FedSource[EncodedFrame] = FedSource()
         self.asked: list[KeyFrameCause] = []
         self._fanout = Fanout(self.source, name=mime_type)
@@ -41,15 +57,23 @@ class FedRendition:
         return self._fanout.readers
 
     @asynccontextmanager
-    async def subscribe(self) -> AsyncIterator[Subscription[EncodedFrame]]:
-        async with self._fanout.subscribe(mailbox=DropOldest(8)) as subscription:
+    async def play(
+        self, viewer: Hashable, take: Callable[[EncodedFrame], None], bitrate: float | None = None
+    ) -> AsyncIterator[Subscription[EncodedFrame]]:
+        async with self._fanout.subscribe(mailbox=HandedOn(take)) as subscription:
             self.request_key_frame(KeyFrameCause.START)
             yield subscription
+
+    def demand(self, viewer: Hashable, bitrate: float) -> None:
+        self.demanded = bitrate
+
+    def least(self, viewer: Hashable) -> float:
+        return self.needed
 
     def request_key_frame(self, cause: KeyFrameCause) -> None:
         self.asked.append(cause)
 
-    async def play(self, *, keyframe: bool = False) -> None:
+    async def show(self, *, keyframe: bool = False) -> None:
         """Give the next frame to whoever reads."""
         await self.source.feed(frame(next(self._sequence), keyframe=keyframe))
 
@@ -58,13 +82,54 @@ class FedPublisher:
     """A publisher of `FedRendition`s, of all media types."""
 
     def __init__(self) -> None:
-        self.renditions: dict[str, FedRendition] = {}
+        self.made: dict[str, FedRendition] = {}
         self.failure: Exception | None = None
+        self.rung: Rung | None = None
+        """Of the renditions that are made from now on."""
+        self.fps: float | None = None
+        """How many pictures a second were asked for last."""
 
-    def rendition(self, mime_type: str) -> FedRendition:
+    def renditions(self, mime_type: str, fps: float | None = None) -> tuple[FedRendition]:
+        self.fps = fps
         if self.failure is not None:
             raise self.failure
-        return self.renditions.setdefault(mime_type, FedRendition(mime_type))
+        return (self.made.setdefault(mime_type, FedRendition(mime_type, self.rung)),)
+
+
+class FakeReception:
+    """A receiver whose frames are counted by the test."""
+
+    def __init__(self) -> None:
+        self.source: FedSource[RawAudio] = FedSource()
+        self.frames = 0
+        self.last_frame_at: float | None = None
+        self.passing = False
+        self.figures = ReceiverFigures(0, 0, 0, 0, 0, 0, 0, 0, 0.0, 0.0, 0.0)
+
+    def pass_media(self, wanted: bool) -> None:
+        self.passing = wanted
+
+    def arrive(self, now: float) -> None:
+        """Receive a whole frame, which is lost if media is not wanted."""
+        if self.passing:
+            self.frames += 1
+            self.last_frame_at = now
+
+
+class FakeInlet:
+    """An inlet that remembers what was plugged into it, and which source is now."""
+
+    def __init__(self) -> None:
+        self.sources: dict[str, MediaSource[Any]] = {}
+        self.calls: list[tuple[str, str]] = []
+
+    def plug(self, stream_id: str, source: MediaSource[Any]) -> None:
+        self.calls.append(("plug", stream_id))
+        self.sources[stream_id] = source
+
+    def unplug(self, stream_id: str) -> None:
+        self.calls.append(("unplug", stream_id))
+        del self.sources[stream_id]
 
 
 class WirelessConnection:
@@ -75,18 +140,26 @@ class WirelessConnection:
     def __init__(
         self,
         ice_servers: Sequence[IceServer],
-        policy: CandidatePolicy,
+        network: NetworkSettings,
+        guarded: GuardFigures,
+        clock: MediaClock,
         wall_offset: float,
         on_state: Callable[[str], None],
-        on_rtcp: Callable[[], None],
+        on_sign: Callable[[], None],
+        on_candidate: Callable[[str | None], None],
     ) -> None:
+        self.network = network
+        self.find = on_candidate
         self.ice_servers = ice_servers
-        self._wall_offset = wall_offset
+        self._outlet = Outlet.made(clock, wall_offset, asyncio.get_running_loop().call_later)
         self.sections: list[Section] = []
-        self.become = on_state
-        self.hear = on_rtcp
+        self._on_state = on_state
+        self._connected = False
+        self.hear = on_sign
         self.room = 16
-        self.sender_failed = False
+        self.closed_there = False
+        """Whether the application has closed it, and that was not told yet."""
+        self.sender_failed = self.crowded = False
         self.answers_questions = False
         self.questions = 0
         self.candidates: list[str] = []
@@ -95,6 +168,11 @@ class WirelessConnection:
         """What descriptions and answers wait for, if anything."""
         self.failure: Exception | None = None
         """What making a description raises, if anything."""
+        self.answers: dict[str, Answered] = {}
+        """What the application does in the sections of these mids, where that is not what was offered."""
+        self._described: list[tuple[Section, Answered]] = []
+        self.wires: dict[int, Wires] = {}
+        """What each section has sent."""
         self._connection = RTCPeerConnection()
         self.made.append(self)
 
@@ -102,15 +180,22 @@ class WirelessConnection:
         for section in self.sections:
             if section.suits(stream):
                 return section
+        if self.closed_there:
+            raise PeerClosed("closed there")
         if len(self.sections) >= self.room:
             raise TooManySections("full")
-        section = Section(self._connection, stream.kind, stream.codecs, self._wall_offset)
+        section = Section(self._connection, stream.kind, stream.codecs, self._outlet, DtlsWire(), stream.direction)
+        if stream.direction != "recvonly":
+            section.reception = FakeReception()
         section.transceiver._set_mid(str(len(self.sections)))
         self.sections.append(section)
         return section
 
     async def describe(self, generation: int) -> tuple[str, tuple[StreamSection, ...]]:
         listed = [(section, section.leg) for section in self.sections if section.leg is not None]
+        self._described = [(each, "inactive" if each.leg is None else each.direction) for each in self.sections]
+        for section in self.sections:
+            section.describe()
         for _, leg in listed:
             if leg is not None and leg.generation is None:
                 leg.generation = generation
@@ -123,7 +208,7 @@ class WirelessConnection:
                 stream_id=leg.stream.stream_id,
                 component_ref=leg.stream.component_ref,
                 kind=section.kind,
-                direction="recvonly",
+                direction=section.direction,
             )
             for section, leg in listed
             if leg is not None
@@ -133,8 +218,10 @@ class WirelessConnection:
         await self._pass()
         if sdp == "garbage":
             raise InvalidDescription("it is garbage")
-        for section in self.sections:
+        for section, offered in self._described:
             section.codec = section.codec or ("video/VP8" if section.kind == "video" else "audio/opus")
+            section.negotiated(self.answers.get(section.mid, offered))
+        self._start_senders()
         return tuple(sdp.split()[1:])
 
     async def add_candidate(self, attribute: str, *, only_check: bool = False) -> None:
@@ -143,9 +230,10 @@ class WirelessConnection:
         if not only_check:
             self.candidates.append(attribute)
 
-    async def ask_for_a_sign(self) -> bool:
+    async def ask_for_a_sign(self) -> None:
         self.questions += 1
-        return self.answers_questions
+        if self.answers_questions:
+            self.hear()
 
     async def close(self) -> None:
         self.closed = True
@@ -154,10 +242,18 @@ class WirelessConnection:
         if self.obstacle is not None:
             await self.obstacle.wait()
 
-    async def take(self, mid: int = 0) -> None:
-        """Do what aiortc's sender does: take one frame of a section."""
-        async with asyncio.timeout(1):
-            await self.sections[mid].track.recv()
+    def become(self, state: str) -> None:
+        """The media path reaches a state."""
+        self._connected = state == "connected"
+        self._start_senders()
+        self._on_state(state)
+
+    def _start_senders(self) -> None:
+        if self._connected:
+            for number, section in enumerate(self.sections):
+                if number not in self.wires:
+                    self.wires[number] = Wires()
+                    section.sender.start(NEGOTIATED, self.wires[number])
 
     def report(self, highest_sequence: int, mid: int = 0) -> None:
         """Receive a report of the viewer about a section."""
@@ -175,6 +271,7 @@ class Application:
         self.clock = VirtualClock()
         self.offers: list[Offer] = []
         self.byes: list[Bye] = []
+        self.candidates: list[Candidate] = []
         self.changes: list[StreamChange] = []
         self._ids = itertools.count(1)
         self.session = StreamSession(
@@ -184,11 +281,14 @@ class Application:
             clock=self.clock,
         )
 
-    def _receive(self, message: Offer | Bye) -> None:
-        if isinstance(message, Offer):
-            self.offers.append(message)
-        else:
-            self.byes.append(message)
+    def _receive(self, message: Downward) -> None:
+        match message:
+            case Offer():
+                self.offers.append(message)
+            case Bye():
+                self.byes.append(message)
+            case Candidate():
+                self.candidates.append(message)
 
     @property
     def told(self) -> list[tuple[str, str]]:

@@ -1,0 +1,97 @@
+"""When what arrives was captured, on our media clock, from the sender's reports (RFC 3550 section 6.4.1). Pure."""
+
+_WINDOW = 30.0
+# A clock that was stepped, or a sender whose reports are not to be believed.
+_STEP = 1.0
+# What is said to be older has a wrong date.
+_OLDEST = 5.0
+
+
+class LowestOffset:
+    """The least of what was put in during the last `window` seconds, and up to as long before that.
+
+    The difference between two clocks is what is least delayed.
+    """
+
+    def __init__(self, window: float = _WINDOW) -> None:
+        self._window = window
+        self._began = 0.0
+        self._now: float | None = None
+        self._before: float | None = None
+
+    def add(self, offset: float, at: float) -> None:
+        """`offset` was measured at `at` (seconds)."""
+        if self._now is None:
+            self._began, self._now = at, offset
+        elif at - self._began >= self._window:
+            self._began, self._before, self._now = at, self._now, offset
+        else:
+            self._now = min(self._now, offset)
+
+    def reset(self) -> None:
+        """Forget everything."""
+        self._now = self._before = None
+
+    @property
+    def value(self) -> float | None:
+        """The least offset, None before the first."""
+        # Threads that play ask, while the event loop may forget: what is compared must not change meanwhile.
+        now, before = self._now, self._before
+        return now if now is None or before is None else min(now, before)
+
+
+class RemoteClock:
+    """The clock of the other end, which its reports about all of its sources share.
+
+    What is captured there is taken to have arrived at once where it was fastest: sound and pictures are in time with
+    each other, and both late by the least time that a packet needs.
+    """
+
+    def __init__(self) -> None:
+        self._offset = LowestOffset()
+
+    def heard(self, remote: float, arrival: float) -> None:
+        """A report that was written at `remote` (seconds of their clock) came at `arrival` (seconds of ours)."""
+        offset = arrival - remote
+        known = self._offset.value
+        if known is not None and abs(offset - known) > _STEP:
+            self._offset.reset()
+        self._offset.add(offset, arrival)
+
+    def local(self, remote: float) -> float | None:
+        """`remote` on our clock; None before the first report."""
+        offset = self._offset.value
+        return None if offset is None else remote + offset
+
+
+class CaptureTimes:
+    """Turns the RTP timestamps of one source into capture times; `clock_rate` in ticks a second."""
+
+    def __init__(self, clock_rate: int, remote: RemoteClock) -> None:
+        self._clock_rate = clock_rate
+        self._remote = remote
+        self._report: tuple[float, int] | None = None
+        self._offset = LowestOffset()
+
+    def reported(self, remote: float, timestamp: int, arrival: float) -> None:
+        """A sender report pairs `remote` (seconds of their clock) with `timestamp`, unwrapped."""
+        self._report = (remote, timestamp)
+        self._remote.heard(remote, arrival)
+
+    def arrived(self, timestamp: int, arrival: float) -> None:
+        """A packet with `timestamp`, unwrapped, came at `arrival`."""
+        offset = arrival - timestamp / self._clock_rate
+        known = self._offset.value
+        if known is not None and abs(offset - known) > _STEP:
+            self._offset.reset()
+        self._offset.add(offset, arrival)
+
+    def captured_at(self, timestamp: int, now: float) -> float:
+        """When it was captured, `now` at the latest. Without a credible report: when the fastest would have come."""
+        if self._report is not None:
+            remote, reference = self._report
+            moment = self._remote.local(remote + (timestamp - reference) / self._clock_rate)
+            if moment is not None and now - _OLDEST <= moment <= now + _STEP:
+                return min(moment, now)
+        offset = self._offset.value
+        return now if offset is None else min(timestamp / self._clock_rate + offset, now)

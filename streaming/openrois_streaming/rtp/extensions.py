@@ -1,0 +1,65 @@
+"""Header extensions of the one-byte form (RFC 8285 section 4.2), as each packet of a sender carries them. Pure."""
+
+from openrois_streaming.rtp.ntp import abs_send_time
+
+MID = "urn:ietf:params:rtp-hdrext:sdes:mid"
+"""Which m-section a packet belongs to (RFC 9143 section 15)."""
+
+ABS_SEND_TIME = "http://www.webrtc.org/experiments/rtp-hdrext/abs-send-time"
+"""When a packet left, from which a receiver estimates what its path can carry."""
+
+PLAYOUT_DELAY = "http://www.webrtc.org/experiments/rtp-hdrext/playout-delay"
+"""How long a browser shall hold pictures back at least and at most: 12 bits each, in units of 10 ms."""
+
+_AT_ONCE = bytes(3)
+_AS_IT_LIKES = (1000).to_bytes(3, "big")  # 0 to 10 s
+
+
+class Extensions:
+    """The extension block of a sender's packets.
+
+    A receiver that is told to play at once shows each picture as soon as it is decoded, and does not wait for the sound
+    of the same moment.
+
+    Args:
+        mid_id: the negotiated id of MID; None to leave it out.
+        mid: the name of the m-section.
+        abs_send_time_id: the negotiated id of ABS_SEND_TIME; None to leave it out.
+        playout_delay_id: the negotiated id of PLAYOUT_DELAY; None to leave it out.
+    """
+
+    __slots__ = ("_known", "_named", "_timed")
+
+    def __init__(
+        self, mid_id: int | None, mid: str, abs_send_time_id: int | None, playout_delay_id: int | None = None
+    ) -> None:
+        self._timed = abs_send_time_id is not None
+        time_header = b"" if abs_send_time_id is None else bytes((abs_send_time_id << 4 | 2,))
+        name = mid.encode()[:16]
+        element = b"" if mid_id is None or not name else bytes((mid_id << 4 | len(name) - 1,)) + name
+        delays = [b"", b""]
+        if playout_delay_id is not None:
+            delays = [bytes((playout_delay_id << 4 | 2,)) + value for value in (_AS_IT_LIKES, _AT_ONCE)]
+        # By whether to play at once.
+        self._known = tuple(_framed(time_header, delay) for delay in delays)
+        self._named = tuple(_framed(time_header, delay + element) for delay in delays)
+
+    def acknowledged(self) -> None:
+        """The receiver knows the sender by its SSRC: MID is left out from now on."""
+        self._named = self._known
+
+    def block(self, moment: float, *, at_once: bool = False) -> bytes:
+        """The block of a packet that leaves at `moment` (epoch seconds); empty, and no extension then, if unused."""
+        before, after = self._named[at_once]
+        return before + abs_send_time(moment) + after if self._timed else before
+
+
+def _framed(time_header: bytes, others: bytes) -> tuple[bytes, bytes]:
+    """What stands before and after the three bytes of the time."""
+    length = (len(time_header) and 4) + len(others)
+    if not length:
+        return b"", b""
+    words = (length + 3) // 4
+    padding = bytes(words * 4 - length)
+    before = b"\xbe\xde" + words.to_bytes(2, "big") + time_header
+    return (before, others + padding) if time_header else (before + others + padding, b"")

@@ -1,0 +1,375 @@
+"""The only place that touches names of aioice that are not public: sockets, candidates and connectivity checks.
+
+What is reached for, and why nothing public does it:
+
+* `RTCIceTransport._connection` is the aioice connection, and its `get_component_candidates` opens sockets on any port
+  of every interface and waits for STUN and TURN servers. Here sockets are opened as the settings say, and servers are
+  asked later.
+* `StunProtocol` receives every datagram; a `Gate` stands in front of it. `check_state` and `check_incoming` tell which
+  sources prove themselves, `respond_error` answers those that do not, and `_queue` is what waits for DTLS and SRTP.
+* `_nominated` is the pair that is sent over; when its other end is silent, a pair that has proven itself takes over.
+"""
+
+import asyncio
+import functools
+import logging
+import socket
+import time
+from collections.abc import Awaitable, Callable, Sequence
+from typing import Any, Final
+
+from aioice import Candidate, ice, stun
+from aioice.candidate import candidate_foundation, candidate_priority
+from aioice.turn import UDP_SOCKET_BUFFER_SIZE
+from aiortc.rtcicetransport import RTCIceTransport
+
+from openrois_streaming.network.datagrams import KINDS, Kind, StunClass, stun_class, transaction_of
+from openrois_streaming.network.guard import (
+    QUEUE_LIMIT,
+    REPLIES_AT_ONCE,
+    REPLIES_PER_SECOND,
+    Allowance,
+    Gate,
+    GuardFigures,
+    Source,
+)
+from openrois_streaming.network.servers import TurnServer
+from openrois_streaming.tasks import OwnedTasks
+
+PROOF_TRIES: Final = 3
+"""How often a source is asked to prove itself after ICE is done, 0.5, 1.5 and 3.5 s after the first time."""
+
+RELEASE_TIMEOUT: Final = 1.0
+"""Seconds that a TURN server has to let go of a relay."""
+
+_UNAUTHENTICATED: Final = (400, 401)
+_STATE: Final = ice.CandidatePair.State
+
+_log = logging.getLogger(__name__)
+
+
+def local_candidate(kind: str, host: str, port: int, *, base: str, related: tuple[str, int] | None = None) -> Candidate:
+    """A candidate of this end; `base` is the address it is sent from (RFC 8445 section 5.1.1.3)."""
+    candidate = Candidate(
+        candidate_foundation(kind, "udp", base), 1, "udp", candidate_priority(1, kind), host, port, kind
+    )
+    if related is not None:
+        candidate.related_address, candidate.related_port = related
+    return candidate
+
+
+class GuardedProtocol(ice.StunProtocol):
+    """One socket of an ICE agent, behind its gate."""
+
+    def __init__(self, agent: "IceAgent") -> None:
+        super().__init__(agent.connection)
+        self._agent = agent
+        self._figures = agent.figures
+        self.gate = Gate(agent.permits, agent.figures)
+
+    def datagram_received(self, data: bytes | str, addr: tuple[Any, ...]) -> None:
+        """Let pass what may: STUN is read, DTLS and SRTP of proven sources go on."""
+        assert isinstance(data, bytes)
+        kind = KINDS[data[0]] if data else Kind.OTHER
+        source = (addr[0], addr[1])
+        if kind is Kind.STUN:
+            self._stun_received(data, source)
+        elif kind is Kind.OTHER:
+            self._figures.unknown += 1
+        elif self.gate.passes(data, source):
+            self._agent.deliver(data)
+
+    async def close(self) -> None:
+        """Close the socket; a relay that does not let go is left behind, it ends by itself within minutes."""
+        try:
+            async with asyncio.timeout(RELEASE_TIMEOUT):
+                await super().close()
+        except TimeoutError:
+            _log.info("a TURN server does not answer to the end of a relay")
+
+    def _stun_received(self, data: bytes, source: Source) -> None:
+        kind = stun_class(data)
+        if kind is None:
+            self._figures.malformed += 1
+        elif kind in (StunClass.SUCCESS, StunClass.ERROR) and transaction_of(data) not in self.transactions:
+            self._figures.unasked += 1
+        elif kind is not StunClass.INDICATION:
+            try:
+                self._read(stun.parse_message(data), source)
+            except Exception:  # the parser and what follows it raise whatever hostile bytes make of them
+                self._figures.malformed += 1
+
+    def _read(self, message: stun.Message, source: Source) -> None:
+        if message.message_class is not stun.Class.REQUEST:
+            self.transactions[message.transaction_id].response_received(message, source)
+            return
+        early = self.receiver._early_checks
+        self.receiver.request_received(message, source, self)
+        if early and early[-1][1:] == (source, self):
+            # It is authentic, but no answer is there yet. Its sender may go on at once, for it has a reply.
+            self.gate.expect(source)
+
+
+class Checks:
+    """Connectivity checks beside those that aioice makes to find its first path. To be closed.
+
+    Args:
+        connection: whose credentials and paths they are about.
+        admit: called for each source that proves itself.
+    """
+
+    def __init__(self, connection: ice.Connection, admit: Callable[[GuardedProtocol, Source], None]) -> None:
+        self._connection = connection
+        self._admit = admit
+        self._proving: set[tuple[GuardedProtocol, Source]] = set()
+        self._tasks = OwnedTasks("ice", self._failed)
+
+    async def answers(self) -> bool:
+        """Whether the other end answers on the path that is sent over within 0.5 s.
+
+        Every ICE agent must answer it (RFC 8445 section 7.3), also when it has no media to send.
+        """
+        pair = self._connection._nominated.get(1)
+        return pair is not None and await self._check(pair, tries=1)
+
+    def prove(self, protocol: GuardedProtocol, source: Source) -> None:
+        """Ask `source` to prove itself, unless it is being asked."""
+        if (protocol, source) not in self._proving and not self._connection._closing:
+            self._proving.add((protocol, source))
+            self._tasks.start(self._try_to_prove(protocol, source), "check")
+
+    async def settled(self) -> None:
+        """Wait until no source is being asked."""
+        await self._tasks.finished()
+
+    async def aclose(self) -> None:
+        """Ask nobody any more."""
+        await self._tasks.aclose()
+
+    async def _try_to_prove(self, protocol: GuardedProtocol, source: Source) -> None:
+        remote = Candidate("0", 1, "udp", candidate_priority(1, "prflx"), source[0], source[1], "prflx")
+        pair = ice.CandidatePair(protocol, remote)
+        try:
+            if not await self._check(pair, tries=PROOF_TRIES):
+                protocol.gate.forget(source)
+                return
+            self._admit(protocol, source)
+            # A path that appears while the present one is silent has come in its place, behind a NAT for example.
+            if not await self.answers() and await self._check(pair, tries=PROOF_TRIES, nominate=True):
+                self._connection._nominated[1] = pair
+        finally:
+            self._proving.discard((protocol, source))
+
+    async def _check(self, pair: ice.CandidatePair, *, tries: int, nominate: bool = False) -> bool:
+        connection = self._connection
+        if connection.remote_password is None:
+            return False
+        try:
+            _, seen_from = await pair.protocol.request(
+                connection.build_request(pair, nominate=nominate),
+                pair.remote_addr,
+                integrity_key=connection.remote_password.encode(),
+                retransmissions=tries - 1,
+            )
+        except (stun.TransactionError, OSError):
+            return False
+        return seen_from == pair.remote_addr
+
+    def _failed(self, error: BaseException) -> None:
+        _log.error("a connectivity check failed inside", exc_info=error)
+
+
+def _close_opened(opening: asyncio.Future[tuple[asyncio.DatagramTransport, GuardedProtocol]]) -> None:
+    if not opening.cancelled() and opening.exception() is None:
+        opening.result()[0].close()
+
+
+class IceAgent:
+    """An aioice connection with guarded sockets. To be made before the first description is.
+
+    Args:
+        transport: whose connection it is.
+        gather: finds the candidates of the first description, and may raise.
+        permits: says whether an address and port may be sent to.
+        figures: where is counted what does not pass.
+    """
+
+    def __init__(
+        self,
+        transport: RTCIceTransport,
+        gather: Callable[[], Awaitable[list[Candidate]]],
+        permits: Callable[[str, int], bool],
+        figures: GuardFigures,
+    ) -> None:
+        self.connection = connection = transport._connection
+        self.permits = permits
+        self.figures = figures
+        self._gather = gather
+        self._replies = Allowance(time.monotonic, REPLIES_AT_ONCE, REPLIES_PER_SECOND)
+        self.checks = Checks(connection, self._admit)
+        self._aioice_check_state = connection.check_state
+        self._aioice_check_incoming = connection.check_incoming
+        self._aioice_respond_error = connection.respond_error
+        connection.get_component_candidates = self._get_component_candidates  # type: ignore[method-assign]
+        connection.check_state = self._check_state  # type: ignore[method-assign]
+        connection.check_incoming = self._check_incoming  # type: ignore[method-assign, assignment]
+        connection.respond_error = self._respond_error  # type: ignore[method-assign]
+        self._aioice_close = connection.close
+        connection.close = self._close  # type: ignore[method-assign]
+
+    @property
+    def is_done(self) -> bool:
+        """Whether a path was found, or none can be found any more."""
+        return self.connection._check_list_done
+
+    @property
+    def waiting(self) -> int:
+        """How many datagrams wait for DTLS and SRTP."""
+        return self.connection._queue.qsize()
+
+    @property
+    def paths(self) -> tuple[tuple[Candidate, str, int], ...]:
+        """The path that is sent over, if there is one: the local candidate, and the other end's address and port."""
+        return tuple((pair.local_candidate, *pair.remote_addr) for pair in self.connection._nominated.values())
+
+    def adopt(self, protocol: GuardedProtocol) -> None:
+        """Use a socket from now on; it is closed with the connection."""
+        self.connection._protocols.append(protocol)
+
+    async def open_host(self, address: str, ports: Sequence[int]) -> Candidate:
+        """Open a socket on the first of `ports` that is free.
+
+        Raises:
+            OSError: none is, or the address is not this machine's.
+        """
+        loop = asyncio.get_running_loop()
+        for port in ports:
+            opening = asyncio.ensure_future(
+                loop.create_datagram_endpoint(functools.partial(GuardedProtocol, self), local_addr=(address, port))
+            )
+            try:
+                transport, protocol = await asyncio.shield(opening)
+                break
+            except asyncio.CancelledError:
+                # uvloop leaves a socket open that is given up while it is opened.
+                opening.add_done_callback(_close_opened)
+                raise
+            except OSError:
+                if port == ports[-1]:
+                    raise
+        self.adopt(protocol)
+        opened = transport.get_extra_info("socket")
+        opened.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, UDP_SOCKET_BUFFER_SIZE)
+        host, bound = transport.get_extra_info("sockname")[:2]
+        protocol.local_candidate = local_candidate("host", host, bound, base=host)
+        return protocol.local_candidate
+
+    async def ask_stun(self, host: Candidate, server: tuple[str, int]) -> tuple[str, int]:
+        """Under which address and port a STUN server sees the socket of `host`.
+
+        Raises:
+            aioice.stun.TransactionError: it does not say.
+        """
+        protocol = next(each for each in self.connection._protocols if each.local_candidate is host)
+        request = stun.Message(message_method=stun.Method.BINDING, message_class=stun.Class.REQUEST)
+        response, _ = await protocol.request(request, server)
+        try:
+            address, port = response.attributes["XOR-MAPPED-ADDRESS"]
+        except KeyError:
+            raise stun.TransactionFailed(response) from None
+        return str(address), int(port)
+
+    async def allocate(self, server: TurnServer, *, hide: bool) -> Candidate:
+        """Have a TURN server relay, and pair its address with all candidates of the other end.
+
+        Args:
+            server: the server.
+            hide: whether nobody is told by which address this machine reached it.
+
+        Raises:
+            aioice.stun.TransactionError, OSError: it does not.
+        """
+        candidate, protocol = await ice.relayed_candidate(
+            component=1,
+            hide_related_address=hide,
+            protocol_factory=lambda: GuardedProtocol(self),
+            turn_server=(server.host, server.port),
+            turn_username=server.username,
+            turn_password=server.credential,
+            turn_ssl=server.tls,
+            turn_transport=server.transport,
+        )
+        connection = self.connection
+        if connection._closing or self.is_done:
+            await protocol.close()  # nobody needs it any more; the server has others to serve
+            raise ConnectionError("the relay came too late to be of use")
+        assert isinstance(protocol, GuardedProtocol), "it was made here"
+        self.adopt(protocol)
+        for remote in connection._remote_candidates:
+            connection._pair_remote_candidate(remote)
+        connection.sort_check_list()
+        return candidate
+
+    def add(self, candidate: Candidate) -> None:
+        """From now on `candidate` stands in every description."""
+        self.connection._local_candidates.append(candidate)
+
+    def deliver(self, data: bytes) -> None:
+        """Hand DTLS or SRTP of a proven source over."""
+        if self.connection._queue.qsize() >= QUEUE_LIMIT:
+            self.figures.overflow += 1
+        else:
+            self.connection.data_received(data, 1)
+
+    async def _get_component_candidates(
+        self, component: int, addresses: list[str], timeout: float = 0
+    ) -> list[Candidate]:
+        return await self._gather()
+
+    async def _close(self) -> None:
+        await self.checks.aclose()  # before their sockets are closed
+        await self._aioice_close()
+
+    def _check_state(self, pair: ice.CandidatePair, state: ice.CandidatePair.State) -> None:
+        self._aioice_check_state(pair, state)
+        protocol = pair.protocol
+        assert isinstance(protocol, GuardedProtocol), "every socket here is guarded"
+        if state is _STATE.IN_PROGRESS:
+            protocol.gate.expect(pair.remote_addr)
+        elif state is _STATE.SUCCEEDED:
+            self._admit(protocol, pair.remote_addr)
+            asyncio.get_running_loop().call_soon(self._prove_others)
+        elif state is _STATE.FAILED:
+            protocol.gate.forget(pair.remote_addr)
+
+    def _check_incoming(self, message: stun.Message, addr: Source, protocol: GuardedProtocol) -> None:
+        """An authentic check came in."""
+        if "PRIORITY" not in message.attributes:
+            self.figures.malformed += 1
+        elif not protocol.gate.expect(addr):
+            pass
+        elif not self.is_done:
+            self._aioice_check_incoming(message, addr, protocol)
+        elif addr not in protocol.gate.proven:
+            self.checks.prove(protocol, addr)
+
+    def _respond_error(
+        self, request: stun.Message, addr: Source, protocol: ice.StunProtocol, error_code: tuple[int, str]
+    ) -> None:
+        if error_code[0] in _UNAUTHENTICATED:
+            self.figures.unauthenticated += 1
+            if not self._replies.admits():
+                return
+        self._aioice_respond_error(request, addr, protocol, error_code)
+
+    def _admit(self, protocol: GuardedProtocol, source: Source) -> None:
+        for data in protocol.gate.admit(source):
+            self.deliver(data)
+
+    def _prove_others(self) -> None:
+        """With the first path aioice gives up its other checks; the other end may use another one all the same."""
+        if self.is_done:
+            for protocol in self.connection._protocols:
+                if isinstance(protocol, GuardedProtocol):
+                    for source in protocol.gate.expected:
+                        self.checks.prove(protocol, source)

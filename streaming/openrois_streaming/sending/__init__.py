@@ -1,0 +1,1 @@
+"""Sending: one frame, encoded once, to each of its viewers."""

@@ -1,0 +1,16 @@
+"""When the frames of a synthetic source are due."""
+
+import math
+from collections.abc import AsyncIterator
+
+from openrois_streaming.clock import MediaClock
+
+
+async def due(clock: MediaClock, epoch: float, rate: float, *, patience: int) -> AsyncIterator[int]:
+    """Yield the numbers n, each when `epoch + n / rate` has come, and of those that are late at most `patience`."""
+    number = math.ceil((clock.now() - epoch) * rate - 1e-6)
+    while True:
+        await clock.sleep_until(epoch + number / rate)
+        number = max(number, math.floor((clock.now() - epoch) * rate) - patience)
+        yield number
+        number += 1

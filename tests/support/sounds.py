@@ -1,0 +1,14 @@
+"""Sounds that are known."""
+
+import numpy as np
+from numpy.typing import NDArray
+from openrois_streaming.source import SAMPLE_RATE
+
+
+def bursts(*starts: int, length: int = 2 * SAMPLE_RATE, amplitude: int = 16_000) -> NDArray[np.int16]:
+    """Silence with a burst of 1 kHz and 50 ms at each of these samples, as `synthetic.Tone` has them."""
+    sound = np.zeros(length, np.int16)
+    wave = amplitude * np.sin(2 * np.pi * 1000 * np.arange(SAMPLE_RATE // 20) / SAMPLE_RATE)
+    for start in starts:
+        sound[start : start + len(wave)] = wave[: length - start]
+    return sound
