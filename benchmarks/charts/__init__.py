@@ -1,0 +1,1 @@
+"""Charts of what was measured: from `benchmarks/results` to `docs`, see `__main__`."""

@@ -1,0 +1,1 @@
+"""Chromium behind bad networks: see `__main__`."""

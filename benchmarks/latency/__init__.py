@@ -1,0 +1,1 @@
+"""Latency beside plain aiortc: see `__main__`."""

@@ -1,0 +1,1 @@
+"""Lip sync over minutes: see `__main__`."""

@@ -1,0 +1,1 @@
+"""One viewer behind a slow path beside fast ones of the same source."""
