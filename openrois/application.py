@@ -47,7 +47,8 @@ class EngineHost:
         commands: how many commands are accepted and not finished.
         sleep: waits for some seconds, between the commands of a sequence.
         wall_clock: epoch seconds.
-        ice_servers: what both ends of every stream may use, as the W3C's RTCIceServer objects.
+        ice_servers: what an end of a stream may use, as the W3C's RTCIceServer objects; given who it is for.
+        ice_ttl: seconds for which that may be kept.
     """
 
     engine: Engine
@@ -56,7 +57,8 @@ class EngineHost:
     commands: CommandBudget = field(default_factory=CommandBudget)
     sleep: Callable[[float], Awaitable[None]] = asyncio.sleep
     wall_clock: Callable[[], float] = time.time
-    ice_servers: tuple[Mapping[str, Any], ...] = ()
+    ice_servers: Callable[[str], tuple[Mapping[str, Any], ...]] = lambda _user: ()
+    ice_ttl: int = 3600
 
     def crashed(self, what: str) -> None:
         """Report that something went wrong inside the engine, which is nobody else's fault."""
@@ -157,6 +159,7 @@ class ApplicationSession:
             component_ref in self.bound
             or self.events.listens_to(component_ref)
             or self.commands.has_one_on(component_ref)
+            or component_ref in self.streams.values()
         )
 
     def _tree_changed(self) -> None:

@@ -30,7 +30,7 @@ from openrois.types.profiles import HRIEngineProfile, RoISIdentifier
 from openrois.types.references import engine_of, flaw_of_name
 from openrois.types.streams import subject_of
 
-__all__ = ["Engine"]
+__all__ = ["Engine", "leads_to"]
 
 _log = logging.getLogger(__name__)
 
@@ -254,6 +254,14 @@ class Engine:
         """Return the extensions of the buses attached here that have one."""
         found = (getattr(child.bus, "extension", None) for child in self._children)
         return tuple(extension for extension in found if extension is not None)
+
+
+def leads_to(engine: Engine, ref_or_id: str, bus: ComponentBus) -> bool:
+    """Tell whether a reference or id leads to `bus`, and not to what came in its place or nowhere."""
+    try:
+        return engine.route(ref_or_id) is bus
+    except Unsupported:
+        return False
 
 
 def _flaw_of(ref: str, engine_ids: frozenset[str], directory: Directory) -> str:

@@ -1,7 +1,9 @@
 """The streaming verbs of a component, over the extension where the gateway has it and in strict RoIS elsewhere."""
 
+import asyncio
 import json
-from collections.abc import Iterator, Mapping
+import logging
+from collections.abc import Coroutine, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from typing import Any
 
@@ -9,6 +11,7 @@ from openrois.catalog.streaming import ConnectStreamResults, NotifyStreamStatus,
 from openrois.client.asking import read_result
 from openrois.client.component import ComponentProxy
 from openrois.client.conditions import where
+from openrois.client.errors import ConnectionLost
 from openrois.client.feed import BUFFER
 from openrois.client.subscription import Subscription
 from openrois.client.values import read
@@ -18,6 +21,11 @@ from openrois.types.messages import Parameter
 from openrois.types.streams import StreamStatusResult
 
 __all__ = ["Streaming"]
+
+_log = logging.getLogger(__name__)
+
+_kept: set[asyncio.Task[None]] = set()
+"""The loop itself keeps no task; these end with the connection of their client at the latest."""
 
 
 class Streaming(ComponentProxy):
@@ -49,7 +57,19 @@ class Streaming(ComponentProxy):
             if self._extension:
                 raise Unsupported(f"{self.component_ref} has no stream with these parameters")
             await self.set_parameter(**chosen)
-        return (await self.command("connect_stream", ConnectStreamResults)).stream_id
+        connecting = asyncio.ensure_future(self.command("connect_stream", ConnectStreamResults))
+        try:
+            return (await asyncio.shield(connecting)).stream_id
+        except asyncio.CancelledError:
+            # The command goes on, and its stream would belong to an application that never learns its id.
+            _keep(self._give_back(connecting))
+            raise
+
+    async def _give_back(self, connecting: asyncio.Future[ConnectStreamResults]) -> None:
+        try:
+            await self.disconnect_stream((await connecting).stream_id)
+        except (RoISError, ConnectionLost) as error:
+            _log.debug("a stream that nobody waits for any more is not given back: %s", error)
 
     async def disconnect_stream(self, stream_id: str) -> None:
         """End a stream."""
@@ -112,3 +132,9 @@ class Streaming(ComponentProxy):
             if not self._extension:
                 raise
             raise Unsupported(f"{self.component_ref} has no stream {stream_id}") from error
+
+
+def _keep(work: Coroutine[Any, Any, None]) -> None:
+    task = asyncio.ensure_future(work)
+    _kept.add(task)
+    task.add_done_callback(_kept.discard)

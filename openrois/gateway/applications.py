@@ -5,17 +5,18 @@ import time
 from collections.abc import Mapping
 from typing import Any, Final
 
-from openrois_signaling.messages import Bye, Candidate, IceServer, Offer
-from openrois_signaling.methods import IceServers, signaling_methods
+from openrois_signaling.messages import Answer, Bye, Candidate, IceServer, Offer, Restart
+from openrois_signaling.methods import IceServers, TooLong, signaling_methods
 from openrois_signaling.methods import InvalidParams as InvalidSignaling
-from openrois_signaling.relay import Relay, Upward
+from openrois_signaling.relay import PEERS_PER_OWNER, Refused, Relay, Upward
 from pydantic import ValidationError
 
 from openrois.application import ApplicationSession, EngineHost
+from openrois.contract import Client
 from openrois.errors import RoISError
 from openrois.interfaces import base_methods, stream_methods
 from openrois.interfaces.operation import reply_first
-from openrois.jsonrpc.session import Handler, InvalidParams, RpcSession
+from openrois.jsonrpc.session import Handler, InvalidParams, Reply, RpcSession
 from openrois.logs import Tally
 from openrois.transport.stream import MessageStream, StreamClosed
 from openrois.types.references import engine_of
@@ -25,9 +26,6 @@ __all__ = ["serve_application"]
 _log = logging.getLogger(__name__)
 
 _TO_APPLICATION: Final = {message.method: message for message in (Offer, Candidate, Bye)}
-
-ICE_SERVERS_TTL = 3600
-"""Seconds for which an application may keep the answer of `signaling.ice_servers`."""
 
 
 async def serve_application(host: EngineHost, stream: MessageStream) -> StreamClosed:
@@ -60,7 +58,7 @@ class _Signaling:
         self._malformed = Tally(_log, "malformed messages of signaling from an engine")
 
     def passes(self, method: str, params: Mapping[str, Any]) -> bool:
-        """Note which peers an engine opens and ends; an offer for a peer that the application can't have is dropped."""
+        """Note which peers an engine opens and ends; a peer that the application can't have is ended at once."""
         if method not in _TO_APPLICATION:
             return True
         try:
@@ -70,6 +68,7 @@ class _Signaling:
             return False
         if method == Offer.method:
             if not self._relay.register(peer_id, self.app.client_id, engine_of(peer_id)):
+                self._end(peer_id, f"the application has {PEERS_PER_OWNER} peer connections already")
                 return False
             self._peers.add(peer_id)
         if method == Bye.method:
@@ -79,6 +78,16 @@ class _Signaling:
     def _forget(self, peer_id: str) -> None:
         self._peers.discard(peer_id)
         self._relay.forget(peer_id, engine_of(peer_id))
+
+    def _end(self, peer_id: str, reason: str) -> None:
+        """Have the engine end a peer, so that neither side waits for what can't come; it tells the application."""
+        self._host.tasks.start(self._say_bye(Bye(peer_id=peer_id, reason=reason), self.app.client))
+
+    async def _say_bye(self, bye: Bye, client: Client) -> None:
+        try:
+            await self._host.engine.extension.call(bye.method, bye.wire(), client)
+        except RoISError as error:
+            _log.info("the engine does not end a peer connection that its application cannot have: %s", error)
 
     def forget_peers(self) -> None:
         """Forget every peer: the application has left."""
@@ -94,25 +103,37 @@ class _Signaling:
 
     def methods(self) -> dict[str, Handler]:
         """Return the `signaling.*` methods; whoever calls one gets the extensions' notifications."""
-        servers = tuple(IceServer.model_validate(server) for server in self._host.ice_servers)
-        offered = IceServers(servers, ICE_SERVERS_TTL)
-        table = signaling_methods(self._relay, self.app.client_id, lambda: offered)
+        table = signaling_methods(self._relay, self.app.client_id, self._ice_servers)
 
         def answering(name: str) -> Handler:
-            async def answer(params: dict[str, Any]) -> dict[str, Any]:
+            async def answer(params: dict[str, Any]) -> Reply:
                 self.app.extended = True
                 try:
-                    return await table[name](params)
+                    return Reply(await table[name](params))
                 except InvalidSignaling as error:
                     raise InvalidParams(error.errors) from None
+                except Refused as refusal:
+                    if name == Answer.method and isinstance(refusal, TooLong) and params.get("peer_id") in self._peers:
+                        self._end(params["peer_id"], f"the answer cannot be passed on: {refusal}")
+                    return Reply({"return_code": refusal.return_code}, reason=str(refusal))
 
             return answer
 
         return {name: reply_first(self.app, answering(name)) for name in table}
 
-    async def _forward(self, _engine_id: str, message: Upward) -> str:
+    def _ice_servers(self) -> IceServers:
+        servers = self._host.ice_servers(self.app.client_id)
+        return IceServers(tuple(IceServer.model_validate(server) for server in servers), self._host.ice_ttl)
+
+    async def _forward(self, engine_id: str, message: Upward) -> None:
+        params = message.wire()
+        if isinstance(message, Restart) and (ice_servers := self._host.ice_servers(engine_id)):
+            # What the engine was given when the stream was connected may have expired.
+            params["ice_servers"] = list(ice_servers)
         try:
-            result = await self._host.engine.extension.call(message.method, message.wire(), self.app.client)
+            result = await self._host.engine.extension.call(message.method, params, self.app.client)
         except RoISError as error:
-            return error.return_code.value
-        return str(result.get("return_code", "ERROR"))
+            raise Refused(error.return_code.value, str(error)) from error
+        code = result.get("return_code", "ERROR")
+        if code != "OK":
+            raise Refused(str(code), "")

@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+import time
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
@@ -14,6 +15,7 @@ from openrois.application import EngineHost
 from openrois.engine import Engine
 from openrois.gateway.adapters import serve_adapter
 from openrois.gateway.applications import serve_application
+from openrois.gateway.ice import IceServers
 from openrois.gateway.loopback import is_loopback
 from openrois.gateway.page import page_response
 from openrois.gateway.settings import GatewaySettings
@@ -61,8 +63,8 @@ async def run_gateway(
         OSError: the port is taken, or the address is not this machine's.
     """
     async with TaskScope() as tasks, AsyncExitStack() as stack:
-        ice_servers = tuple({"urls": [url]} for url in settings.ice_servers)
-        host = EngineHost(Engine(settings.engine_id), tasks, ice_servers=ice_servers)
+        ice = IceServers(settings.ice_servers, settings.turn, settings.turn_secret, settings.turn_ttl, time.time)
+        host = EngineHost(Engine(settings.engine_id), tasks, ice_servers=ice.servers, ice_ttl=ice.ttl)
         server = _Server(host, settings.adapter_timeout, application, adapter)
         runner = web.AppRunner(server.app, access_log=None, shutdown_timeout=_SHUTDOWN_TIMEOUT)
         await runner.setup()

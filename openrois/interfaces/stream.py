@@ -10,10 +10,12 @@ from typing import Any, Final, TypeVar
 from pydantic import ValidationError
 
 from openrois.application import ApplicationSession
+from openrois.engine import leads_to
 from openrois.errors import (
     Aborted,
     BadParameter,
     ComponentFailed,
+    EngineUnreachable,
     NotResponding,
     OutOfResources,
     Unsupported,
@@ -113,10 +115,10 @@ async def connect_stream(app: ApplicationSession, component_ref: str, parameters
         "component_ref": component_ref,
         "parameters": [p.model_dump(mode="json") for p in parameters],
     }
-    if app.host.ice_servers:
+    if ice_servers := app.host.ice_servers(engine_of(component_ref)):
         # The other end of the stream needs them as much as the application does.
-        params["ice_servers"] = list(app.host.ice_servers)
-    client = app.client
+        params["ice_servers"] = list(ice_servers)
+    client, bus = app.client, app.engine.route(component_ref)
     app.connecting += 1
     try:
         result = await _call(app, STREAM_METHODS["connect_stream"], params, ConnectStreamResult)
@@ -126,6 +128,9 @@ async def connect_stream(app: ApplicationSession, component_ref: str, parameters
         # It left while the stream was made, and has been forgotten already: that has to be said again.
         await app.engine.extension.forget(client)
         raise Aborted("the application has left")
+    if not leads_to(app.engine, component_ref, bus):
+        # Whatever the engine says of the stream goes where nobody listens any more; it ends it after a while.
+        raise EngineUnreachable("the connection to the engine ended while the stream was made")
     if not app.engine.leads_alike(result.stream_id, component_ref):
         raise ComponentFailed(f"the engine minted the stream_id {result.stream_id[:200]!r}, which is not its own")
     app.streams[result.stream_id] = component_ref

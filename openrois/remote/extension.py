@@ -26,6 +26,7 @@ EXTENSION_METHODS: Final = (
     "signaling.answer",
     "signaling.candidate",
     "signaling.restart",
+    "signaling.bye",
 )
 """What a parent asks its sub-engine for an application, with `client_id` beside the params."""
 

@@ -5,7 +5,8 @@ from typing import Any, Final
 
 from openrois.application import ApplicationSession, EngineHost
 from openrois.contract import Client
-from openrois.errors import Aborted, RoISError
+from openrois.engine import leads_to
+from openrois.errors import Aborted, EngineUnreachable, RoISError
 from openrois.interfaces import base_methods
 from openrois.jsonrpc.session import Handler, InvalidParams, NotificationHandler, Reply, RpcSession, method
 from openrois.lost_streams import lost_streams
@@ -115,7 +116,10 @@ class _ServedExtension:
             if name == _CONNECT:
                 self._clients[client_id] = client
         extension = self._host.engine.extension
+        bus = self._host.engine.route(subject_of(params)) if name == _CONNECT else None
         result = await extension.call(name, params, client)
+        if bus is not None and not leads_to(self._host.engine, subject_of(params), bus):
+            raise EngineUnreachable("the connection to the engine ended while the stream was made")
         if name == _CONNECT and self._clients.get(client_id) is not client:
             # The application went while its stream was made: the engine has to be told again.
             await extension.forget(client)

@@ -11,9 +11,9 @@ from openrois_signaling.messages import (
     Restart,
     StreamSection,
 )
-from openrois_signaling.methods import Handler, IceServers, InvalidParams, signaling_methods
+from openrois_signaling.methods import Handler, IceServers, InvalidParams, TooLong, signaling_methods
 from openrois_signaling.negotiation import IllegalTransition, Negotiation, State, Verdict
-from openrois_signaling.relay import Relay
+from openrois_signaling.relay import Refused, Relay
 
 __all__ = [
     "Answer",
@@ -28,10 +28,12 @@ __all__ = [
     "MediaKind",
     "Negotiation",
     "Offer",
+    "Refused",
     "Relay",
     "Restart",
     "State",
     "StreamSection",
+    "TooLong",
     "Verdict",
     "signaling_methods",
 ]

@@ -3,7 +3,7 @@
 All are immutable and refuse unknown fields. `method` of a message is its JSON-RPC method, `wire()` its params.
 """
 
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, Self, TypeAlias
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
@@ -141,6 +141,10 @@ class Bye(_Message):
 
     method: ClassVar[str] = "signaling.bye"
     reason: Annotated[str, Field(max_length=REASON_LIMIT)]
+
+
+Downward: TypeAlias = Offer | Candidate | Bye
+"""What an engine tells an application."""
 
 
 class IceServer(_Value):

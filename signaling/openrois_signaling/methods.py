@@ -1,16 +1,16 @@
 """The `signaling.*` methods that an application calls, as a table for a JSON-RPC server. The seam is a plain dict."""
 
-from collections.abc import Awaitable, Callable, Hashable, Mapping
+from collections.abc import Awaitable, Callable, Hashable, Mapping, Sequence
 from typing import Any, NamedTuple, TypeAlias, TypeVar
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic_core import ErrorDetails
 
 from openrois_signaling.messages import TOO_LONG, Answer, Candidate, IceServer, Restart
-from openrois_signaling.relay import Relay, Upward
+from openrois_signaling.relay import Refused, Relay
 
 Handler: TypeAlias = Callable[[Mapping[str, Any]], Awaitable[dict[str, Any]]]
-"""Takes the params of a request and returns its result; raises `InvalidParams`."""
+"""Takes the params of a request and returns its result; raises `InvalidParams` and `Refused`."""
 
 OwnerT = TypeVar("OwnerT", bound=Hashable)
 EngineT = TypeVar("EngineT", bound=Hashable)
@@ -47,8 +47,12 @@ class _NoParams(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid")
 
 
-class _TooLong(Exception):
-    pass
+class TooLong(Refused):
+    """A value exceeds its limit."""
+
+    def __init__(self, errors: Sequence[ErrorDetails]) -> None:
+        first = _plain(errors[0])
+        super().__init__("BAD_PARAMETER", f"{first['path']}: {first['message']}")
 
 
 def _read(model: type[ModelT], params: Mapping[str, Any]) -> ModelT:
@@ -56,14 +60,14 @@ def _read(model: type[ModelT], params: Mapping[str, Any]) -> ModelT:
 
     Raises:
         InvalidParams: they do not have its shape.
-        _TooLong: they have, and exceed a limit.
+        TooLong: they have, and exceed a limit.
     """
     try:
         return model.model_validate(dict(params))
     except ValidationError as error:
         details = error.errors(include_url=False, include_context=False, include_input=False)
         if all(detail["type"] == TOO_LONG for detail in details):
-            raise _TooLong from None
+            raise TooLong(details) from None
         raise InvalidParams([_plain(detail) for detail in details[:ERRORS_LIMIT]]) from None
 
 
@@ -76,22 +80,17 @@ def signaling_methods(
 ) -> dict[str, Handler]:
     """The methods for the application `owner`, whose peers `relay` knows.
 
-    Every result has a `return_code`. BAD_PARAMETER: a value exceeds its limit. UNSUPPORTED: no such peer of this
-    application. OUT_OF_RESOURCES: too many messages. Others come from the engine.
+    Every result has the `return_code` OK. A handler raises `Refused` otherwise: BAD_PARAMETER for a value that exceeds
+    its limit (`TooLong`), UNSUPPORTED for no such peer of this application, OUT_OF_RESOURCES for too many messages.
+    Others come from the engine.
     """
 
-    def passing_on(model: type[ModelT], send: Callable[[ModelT], Awaitable[str]]) -> Handler:
+    def passing_on(model: type[Answer] | type[Candidate] | type[Restart]) -> Handler:
         async def handle(params: Mapping[str, Any]) -> dict[str, Any]:
-            try:
-                message = _read(model, params)
-            except _TooLong:
-                return {"return_code": "BAD_PARAMETER"}
-            return {"return_code": await send(message)}
+            await relay.send(owner, _read(model, params))
+            return {"return_code": "OK"}
 
         return handle
-
-    async def send(message: Upward) -> str:
-        return await relay.send(owner, message)
 
     async def list_ice_servers(params: Mapping[str, Any]) -> dict[str, Any]:
         _read(_NoParams, params)
@@ -103,8 +102,6 @@ def signaling_methods(
         }
 
     return {
-        Answer.method: passing_on(Answer, send),
-        Candidate.method: passing_on(Candidate, send),
-        Restart.method: passing_on(Restart, send),
+        **{model.method: passing_on(model) for model in (Answer, Candidate, Restart)},
         "signaling.ice_servers": list_ice_servers,
     }

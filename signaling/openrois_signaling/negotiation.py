@@ -221,6 +221,10 @@ class Negotiation:
             return None
         return self._since + TIMEOUTS[self._state][0]
 
+    def excuse(self, seconds: float, now: float) -> None:
+        """Nobody could listen for so long until `now`: what is awaited may have come, and wait unread."""
+        self._since = min(now, self._since + seconds)
+
     def expire(self, now: float) -> Bye | None:
         """End the peer if its deadline has come; returns the bye to send, or None."""
         deadline = self.deadline()

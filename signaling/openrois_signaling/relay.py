@@ -20,6 +20,18 @@ BURST = 100.0
 PEERS_PER_OWNER = 64
 """Peer connections of one application: one for each engine, two while one replaces another."""
 
+
+class Refused(Exception):
+    """A message of an application was not passed on, or the engine refused it. The text is a sentence for a person.
+
+    `return_code` is RoIS's word for it.
+    """
+
+    def __init__(self, return_code: str, reason: str) -> None:
+        super().__init__(reason)
+        self.return_code = return_code
+
+
 OwnerT = TypeVar("OwnerT", bound=Hashable)
 EngineT = TypeVar("EngineT", bound=Hashable)
 Upward: TypeAlias = Answer | Candidate | Restart
@@ -50,11 +62,11 @@ class Relay(Generic[OwnerT, EngineT]):
     """Peer ids, their two ends, and what an owner may send.
 
     Args:
-        forward: hands a message to an engine and returns its `return_code`; what it raises passes through.
+        forward: hands a message to an engine; what it raises passes through, a `Refused` if the engine refuses.
         clock: monotonic seconds.
     """
 
-    def __init__(self, forward: Callable[[EngineT, Upward], Awaitable[str]], clock: Callable[[], float]) -> None:
+    def __init__(self, forward: Callable[[EngineT, Upward], Awaitable[None]], clock: Callable[[], float]) -> None:
         self._forward = forward
         self._clock = clock
         self._peers: dict[str, _Peer[OwnerT, EngineT]] = {}
@@ -100,20 +112,23 @@ class Relay(Generic[OwnerT, EngineT]):
             del self._peers[peer_id]
         return gone
 
-    async def send(self, owner: OwnerT, message: Upward) -> str:
-        """Pass a message of `owner` on to the engine of its peer and return the `return_code`.
+    async def send(self, owner: OwnerT, message: Upward) -> None:
+        """Pass a message of `owner` on to the engine of its peer.
 
-        OUT_OF_RESOURCES: the owner sends faster than `RATE`, or the peer has had all its candidates. UNSUPPORTED: the
-        peer is unknown or belongs to somebody else; which of the two is not told.
+        Raises:
+            Refused: OUT_OF_RESOURCES: the owner sends faster than `RATE`, or the peer has had all its candidates.
+                UNSUPPORTED: the peer is unknown or belongs to somebody else; which of the two is not told.
         """
         now = self._clock()
         if not self._buckets.setdefault(owner, _Bucket(BURST, now)).take(now):
-            return "OUT_OF_RESOURCES"
+            raise Refused(
+                "OUT_OF_RESOURCES", f"one application sends at most {RATE:.0f} messages a second of signaling"
+            )
         peer = self._peers.get(message.peer_id)
         if peer is None or peer.owner != owner:
-            return "UNSUPPORTED"
+            raise Refused("UNSUPPORTED", "there is no such peer connection")
         if isinstance(message, Candidate):
             if peer.candidates >= CANDIDATES_LIMIT:
-                return "OUT_OF_RESOURCES"
+                raise Refused("OUT_OF_RESOURCES", f"a peer connection has at most {CANDIDATES_LIMIT} candidates")
             peer.candidates += 1
-        return await self._forward(peer.engine, message)
+        await self._forward(peer.engine, message)

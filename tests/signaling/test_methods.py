@@ -1,7 +1,16 @@
 from typing import Any
 
 import pytest
-from openrois_signaling import Handler, IceServer, IceServers, InvalidParams, Relay, signaling_methods
+from openrois_signaling import (
+    Handler,
+    IceServer,
+    IceServers,
+    InvalidParams,
+    Refused,
+    Relay,
+    TooLong,
+    signaling_methods,
+)
 from openrois_signaling.messages import CANDIDATE_LIMIT, SDP_LIMIT
 from openrois_signaling.methods import ERRORS_LIMIT, PATH_LIMIT
 from openrois_signaling.relay import Upward
@@ -17,9 +26,8 @@ def forwarded() -> list[Upward]:
 
 @pytest.fixture
 def table(forwarded: list[Upward]) -> dict[str, Handler]:
-    async def forward(engine: str, message: Upward) -> str:
+    async def forward(engine: str, message: Upward) -> None:
         forwarded.append(message)
-        return "OK"
 
     relay: Relay[str, str] = Relay(forward, lambda: 0.0)
     relay.register("p", "alice", "avatar")
@@ -46,7 +54,9 @@ async def test_a_message_passes_on_as_it_came(
 ) -> None:
     assert await table[method](params) == {"return_code": "OK"}
     assert [message.wire() for message in forwarded] == [params]
-    assert await table[method]({**params, "peer_id": "q"}) == {"return_code": "UNSUPPORTED"}
+    with pytest.raises(Refused, match="there is no such peer connection") as refusal:
+        await table[method]({**params, "peer_id": "q"})
+    assert refusal.value.return_code == "UNSUPPORTED"
 
 
 @pytest.mark.parametrize(
@@ -60,7 +70,9 @@ async def test_a_message_passes_on_as_it_came(
 async def test_what_is_too_large_is_a_bad_parameter(
     table: dict[str, Handler], forwarded: list[Upward], method: str, params: dict[str, Any]
 ) -> None:
-    assert await table[method](params) == {"return_code": "BAD_PARAMETER"}
+    with pytest.raises(TooLong, match=r"^(sdp|candidate|peer_id): more than \d+ bytes$") as refusal:
+        await table[method](params)
+    assert refusal.value.return_code == "BAD_PARAMETER"
     assert forwarded == []
 
 

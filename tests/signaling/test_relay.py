@@ -1,6 +1,6 @@
 import pytest
 from openrois_signaling.messages import CANDIDATES_LIMIT, Answer, Candidate, Restart
-from openrois_signaling.relay import BURST, PEERS_PER_OWNER, RATE, Relay, Upward
+from openrois_signaling.relay import BURST, PEERS_PER_OWNER, RATE, Refused, Relay, Upward
 
 
 class Ends:
@@ -9,12 +9,21 @@ class Ends:
     def __init__(self) -> None:
         self.now = 50.0
         self.forwarded: list[tuple[str, Upward]] = []
-        self.reply = "OK"
+        self.refusal: Refused | None = None
         self.relay: Relay[str, str] = Relay(self.forward, lambda: self.now)
 
-    async def forward(self, engine: str, message: Upward) -> str:
+    async def forward(self, engine: str, message: Upward) -> None:
         self.forwarded.append((engine, message))
-        return self.reply
+        if self.refusal is not None:
+            raise self.refusal
+
+    async def send(self, owner: str, message: Upward) -> str:
+        """Send a message and return what its reply would say."""
+        try:
+            await self.relay.send(owner, message)
+        except Refused as refusal:
+            return refusal.return_code
+        return "OK"
 
 
 @pytest.fixture
@@ -32,42 +41,42 @@ def candidate(number: int = 0) -> Candidate:
     return Candidate(peer_id="p", generation=1, candidate=f"candidate:{number}", sdp_mid="0")
 
 
-async def test_the_owners_messages_reach_the_engine_and_its_return_code_comes_back(ends: Ends) -> None:
-    ends.reply = "BAD_PARAMETER"
+async def test_the_owners_messages_reach_the_engine_and_its_refusal_comes_back(ends: Ends) -> None:
+    ends.refusal = Refused("BAD_PARAMETER", "garbage")
     sent: list[Upward] = [Answer(peer_id="p", generation=1, sdp="not looked at"), candidate(), restart()]
     for message in sent:
-        assert await ends.relay.send("alice", message) == "BAD_PARAMETER"
+        assert await ends.send("alice", message) == "BAD_PARAMETER"
     assert ends.forwarded == [("avatar", message) for message in sent]
 
 
 async def test_a_foreign_peer_cannot_be_told_from_an_unknown_one(ends: Ends) -> None:
-    assert await ends.relay.send("mallory", restart("p")) == "UNSUPPORTED"
-    assert await ends.relay.send("mallory", restart("q")) == "UNSUPPORTED"
+    assert await ends.send("mallory", restart("p")) == "UNSUPPORTED"
+    assert await ends.send("mallory", restart("q")) == "UNSUPPORTED"
     assert ends.forwarded == []
 
 
 async def test_an_application_that_sends_too_fast_is_told_so_and_hurts_nobody_else(ends: Ends) -> None:
     ends.relay.register("q", "bob", "avatar")
-    codes = [await ends.relay.send("alice", restart()) for _ in range(int(BURST) + 2)]
+    codes = [await ends.send("alice", restart()) for _ in range(int(BURST) + 2)]
     assert codes == ["OK"] * int(BURST) + ["OUT_OF_RESOURCES"] * 2
-    assert await ends.relay.send("bob", restart("q")) == "OK"
+    assert await ends.send("bob", restart("q")) == "OK"
     ends.now += 2.5 / RATE
-    assert [await ends.relay.send("alice", restart()) for _ in range(3)] == ["OK", "OK", "OUT_OF_RESOURCES"]
+    assert [await ends.send("alice", restart()) for _ in range(3)] == ["OK", "OK", "OUT_OF_RESOURCES"]
     ends.now += 1e6
-    codes = [await ends.relay.send("alice", restart()) for _ in range(int(BURST) + 1)]
+    codes = [await ends.send("alice", restart()) for _ in range(int(BURST) + 1)]
     assert codes.count("OK") == BURST
 
 
 async def test_guessing_peer_ids_is_limited_too(ends: Ends) -> None:
-    codes = [await ends.relay.send("mallory", restart(str(number))) for number in range(int(BURST) + 1)]
+    codes = [await ends.send("mallory", restart(str(number))) for number in range(int(BURST) + 1)]
     assert codes == ["UNSUPPORTED"] * int(BURST) + ["OUT_OF_RESOURCES"]
 
 
 async def test_a_peer_has_a_bounded_number_of_candidates(ends: Ends) -> None:
     for number in range(CANDIDATES_LIMIT):
-        assert await ends.relay.send("alice", candidate(number)) == "OK"
-    assert await ends.relay.send("alice", candidate()) == "OUT_OF_RESOURCES"
-    assert await ends.relay.send("alice", restart()) == "OK"
+        assert await ends.send("alice", candidate(number)) == "OK"
+    assert await ends.send("alice", candidate()) == "OUT_OF_RESOURCES"
+    assert await ends.send("alice", restart()) == "OK"
     assert len(ends.forwarded) == CANDIDATES_LIMIT + 1
 
 
@@ -97,10 +106,10 @@ async def test_an_application_that_leaves_is_forgotten(ends: Ends) -> None:
     ends.relay.register("q", "alice", "robot")
     ends.relay.register("r", "bob", "avatar")
     for _ in range(int(BURST) + 1):
-        await ends.relay.send("alice", restart())
+        await ends.send("alice", restart())
     assert ends.relay.forget_owner("alice") == [("p", "avatar"), ("q", "robot")]
     assert ends.relay.forget_owner("alice") == []
-    assert await ends.relay.send("alice", restart("p")) == "UNSUPPORTED"
+    assert await ends.send("alice", restart("p")) == "UNSUPPORTED"
     assert ends.relay.owner("r", "avatar") == "bob"
 
 
@@ -113,7 +122,7 @@ def test_an_engine_that_leaves_is_forgotten(ends: Ends) -> None:
 
 
 async def test_a_failure_of_the_engines_side_passes_through() -> None:
-    async def broken(engine: str, message: Upward) -> str:
+    async def broken(engine: str, message: Upward) -> None:
         raise ConnectionError(engine)
 
     relay: Relay[str, str] = Relay(broken, lambda: 0.0)

@@ -4,13 +4,13 @@ import asyncio
 
 import pytest
 
-from openrois.client import Client
+from openrois.client import Client, streaming
 from openrois.client.components import AudioStreaming, VideoStreaming
 from openrois.errors import ComponentFailed, Unsupported
 from openrois.registry import LocalRegistry
 from openrois.types.codes import StreamStatus
 from openrois.types.streams import StreamStatusNotification
-from tests.support.grounds import Ground, Line, serve_plain
+from tests.support.grounds import Ground, Line, eventually, serve_plain
 from tests.support.streams import Camera, FakeStreams
 
 pytestmark = pytest.mark.timeout(10)
@@ -101,6 +101,43 @@ async def test_a_plain_gateway_turns_strict_rois_into_the_extension_of_its_engin
         assert await camera.get_stream_status(stream_id) is StreamStatus.STREAMING_NOT_RUNNING
         await camera.disconnect_stream(stream_id)
         assert not streams.streams
+
+
+async def test_a_stream_that_nobody_waits_for_any_more_is_given_back(line: Line, streams: FakeStreams) -> None:
+    line.speaks = serve_plain
+    async with Client(dial=line.dial) as client:
+        camera = client.component(VideoStreaming, "cameras/camera")
+        for refusal in (None, Unsupported("there is no more")):
+            streams.may_answer.clear()
+            streams.called.clear()
+            streams.refusal = refusal
+            connecting = asyncio.ensure_future(camera.connect_stream())
+            await streams.called.wait()
+            connecting.cancel()
+            with pytest.raises(asyncio.CancelledError):
+                await connecting
+            streams.may_answer.set()
+            await eventually(client, lambda: not streaming._kept)
+        assert [method for method, _, _ in streams.calls].count("rois.stream.disconnect_stream") == 1
+        assert not streams.streams
+
+
+async def test_a_stream_of_an_engine_that_was_lost_meanwhile_is_none(line: Line) -> None:
+    """What came in its place under the same name knows nothing of the stream, and would never offer it."""
+    engine = line.host.engine
+    former, later = FakeStreams("cameras"), FakeStreams("cameras")
+    registries = [LocalRegistry("cameras", (Camera(),), extension=streams) for streams in (former, later)]
+    await engine.attach(registries[0])
+    former.may_answer.clear()
+    async with Client(dial=line.dial) as client:
+        connecting = asyncio.ensure_future(client.connect_stream("cameras/camera"))
+        await former.called.wait()
+        engine.detach(registries[0])
+        await engine.attach(registries[1])
+        former.may_answer.set()
+        with pytest.raises(ComponentFailed, match="the connection to the engine ended while the stream was made"):
+            await connecting
+        assert await client.connect_stream("cameras/camera") in later.streams
 
 
 async def test_a_stream_of_another_application_is_none(line: Line, streams: FakeStreams) -> None:

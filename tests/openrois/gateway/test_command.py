@@ -5,6 +5,7 @@ import signal
 import socket
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from pathlib import Path
 
 import pytest
 
@@ -33,6 +34,41 @@ def test_it_says_where_it_listens_and_ends_when_it_is_told(
     shown = capfd.readouterr()
     assert shown.out.startswith("listening http://127.0.0.1:")
     assert shown.err == ""
+
+
+def test_the_secret_of_a_turn_server_is_read_from_a_file(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    told: list[GatewaySettings] = []
+
+    async def take(settings: GatewaySettings) -> None:
+        told.append(settings)
+
+    monkeypatch.setattr(command, "_run", take)
+    file = tmp_path / "secret"
+    file.write_text("correct horse battery\n")
+    file.chmod(0o644)
+    turn = ["--turn", "turn:t", "--turn-secret-file", str(file), "--turn-ttl", "120"]
+    assert command.main(turn) == 0
+    assert (told[0].turn, told[0].turn_secret, told[0].turn_ttl) == (("turn:t",), "correct horse battery", 120)
+    assert "can be read by others" in caplog.text
+    assert "correct horse" not in caplog.text
+    caplog.clear()
+    file.chmod(0o600)
+    assert command.main(turn) == 0
+    assert caplog.text == ""
+
+
+@pytest.mark.parametrize("content", [None, b"\xff\xfe" * 20, b"short", b""])
+def test_a_secret_that_cannot_be_used_is_said(
+    content: bytes | None, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "secret"
+    if content is not None:
+        file.write_bytes(content)
+    with pytest.raises(SystemExit):
+        command.main(["--turn", "turn:t", "--turn-secret-file", str(file)])
+    assert "secret" in capfd.readouterr().err.splitlines()[-1]
 
 
 def test_a_taken_port_is_one_line(capfd: pytest.CaptureFixture[str]) -> None:

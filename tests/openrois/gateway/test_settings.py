@@ -33,6 +33,14 @@ def test_not_this_machine(host: str) -> None:
         ({"ice_servers": ("stun.example.org",)}, "STUN"),
         ({"ice_servers": ("turn:x",)}, "STUN"),
         ({"ice_servers": ("stun:" + "x" * 512,)}, "STUN"),
+        ({"ice_servers": ("stuns:stun.example.org",)}, "STUN"),
+        ({"turn": ("stun:x",), "turn_secret": "s" * 16}, "no address of a TURN server"),
+        ({"turn": ("turn:x y",), "turn_secret": "s" * 16}, "no address of a TURN server"),
+        ({"turn": ("turn:x",)}, "given together"),
+        ({"turn_secret": "s" * 16}, "given together"),
+        ({"turn": ("turn:x",), "turn_secret": "short"}, "at least 16 characters"),
+        ({"turn_ttl": 59}, "60 to 86400"),
+        ({"turn_ttl": 86401}, "60 to 86400"),
         ({"adapter_timeout": 0}, "seconds"),
         ({"adapter_timeout": float("nan")}, "seconds"),
         ({"adapter_timeout": float("inf")}, "seconds"),
@@ -48,3 +56,5 @@ def test_what_is_fine() -> None:
         port=0, engine_id="fleet", ice_servers=("stun:stun.example.org:3478",), adapter_timeout=1
     )
     assert settings.port == 0
+    relayed = GatewaySettings(turn=("turn:t", "turns:t:443?transport=tcp"), turn_secret="correct horse battery")
+    assert "correct horse" not in repr(relayed)
