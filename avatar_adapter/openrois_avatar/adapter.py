@@ -1,24 +1,36 @@
 """The avatar adapter put together: one engine, its components, and its streams."""
 
 import logging
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 from typing import Final
 
+from openrois_streaming.adaptation.caps import Caps
 from openrois_streaming.clock import MediaClock, SystemClock
 from openrois_streaming.codecs import available_codecs
+from openrois_streaming.network.settings import NetworkSettings
 from openrois_streaming.publisher import AudioPublisher, VideoPublisher
+from openrois_streaming.sessions import StreamSessions
 
 from openrois.adapter.running import hosted
 from openrois.application import EngineHost
+from openrois.contract import Client
+from openrois.tasks import TaskScope
 from openrois.types.references import reference
+from openrois_avatar.components.operator import Operator
+from openrois_avatar.components.speech_synthesis import SpeechSynthesis
 from openrois_avatar.components.streaming import AudioStreaming, VideoStreaming
 from openrois_avatar.components.system_information import SystemInformation
 from openrois_avatar.game_engines import choose_game_engine
+from openrois_avatar.health import Health, worst
+from openrois_avatar.metrics.figures import Snapshot
+from openrois_avatar.metrics.looking import Looking
+from openrois_avatar.operator import Camera, Microphone
 from openrois_avatar.scene import Scene, embedded_scene, synthetic_scene
 from openrois_avatar.settings import AvatarSettings
 from openrois_avatar.streams import AvatarStreams, Published
+from openrois_avatar.supervision import Supervised, seen_of, supervise
 
 __all__ = ["AUDIO", "VIDEO", "Avatar", "run_avatar", "serve_scene"]
 
@@ -36,6 +48,8 @@ class Avatar:
     host: EngineHost
     video: VideoPublisher
     audio: AudioPublisher
+    look: Callable[[], Awaitable[Snapshot]]
+    """Takes a snapshot of all figures."""
 
 
 @asynccontextmanager
@@ -56,38 +70,68 @@ async def run_avatar(settings: AvatarSettings) -> AsyncIterator[Avatar]:
             if missing:
                 _log.warning("%s", missing)
             scene = await stack.enter_async_context(embedded_scene(f"openrois_avatar.engines.{name}", clock))
-        yield await stack.enter_async_context(serve_scene(settings.engine_id, scene, clock))
+        caps = Caps(max_bitrate=settings.max_viewer_bitrate)
+        yield await stack.enter_async_context(
+            serve_scene(settings.engine_id, scene, clock, settings.network, lambda _: caps)
+        )
 
 
 @asynccontextmanager
-async def serve_scene(engine_id: str, scene: Scene, clock: MediaClock) -> AsyncIterator[Avatar]:
+async def serve_scene(
+    engine_id: str,
+    scene: Scene,
+    clock: MediaClock,
+    network: NetworkSettings | None = None,
+    cap: Callable[[Client], Caps] | None = None,
+) -> AsyncIterator[Avatar]:
     """Make an engine of a scene: its components, and the streams of its picture and sound.
 
     Args:
         engine_id: leads every ref.
         scene: what there is to show.
         clock: the media clock of the scene's sources.
+        network: how the streams use the network.
+        cap: what a client is sent at most of each stream; None: as much as its path carries.
 
     Raises:
         UnsupportedLibrary: the installed aiortc is not one that can be used.
     """
-    video = VideoPublisher(scene.video, clock=clock, stamp=True, frame_rate=scene.frame_rate)
+    video = VideoPublisher(scene.video, clock=clock, stamp=True, frame_rate=scene.frame_rate, size=scene.size)
     audio = AudioPublisher(scene.audio, clock=clock)
-    published = {
-        reference(engine_id, VIDEO): Published(video, "video"),
-        reference(engine_id, AUDIO): Published(audio, "audio"),
+    microphone, camera = Microphone(clock), Camera()
+    pictures, sounds = Published(video, "video", camera.inlet), Published(audio, "audio", microphone.inlet)
+    published = {reference(engine_id, VIDEO): pictures, reference(engine_id, AUDIO): sounds}
+    picture, voice = Health("the picture", clock.now()), Health("the sound", clock.now())
+    showing = VideoStreaming(_codecs("video/"), pictures.directions, lambda: worst(scene.status(), picture.status))
+    sounding = AudioStreaming(_codecs("audio/"), sounds.directions, lambda: voice.status)
+    information, operator = SystemInformation(engine_id, scene.status), Operator(microphone, camera)
+    components = (information, showing, sounding, operator, *scene.components)
+    # A voice is heard also while nothing moves.
+    moving = tuple(each for each in scene.components if not isinstance(each, SpeechSynthesis))
+    sources = {
+        "engine": Supervised(scene.engine, scene.observe, (showing, *moving)),
+        "picture": Supervised(picture, lambda: seen_of(video), (showing,)),
+        "sound": Supervised(voice, lambda: seen_of(audio), (sounding,)),
     }
-    components = (
-        SystemInformation(engine_id, scene.status),
-        VideoStreaming(_codecs("video/"), scene.status),
-        AudioStreaming(_codecs("audio/"), scene.status),
-        *scene.components,
-    )
     async with AsyncExitStack() as stack:
-        streams = AvatarStreams(engine_id, published, clock)
+        streams = AvatarStreams(engine_id, published, clock, network, cap)
         await stack.enter_async_context(streams.sessions)
         host = await stack.enter_async_context(hosted(engine_id, *components, extension=streams))
-        yield Avatar(host, video, audio)
+        tasks = await stack.enter_async_context(TaskScope())
+        tasks.start(supervise(tuple(sources.values()), clock))
+        tasks.start(microphone.listen())
+        microphone.heard.add(scene.hear)
+        scene.pauses.changed.add(lambda on: _pause(streams.sessions, reference(engine_id, VIDEO), on))
+        looking = Looking(streams.sessions, {"picture": video, "sound": audio}, sources, streams.guarded, clock)
+        yield Avatar(host, video, audio, looking.snapshot)
+
+
+def _pause(sessions: StreamSessions, component_ref: str, on: bool) -> None:
+    """Hold the avatar's pictures, or let them go; what applications send is nothing to its engine."""
+    if on:
+        sessions.hold(component_ref, "recvonly")
+    else:
+        sessions.release(component_ref)
 
 
 def _codecs(kind: str) -> tuple[str, ...]:

@@ -2,14 +2,17 @@
 
 import argparse
 import asyncio
+import logging
 import signal
 import sys
 from collections.abc import Sequence
+from contextlib import AsyncExitStack
 from typing import Final
 
 import cv2
 import uvloop
-from openrois_streaming.aiortc_seams import UnsupportedLibrary
+from openrois_streaming.adaptation.rung import MIN_BITRATE
+from openrois_streaming.seams.trial import UnsupportedLibrary
 
 from openrois.dialer import serve_parent
 from openrois.errors import BadParameter
@@ -18,9 +21,13 @@ from openrois.transport.address import adapter_url
 from openrois_avatar.adapter import run_avatar
 from openrois_avatar.game_engines import NoGameEngine
 from openrois_avatar.link.messages import LinkError
+from openrois_avatar.metrics.server import LOOPBACK, MetricsUnavailable, metrics_address, serving_metrics
+from openrois_avatar.network_options import add_network_options, network_settings
 from openrois_avatar.settings import ENGINES, AvatarSettings
 
 __all__ = ["main"]
+
+_log = logging.getLogger(__name__)
 
 _SWITCH_INTERVAL: Final = 0.0005
 """Seconds after which a busy thread gives way: encoder threads must not keep the event loop waiting for 5 ms."""
@@ -33,22 +40,46 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument("--gateway", default=defaults.gateway, metavar="URL", help="where it is (%(default)s)")
     parser.add_argument("--engine-id", default=defaults.engine_id, help="unique behind its gateway (%(default)s)")
     parser.add_argument("--engine", choices=ENGINES, default=defaults.engine, help="what renders it (%(default)s)")
+    parser.add_argument(
+        "--metrics",
+        metavar="[HOST:]PORT",
+        help=f"serve figures for Prometheus there, at /metrics (without it nowhere; HOST is {LOOPBACK} unless given)",
+    )
+    parser.add_argument(
+        "--max-viewer-bitrate",
+        type=_bitrate,
+        metavar="BIT/S",
+        help="that an application is sent at most of each video stream (as much as its path carries)",
+    )
+    add_network_options(parser)
     parser.add_argument("--verbose", action="store_true", help="log more")
     chosen = parser.parse_args(arguments)
     try:
         gateway = adapter_url(chosen.gateway)
+        metrics = None if chosen.metrics is None else metrics_address(chosen.metrics)
+        network = network_settings(chosen)
     except ValueError as error:
         parser.error(str(error))
     set_up_logging(verbose=chosen.verbose)
     sys.setswitchinterval(_SWITCH_INTERVAL)
     # Each picture is small and each encoder has a thread already: OpenCV's own threads would only wait for each other.
     cv2.setNumThreads(1)
+    settings = AvatarSettings(
+        gateway, chosen.engine_id, chosen.engine, metrics, network, max_viewer_bitrate=chosen.max_viewer_bitrate
+    )
     try:
-        uvloop.run(_run(AvatarSettings(gateway, chosen.engine_id, chosen.engine)))
-    except (NoGameEngine, LinkError, UnsupportedLibrary, BadParameter) as error:
+        uvloop.run(_run(settings))
+    except (NoGameEngine, LinkError, UnsupportedLibrary, BadParameter, MetricsUnavailable) as error:
         print(f"openrois avatar: {error}", file=sys.stderr)
         return 1
     return 0
+
+
+def _bitrate(text: str) -> int:
+    bitrate = int(text)
+    if bitrate < MIN_BITRATE:
+        raise argparse.ArgumentTypeError(f"at least {MIN_BITRATE} bit/s are needed for pictures")
+    return bitrate
 
 
 async def _run(settings: AvatarSettings) -> None:
@@ -67,6 +98,9 @@ async def _run(settings: AvatarSettings) -> None:
 
 
 async def _serve(settings: AvatarSettings) -> None:
-    async with run_avatar(settings) as avatar:
+    async with AsyncExitStack() as stack:
+        avatar = await stack.enter_async_context(run_avatar(settings))
+        if settings.metrics is not None:
+            _log.info("metrics: %s", await stack.enter_async_context(serving_metrics(*settings.metrics, avatar.look)))
         print(f"ready {settings.engine_id}", flush=True)
         await serve_parent(avatar.host, settings.gateway)

@@ -15,7 +15,10 @@ from openrois_avatar.body import Body
 from openrois_avatar.components.gaze import Gaze
 from openrois_avatar.components.reaction import Reaction
 from openrois_avatar.components.speech_synthesis import SpeechSynthesis
+from openrois_avatar.health import Health, Observed
 from openrois_avatar.link.embedded import EmbeddedEngine
+from openrois_avatar.link.messages import Event
+from openrois_avatar.pauses import Pauses
 from openrois_avatar.sound import AvatarSound
 from openrois_avatar.speech.synthesizer import Synthesizer
 from openrois_avatar.voice import Voice
@@ -27,25 +30,51 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """Sources of picture and sound, the components that act in the scene, and how the thing that renders it fares."""
+    """Sources of picture and sound, the components that act in the scene, and how the thing that renders it fares.
+
+    `frame_rate` and `size` (width and height) are of its pictures, as far as is known before there are any.
+    `observe` says what is seen of it now, for who keeps `engine` up to date; `pauses` whether its
+    pictures are not to be shown now. `hear` lets it hear the operator.
+    """
 
     video: MediaSource[RawVideo]
     audio: MediaSource[RawAudio]
     frame_rate: float
+    size: tuple[int, int]
     components: tuple[Component, ...]
-    status: Callable[[], ComponentStatus]
+    engine: Health
+    observe: Callable[[], Observed]
+    pauses: Pauses
+    hear: Callable[[RawAudio], None]
+
+    def status(self) -> ComponentStatus:
+        """How the thing that renders the scene fares."""
+        return self.engine.status
 
 
-def synthetic_scene(clock: MediaClock, width: int = 640, height: int = 360) -> Scene:
+def synthetic_scene(clock: MediaClock, width: int = 640, height: int = 360, fps: float = 30.0) -> Scene:
     """Return colour bars with a moving dot, and a tone at each whole second; nobody is there to act.
 
     Args:
         clock: the media clock.
         width: of the picture, in pixels.
         height: of the picture, in pixels.
+        fps: pictures per second.
     """
-    bars = ColourBars(width, height, clock=clock)
-    return Scene(bars, Tone(clock=clock), bars.fps, (), lambda: ComponentStatus.READY)
+    bars = ColourBars(width, height, fps, clock=clock)
+    engine = Health("the test picture", clock.now())
+    unobserved = Observed(None, wanted=False)
+    return Scene(
+        bars,
+        Tone(clock=clock),
+        bars.fps,
+        (width, height),
+        (),
+        engine,
+        lambda: unobserved,
+        Pauses(),
+        lambda _sound: None,
+    )
 
 
 @asynccontextmanager
@@ -61,22 +90,37 @@ async def embedded_scene(module: str, clock: MediaClock) -> AsyncIterator[Scene]
     """
     async with AsyncExitStack() as stack:
         sound = AvatarSound(clock)
+        health = Health("the game engine", clock.now())
+        last_words = ""
 
         # The body speaks through the engine and hears from it: it is made first and finds the engine when it is there.
         body = Body(lambda command: engine.send(command))
 
-        def lost(reason: str) -> None:
-            _log.warning("the game engine is gone: %s", reason)
-            body.lost()
+        pauses = Pauses()
 
-        engine = EmbeddedEngine(module, on_audio=sound.feed, on_event=body.take, on_lost=lost, clock=clock)
+        def told(event: Event) -> None:
+            pauses.take(event)
+            body.take(event)
+
+        def lost(reason: str) -> None:
+            nonlocal last_words
+            last_words = f"the game engine is gone: {reason}"
+            _log.warning("%s", last_words)
+            body.lost()
+            pauses.clear()
+
+        engine = EmbeddedEngine(module, on_audio=sound.feed, on_event=told, on_lost=lost, clock=clock)
         await stack.enter_async_context(engine)
         synthesizer = await stack.enter_async_context(Synthesizer(clock))
         greeting = engine.hello
         assert greeting is not None, "entering waits for the greeting"
 
+        def observe() -> Observed:
+            failure = "" if engine.hello is not None else last_words or "the game engine is gone"
+            return Observed(engine.video.last_at, engine.video.received, wanted=not pauses.on, failure=failure)
+
         def status() -> ComponentStatus:
-            return ComponentStatus.READY if engine.hello is not None else ComponentStatus.ERROR
+            return health.status if engine.hello is not None else ComponentStatus.ERROR
 
         def reactions() -> tuple[str, ...]:
             return engine.hello.reactions if engine.hello is not None else ()
@@ -86,4 +130,6 @@ async def embedded_scene(module: str, clock: MediaClock) -> AsyncIterator[Scene]
             Reaction(body, reactions, status),
             Gaze(body, status),
         )
-        yield Scene(engine.video, sound, greeting.video.fps, components, status)
+        shape = greeting.video
+        size = (shape.width, shape.height)
+        yield Scene(engine.video, sound, shape.fps, size, components, health, observe, pauses, engine.hear)

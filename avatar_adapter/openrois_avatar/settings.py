@@ -1,7 +1,9 @@
 """What can be set on the avatar adapter."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
+
+from openrois_streaming.network.settings import NetworkSettings
 
 __all__ = ["ENGINES", "AvatarSettings"]
 
@@ -17,8 +19,15 @@ class AvatarSettings:
         gateway: `ws://host:port/adapter` of the gateway.
         engine_id: leads every ref of this avatar; unique behind its gateway.
         engine: one of `ENGINES`.
+        metrics: host and port at which Prometheus finds figures; None for nowhere.
+        network: how its streams use the network.
+        max_viewer_bitrate: bit/s that an application is sent at most of each video stream, whatever it asks for; None:
+            as much as its path carries.
     """
 
     gateway: str = "ws://127.0.0.1:8765/adapter"
     engine_id: str = "avatar"
     engine: str = "auto"
+    metrics: tuple[str, int] | None = None
+    network: NetworkSettings = field(default_factory=NetworkSettings)
+    max_viewer_bitrate: int | None = None

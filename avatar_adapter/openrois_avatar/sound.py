@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.source import SAMPLE_RATE, RawAudio
 
-from openrois_avatar.jitter import BLOCK, SEAM, JitterBuffer
+from openrois_avatar.engine_sound import BLOCK, SEAM, EngineSound
+from openrois_avatar.sound_lag import SoundLag
 
 BLOCKS_PER_SECOND: Final = SAMPLE_RATE // BLOCK
 LEAD_BLOCKS: Final = 2
@@ -110,6 +111,9 @@ class AvatarSound:
     do not move anything: speech is consumed by time, not by readers. A reader that is late by up to 0.2 s loses
     nothing, one that is later misses blocks. Without an engine, and without speech, there is silence at the same pace.
 
+    The engine's own sound is heard at the times that it says. Where it sends it too late for that, all blocks come as
+    much later as it takes, still with their true times (`SoundLag`).
+
     Args:
         clock: the media clock, also the engine's.
         channels: 1 or 2.
@@ -118,15 +122,17 @@ class AvatarSound:
     def __init__(self, clock: MediaClock, channels: int = 1) -> None:
         self.clock = clock
         self._channels = channels
-        self._engine = JitterBuffer(channels)
+        self._engine = EngineSound(channels)
+        self._lag = SoundLag()
         self._playbacks: deque[Playback] = deque()
         self._next_block: int | None = None
 
     @asynccontextmanager
     async def open(self) -> AsyncIterator[AsyncIterator[RawAudio]]:
         """Yield the blocks from now on; they do not end."""
-        self._engine.clear()
         self._next_block = self._now() + 1
+        self._engine.start(self._next_block * BLOCK)
+        self._lag = SoundLag()
         try:
             async with aclosing(self._blocks(self._next_block)) as blocks:
                 yield blocks
@@ -134,9 +140,11 @@ class AvatarSound:
             self._next_block = None
 
     def feed(self, sound: RawAudio) -> None:
-        """Take the engine's own sound, as much as comes; it is heard about 60 ms later, and lost if nobody listens."""
+        """Take the engine's own sound, as much as comes, in time or ahead of it; it is lost if nobody listens."""
         if self._next_block is not None:
-            self._engine.put(sound.samples)
+            first = self._engine.put(sound.samples, sound.captured_at)
+            now = self.clock.now()
+            self._lag.arrived(now - first // BLOCK / BLOCKS_PER_SECOND, now)
 
     def play(self, samples: NDArray[np.int16]) -> Playback:
         """Say `samples` (mono, 48 kHz) as soon as everything before them is said, 40 to 60 ms from now at the earliest.
@@ -168,15 +176,16 @@ class AvatarSound:
 
     async def _blocks(self, number: int) -> AsyncGenerator[RawAudio, None]:
         while True:
-            await self.clock.sleep_until(number / BLOCKS_PER_SECOND)
-            number = max(number, self._now() - KEPT_BLOCKS)
+            await self.clock.sleep_until(number / BLOCKS_PER_SECOND + self._lag.seconds)
+            newest = math.floor((self.clock.now() - self._lag.seconds) * BLOCKS_PER_SECOND)
+            number = max(number, newest - KEPT_BLOCKS)
             self._next_block = number + 1
             yield RawAudio(self._mix(number * BLOCK), number / BLOCKS_PER_SECOND)
             number += 1
 
     def _mix(self, begin: int) -> NDArray[np.int16]:
         self._forget_before(begin)
-        mixed = self._engine.take().astype(np.int32)
+        mixed = self._engine.take(begin).astype(np.int32)
         for playback in self._playbacks:
             playback.mix_into(mixed, begin)
         return np.clip(mixed, -32_768, 32_767).astype(np.int16)

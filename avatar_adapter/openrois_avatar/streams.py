@@ -5,15 +5,19 @@ RoIS words end here: below it is about sessions, peer connections and tracks.
 
 import itertools
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Final, TypeVar
 
-from openrois_signaling.messages import Answer, Bye, Candidate, IceServer, MediaKind, Offer, Restart
+from openrois_signaling.messages import Answer, Bye, Candidate, Direction, Downward, IceServer, MediaKind, Restart
 from openrois_streaming import errors as media_errors
 from openrois_streaming import state
+from openrois_streaming.adaptation.caps import Caps
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.feed import MediaPublisher
+from openrois_streaming.inlet import MediaInlet
+from openrois_streaming.network.guard import GuardFigures
+from openrois_streaming.network.settings import NetworkSettings
 from openrois_streaming.session import StreamSession
 from openrois_streaming.sessions import StreamSessions
 from openrois_streaming.stream import StreamChange
@@ -51,10 +55,18 @@ _REFUSALS: Final[dict[type[media_errors.SessionError], type[RoISError]]] = {
 
 @dataclass(frozen=True, slots=True)
 class Published:
-    """What a streaming component sends: its frames, and of which kind they are."""
+    """What a streaming component sends: its frames, and of which kind they are; and where it takes an application's."""
 
     publisher: MediaPublisher
     kind: MediaKind
+    inlet: MediaInlet | None = None
+
+    @property
+    def directions(self) -> tuple[Direction, ...]:
+        """What an application can do here, as W3C says it; in one stream only sound goes both ways."""
+        if self.inlet is None:
+            return ("recvonly",)
+        return ("recvonly", "sendonly", "sendrecv") if self.kind == "audio" else ("recvonly", "sendonly")
 
 
 class _ConnectFromGateway(ConnectStreamParams):
@@ -63,16 +75,30 @@ class _ConnectFromGateway(ConnectStreamParams):
     ice_servers: tuple[IceServer, ...] = Field(default=(), strict=False)
 
 
+class _RestartFromGateway(Restart):
+    """As an application's, and fresh credentials for the ICE servers."""
+
+    ice_servers: tuple[IceServer, ...] | None = Field(default=None, strict=False)
+
+
 class _EncodingParameters(Model, extra="ignore"):
     """What of `encoding_parameters` is read; other members are for engines that know them."""
 
     codecs: tuple[str, ...] | None = Field(default=None, max_length=32, strict=False)
+    width: int | None = Field(default=None, ge=16, le=16_384)
+    height: int | None = Field(default=None, ge=16, le=16_384)
+    fps: float | None = Field(default=None, ge=1, le=1000)
+    max_bitrate: int | None = Field(default=None, ge=50_000, le=1_000_000_000)
+
+    def caps(self) -> Caps:
+        """What the application wants at most."""
+        return Caps(self.max_bitrate, self.width, self.height, self.fps)
 
 
 class _TransportParameters(Model, extra="ignore"):
     """What of `transport_parameters` is read: `recvonly` is a stream that the application receives."""
 
-    direction: str = "recvonly"
+    direction: str = Field(default="recvonly", max_length=32)
 
 
 Read = TypeVar("Read", bound=Model)
@@ -87,13 +113,28 @@ class AvatarStreams:
         engine_id: leads the ids that are minted here.
         published: the streaming components, by component_ref.
         clock: the media clock.
+        network: how the streams use the network.
+        cap: what a client is sent at most of each stream, whatever it asks for; None: as much as its path carries.
     """
 
-    def __init__(self, engine_id: str, published: Mapping[str, Published], clock: MediaClock) -> None:
+    def __init__(
+        self,
+        engine_id: str,
+        published: Mapping[str, Published],
+        clock: MediaClock,
+        network: NetworkSettings | None = None,
+        cap: Callable[[Client], Caps] | None = None,
+    ) -> None:
+        self._cap = cap
+        self.guarded = GuardFigures()
+        """What did not get in from the network, of all sessions together."""
+        self._network = network
         self._engine_id = engine_id
         self._published = published
         self._clock = clock
         self._names: dict[Client, str] = {}
+        self._senders: dict[str, str] = {}
+        """The stream that an application sends into a component."""
         self._numbers = itertools.count(1)
         self.sessions = StreamSessions(self._make_session)
 
@@ -150,8 +191,14 @@ class AvatarStreams:
                 candidate = Candidate.model_validate(params)
                 await self.sessions.with_peer(self._session_name(client), candidate.peer_id).candidate(candidate)
             case Restart.method:
-                peer_id = Restart.model_validate(params).peer_id
-                self.sessions.with_peer(self._session_name(client), peer_id).restart(peer_id)
+                restart = _RestartFromGateway.model_validate(params)
+                session = self.sessions.with_peer(self._session_name(client), restart.peer_id)
+                if restart.ice_servers is not None:
+                    session.ice_servers = restart.ice_servers
+                session.restart(restart.peer_id)
+            case Bye.method:
+                bye = Bye.model_validate(params)
+                self.sessions.with_peer(self._session_name(client), bye.peer_id).end_peer(bye.peer_id, bye.reason)
             case _:
                 raise Unsupported(f"there is no method {method}")
 
@@ -165,12 +212,27 @@ class AvatarStreams:
             raise Unsupported(f"{params.component_ref} has no streams")
         encoding = _parameter(params.parameters, "encoding_parameters", _EncodingParameters)
         transport = _parameter(params.parameters, "transport_parameters", _TransportParameters)
-        if transport.direction != "recvonly":
-            raise Unsupported(f"streams of direction {transport.direction!r} are not supported")
+        direction = next((each for each in published.directions if each == transport.direction), None)
+        if direction is None:
+            possible = ", ".join(published.directions)
+            raise Unsupported(f"{params.component_ref} has no streams of direction {transport.direction!r}: {possible}")
+        if direction != "recvonly" and params.component_ref in self._senders:
+            raise OutOfResources(f"somebody sends to {params.component_ref} already, and only one can at a time")
         session = self.sessions.open(self._session_name(client))
         session.ice_servers = params.ice_servers
         stream_id = new_id(self._engine_id)
-        session.connect(stream_id, params.component_ref, published.publisher, published.kind, encoding.codecs)
+        session.connect(
+            stream_id,
+            params.component_ref,
+            None if direction == "sendonly" else published.publisher,
+            published.kind,
+            encoding.codecs,
+            direction=direction,
+            inlet=None if direction == "recvonly" else published.inlet,
+            caps=encoding.caps() if self._cap is None else encoding.caps().within(self._cap(client)),
+        )
+        if direction != "recvonly":
+            self._senders[params.component_ref] = stream_id
         return {"stream_id": stream_id}
 
     def _session_name(self, client: Client) -> str:
@@ -180,10 +242,12 @@ class AvatarStreams:
     def _make_session(self, session_name: str) -> StreamSession:
         client = next(client for client, name in self._names.items() if name == session_name)
 
-        def send(message: Offer | Bye) -> None:
+        def send(message: Downward) -> None:
             client.notify(message.method, message.wire())
 
         def changed(change: StreamChange) -> None:
+            if change.ended and self._senders.get(change.component_ref) == change.stream_id:
+                del self._senders[change.component_ref]
             self._announce(client, change)
 
         return StreamSession(
@@ -191,6 +255,8 @@ class AvatarStreams:
             send=send,
             on_change=changed,
             clock=self._clock,
+            network=self._network,
+            guarded=self.guarded,
             name=f"session {session_name}",
         )
 

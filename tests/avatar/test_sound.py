@@ -4,7 +4,7 @@ from collections.abc import AsyncIterator
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from openrois_avatar.jitter import BLOCK, SEAM
+from openrois_avatar.engine_sound import BLOCK, SEAM
 from openrois_avatar.sound import KEPT_BLOCKS, MAX_QUEUED, AvatarSound, SoundBusy
 from openrois_streaming.source import RawAudio
 
@@ -179,14 +179,77 @@ async def test_the_queue_is_bounded_and_forgets_what_is_over(clock: VirtualClock
 
 async def test_speech_and_engine_are_mixed_without_wrapping(clock: VirtualClock) -> None:
     sound = AvatarSound(clock)
-    sound.feed(RawAudio(np.full((9 * BLOCK, 1), 99, np.int16), 0))
+    sound.feed(RawAudio(np.full((9 * BLOCK, 1), 99, np.int16), 1000.02))
     async with sound.open() as blocks:
         listener = Listener(blocks)
-        sound.feed(RawAudio(np.full((11 * BLOCK, 1), 20_000, np.int16), 0))
+        sound.feed(RawAudio(np.full((11 * BLOCK, 1), 20_000, np.int16), 1000.02))
         sound.play(constant(20_000, 2 * BLOCK))
         await clock.advance(0.14)
         assert [int(block.samples[-1, 0]) for block in listener.blocks] == [20_000] * 2 + [32_767] * 2 + [20_000] * 3
         assert 99 not in listener.sound
+        await listener.stop()
+
+
+class Ticking:
+    """Feeds blocks of 20 ms whose first sample is of the moments 1000.02, 1000.04 ..., `late` seconds after these."""
+
+    def __init__(self, clock: VirtualClock, sound: AvatarSound, late: float) -> None:
+        self._clock, self._sound, self._late = clock, sound, late
+        self._task = asyncio.create_task(self._feed())
+
+    async def _feed(self) -> None:
+        for number in range(50_001, 60_000):
+            moment = number / 50
+            await self._clock.sleep_until(moment + self._late)
+            self._sound.feed(RawAudio(np.full((BLOCK, 1), number % 100 + 1, np.int16), moment))
+
+    async def stop(self) -> None:
+        self._task.cancel()
+        await asyncio.wait({self._task})
+
+
+@pytest.mark.parametrize(("late", "lag"), [(-0.03, 0.0), (0.0, 0.003), (0.05, 0.053)])
+async def test_the_engine_is_heard_at_the_moments_it_says(clock: VirtualClock, late: float, lag: float) -> None:
+    sound = AvatarSound(clock)
+    async with sound.open() as blocks:
+        listener, engine = Listener(blocks), Ticking(clock, sound, late)
+        await clock.advance(1.0)
+        for moment in (1000.2, 1000.5, 1000.9):
+            assert listener.value_at(moment + 0.01) == round(moment * 50) % 100 + 1
+        # The last one that is there: as soon as it can be, with the time that it is of.
+        newest = listener.blocks[-1].captured_at
+        assert newest == pytest.approx(np.floor((clock.now() - lag) * 50) / 50)
+        await engine.stop()
+        await listener.stop()
+
+
+async def test_speech_keeps_its_time_beside_an_engine_that_is_late(clock: VirtualClock) -> None:
+    sound = AvatarSound(clock)
+    async with sound.open() as blocks:
+        listener, engine = Listener(blocks), Ticking(clock, sound, 0.08)
+        await clock.advance(0.5)
+        playback = sound.play(constant(5000, 960))
+        await clock.advance(0.3)
+        assert listener.value_at(playback.start - 1 / 48_000) < 200
+        assert listener.value_at(playback.start) >= 5000
+        assert listener.value_at(playback.end - 1 / 48_000) >= 5000
+        assert listener.value_at(playback.end) < 200
+        await engine.stop()
+        await listener.stop()
+
+
+async def test_an_engine_that_is_late_once_is_not_waited_for_long(clock: VirtualClock) -> None:
+    sound = AvatarSound(clock)
+    async with sound.open() as blocks:
+        listener = Listener(blocks)
+        sound.feed(RawAudio(np.ones((BLOCK, 1), np.int16), 999.9))
+        engine = Ticking(clock, sound, -0.03)
+        await clock.advance(1.0)
+        assert clock.now() - listener.blocks[-1].captured_at > 0.1
+        await clock.advance(5.0)
+        assert clock.now() - listener.blocks[-1].captured_at <= 0.02
+        assert np.diff([block.captured_at for block in listener.blocks]) == pytest.approx(0.02)
+        await engine.stop()
         await listener.stop()
 
 

@@ -1,19 +1,22 @@
 import json
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator, Callable, Mapping
 from typing import Any
 
 import pytest
 from openrois_avatar.streams import AvatarStreams, Published
 from openrois_signaling.messages import IceServer
 from openrois_streaming import peer as peer_module
+from openrois_streaming.adaptation.caps import Caps
+from openrois_streaming.adaptation.rung import ladder
+from openrois_streaming.adaptation.viewer import VIDEO_SHARE
 from openrois_streaming.sessions import SESSIONS_LIMIT
 
 from openrois.contract import Client
 from openrois.errors import BadParameter, OutOfResources, RoISError, Unsupported
 from tests.support.streaming import VirtualClock, settle
-from tests.support.viewing import FedPublisher, WirelessConnection
+from tests.support.viewing import FakeInlet, FedPublisher, WirelessConnection
 
-VIDEO = "avatar/VideoStreaming"
+VIDEO, AUDIO, SCREEN = "avatar/VideoStreaming", "avatar/AudioStreaming", "avatar/Screen"
 VP8 = json.dumps({"codecs": ["video/VP8"]})
 OK = {"return_code": "OK"}
 
@@ -21,17 +24,22 @@ OK = {"return_code": "OK"}
 class Stage:
     """The streams of an avatar whose pictures are given by hand, on a clock that stands still."""
 
-    def __init__(self) -> None:
+    def __init__(self, cap: Callable[[Client], Caps] | None = None) -> None:
         self.clock = VirtualClock()
         self.publisher = FedPublisher()
-        self.streams = AvatarStreams("avatar", {VIDEO: Published(self.publisher, "video")}, self.clock)
+        self.camera, self.microphone = FakeInlet(), FakeInlet()
+        published = {
+            VIDEO: Published(self.publisher, "video", self.camera),
+            AUDIO: Published(self.publisher, "audio", self.microphone),
+            SCREEN: Published(self.publisher, "video"),
+        }
+        self.streams = AvatarStreams("avatar", published, self.clock, cap=cap)
         self._reports = 0
 
     async def play(self) -> None:
         """Let frames flow to the newest viewer for half a second."""
         for number in range(5):
-            await self.publisher.rendition("video/VP8").play(keyframe=number == 0)
-            await WirelessConnection.made[-1].take()
+            await self.publisher.renditions("video/VP8")[0].show(keyframe=number == 0)
             self._reports += 1
             WirelessConnection.made[-1].report(self._reports)
             await self.clock.advance(0.1)
@@ -48,8 +56,13 @@ class Caller:
     async def ask(self, method: str, **params: Any) -> dict[str, Any]:
         return await self._streams.call(method, params, self.client)
 
-    async def connect(self, encoding: str = VP8, component_ref: str = VIDEO, **more: Any) -> str:
+    async def connect(
+        self, encoding: str = VP8, component_ref: str = VIDEO, direction: str | None = None, **more: Any
+    ) -> str:
         parameters = [{"name": "encoding_parameters", "data_type_ref": "String", "value": encoding}]
+        if direction is not None:
+            value = json.dumps({"direction": direction})
+            parameters.append({"name": "transport_parameters", "data_type_ref": "String", "value": value})
         answer = await self.ask(
             "rois.stream.connect_stream", component_ref=component_ref, parameters=parameters, **more
         )
@@ -131,12 +144,66 @@ async def test_every_change_is_told_with_the_names_of_rois(stage: Stage, alice: 
         assert notice["timestamp"].startswith("2027-01-15T08:00:")
 
 
+async def test_an_application_is_sent_no_more_than_it_wants(stage: Stage, alice: Caller) -> None:
+    stage.publisher.rung = ladder(320, 180, 30)[0]
+    await alice.connect(json.dumps({"width": 640, "height": 360, "fps": 15, "max_bitrate": 100_000}))
+    await alice.answer()
+    assert stage.publisher.fps == 15
+    assert stage.publisher.renditions("video/VP8")[0].demanded == 100_000 * VIDEO_SHARE
+
+
+async def test_an_application_is_sent_no_more_than_it_may_have_whatever_it_wants(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(peer_module, "BundledConnection", WirelessConnection)
+    WirelessConnection.made = []
+    caps = {"alice": Caps(max_bitrate=80_000, fps=10), "bob": Caps()}
+    stage = Stage(lambda client: caps[client.client_id])
+    stage.publisher.rung = ladder(320, 180, 30)[0]
+    async with stage.streams.sessions:
+        for name, demanded, fps in (("alice", 80_000, 10), ("bob", 90_000, 30)):
+            caller = Caller(stage, name)
+            await caller.connect(json.dumps({"max_bitrate": 90_000, "fps": 30}))
+            await caller.answer()
+            assert stage.publisher.renditions("video/VP8", fps)[0].demanded == demanded * VIDEO_SHARE
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"fps": 0},
+        {"fps": "30"},
+        {"width": 1.5},
+        {"height": -1},
+        {"max_bitrate": 10},
+        {"max_bitrate": True},
+        {"fps": 1e9},
+    ],
+)
+async def test_limits_that_make_no_sense_are_refused(alice: Caller, wrong: dict[str, object]) -> None:
+    with pytest.raises(BadParameter, match="encoding_parameters"):
+        await alice.connect(json.dumps(wrong))
+
+
 async def test_a_restart_is_an_offer_that_replaces(alice: Caller) -> None:
     await alice.connect()
     old = await alice.answer()
     assert await alice.ask("signaling.restart", peer_id=old["peer_id"]) == OK
     await settle()
     assert alice.all("signaling.offer")[-1]["replaces"] == old["peer_id"]
+
+
+async def test_a_peer_that_the_application_cannot_have_is_ended(alice: Caller) -> None:
+    await alice.connect()
+    await settle()
+    [offer] = alice.all("signaling.offer")
+    bye = {"peer_id": offer["peer_id"], "reason": "too many"}
+    assert await alice.ask("signaling.bye", **bye) == OK
+    await settle()
+    assert alice.all("signaling.bye") == [bye]
+    assert alice.statuses() == ["STREAMING_NOT_CONNECTED"]
+    with pytest.raises(Unsupported):
+        await alice.ask("signaling.bye", **bye)
 
 
 async def test_candidates_and_answers_reach_their_peer_connection_and_old_ones_are_dropped(alice: Caller) -> None:
@@ -164,6 +231,10 @@ async def test_an_answer_that_cannot_be_used_is_refused_and_ends_the_stream(alic
 async def test_ice_servers_of_the_gateway_are_used(alice: Caller) -> None:
     await alice.connect(ice_servers=[{"urls": ["stun:192.0.2.1:3478"]}])
     assert list(WirelessConnection.made[0].ice_servers) == [IceServer(urls=("stun:192.0.2.1:3478",))]
+    old = await alice.answer()
+    fresh = [{"urls": ["turn:192.0.2.1"], "username": "2:avatar", "credential": "new"}]
+    assert await alice.ask("signaling.restart", peer_id=old["peer_id"], ice_servers=fresh) == OK
+    assert [server.username for server in WirelessConnection.made[1].ice_servers] == ["2:avatar"]
 
 
 @pytest.mark.parametrize(
@@ -191,15 +262,52 @@ async def test_without_a_list_of_codecs_all_are_offered(alice: Caller, encoding:
 
 
 @pytest.mark.parametrize(
-    ("transport", "refusal"),
-    [('{"direction": "sendonly"}', Unsupported), ('{"direction": 1}', BadParameter), ("recvonly", BadParameter)],
+    ("transport", "component_ref", "refusal"),
+    [
+        ('{"direction": "sendrecv"}', VIDEO, Unsupported),
+        ('{"direction": "inactive"}', AUDIO, Unsupported),
+        ('{"direction": "sendonly"}', SCREEN, Unsupported),
+        ('{"direction": 1}', VIDEO, BadParameter),
+        ('{"direction": "' + "x" * 40 + '"}', VIDEO, BadParameter),
+        ("recvonly", VIDEO, BadParameter),
+    ],
 )
-async def test_only_streams_towards_the_application_are_served(
-    alice: Caller, transport: str, refusal: type[RoISError]
+async def test_a_direction_that_is_not_there_is_not_supported(
+    alice: Caller, transport: str, component_ref: str, refusal: type[RoISError]
 ) -> None:
     parameter = {"name": "transport_parameters", "data_type_ref": "String", "value": transport}
     with pytest.raises(refusal):
-        await alice.ask("rois.stream.connect_stream", component_ref=VIDEO, parameters=[parameter])
+        await alice.ask("rois.stream.connect_stream", component_ref=component_ref, parameters=[parameter])
+
+
+async def test_an_application_sends_into_a_component(stage: Stage, alice: Caller) -> None:
+    camera = await alice.connect(component_ref=VIDEO, direction="sendonly")
+    talk = await alice.connect('{"codecs": ["opus"]}', component_ref=AUDIO, direction="sendrecv")
+    offer = await alice.answer()
+    assert [(each["stream_id"], each["direction"]) for each in offer["streams"]] == [
+        (camera, "sendonly"),
+        (talk, "sendrecv"),
+    ]
+    assert set(stage.camera.sources) == {camera}
+    assert set(stage.microphone.sources) == {talk}
+    await alice.ask("rois.stream.disconnect_stream", stream_id=camera)
+    await stage.streams.forget(alice.client)
+    assert stage.camera.sources == stage.microphone.sources == {}
+
+
+async def test_only_one_sends_into_a_component_at_a_time(stage: Stage, alice: Caller) -> None:
+    bob = Caller(stage, "bob")
+    first = await alice.connect(component_ref=VIDEO, direction="sendonly")
+    for caller in (alice, bob):
+        with pytest.raises(OutOfResources, match="only one can at a time"):
+            await caller.connect(component_ref=VIDEO, direction="sendonly")
+    await bob.connect(component_ref=VIDEO)
+    await bob.connect('{"codecs": ["opus"]}', component_ref=AUDIO, direction="sendonly")
+    await alice.ask("rois.stream.disconnect_stream", stream_id=first)
+    await settle()
+    await bob.connect(component_ref=VIDEO, direction="sendonly")
+    await stage.streams.forget(bob.client)
+    await alice.connect(component_ref=VIDEO, direction="sendonly")
 
 
 async def test_what_is_not_there_is_not_supported(alice: Caller) -> None:

@@ -1,62 +1,45 @@
-"""An application that plays one video stream in aiortc, as any other would: over the gateway, and decoding it."""
+"""An application that plays one video stream at a measuring sink, as any other would: over the gateway, decoding it."""
 
 import asyncio
 import json
 import time
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from dataclasses import dataclass
-from typing import Any, Final, cast
+from typing import Any, Final
 
-import av
-import numpy as np
-from aiortc import MediaStreamTrack, RTCConfiguration, RTCPeerConnection, RTCSessionDescription
-from aiortc.rtcconfiguration import RTCBundlePolicy
-from numpy.typing import NDArray
-from openrois_streaming import stamp
-from openrois_streaming.stamp import Stamp
+from openrois_streaming.testing import MeasuringSink, SeenPicture
 
 from openrois.jsonrpc.session import RpcSession
 from openrois.transport.websocket import dial
 from openrois_avatar.bench.errors import BenchFailed, within
 
-__all__ = ["Application", "Picture", "Playing", "application"]
+__all__ = ["Application", "Playing", "application"]
 
 _PATIENCE: Final = 15.0
 """Seconds for an offer, or for a picture; a machine that needs longer cannot be measured."""
-
-
-@dataclass(frozen=True, slots=True)
-class Picture:
-    """A decoded picture: when it was there (`at` monotonic, `wall` epoch seconds), and its stamp if it has one."""
-
-    at: float
-    wall: float
-    width: int
-    height: int
-    stamp: Stamp | None
+_WAITING: Final = 1024
 
 
 class Playing:
     """A stream that plays."""
 
-    def __init__(self, application: "Application", stream_id: str, track: MediaStreamTrack, asked_at: float) -> None:
+    def __init__(
+        self, application: "Application", stream_id: str, pictures: asyncio.Queue[SeenPicture], asked_at: float
+    ) -> None:
         self.asked_at = asked_at
         """Monotonic time at which the stream was asked for."""
         self._application = application
         self._stream_id = stream_id
-        self._track = track
+        self._pictures = pictures
 
-    async def picture(self) -> Picture:
-        """The next picture.
+    async def picture(self) -> SeenPicture:
+        """The next picture; none is left out.
 
         Raises:
             BenchFailed: none comes.
         """
         async with within(_PATIENCE, "the next picture"):
-            frame = cast(av.VideoFrame, await self._track.recv())
-        at, wall = time.monotonic(), time.time()
-        return Picture(at, wall, frame.width, frame.height, stamp.read(_luma(frame)))
+            return await self._pictures.get()
 
     async def ask(self, verb: str) -> None:
         """Have the stream do one of the streaming verbs."""
@@ -98,21 +81,16 @@ class Application:
         connected = await self.ask("rois.stream.connect_stream", component_ref=component_ref, parameters=[encoding])
         async with within(_PATIENCE, "the offer"):
             offer = await self._offers.get()
-        connection = RTCPeerConnection(RTCConfiguration(iceServers=[], bundlePolicy=RTCBundlePolicy.MAX_BUNDLE))
-        try:
-            await connection.setRemoteDescription(RTCSessionDescription(offer["sdp"], "offer"))
-            await connection.setLocalDescription(await connection.createAnswer())
+        pictures: asyncio.Queue[SeenPicture] = asyncio.Queue(_WAITING)
+        async with MeasuringSink(on_picture=pictures.put_nowait) as sink:
             await self.ask(
                 "signaling.answer",
                 peer_id=offer["peer_id"],
                 generation=offer["generation"],
-                sdp=connection.localDescription.sdp,
+                sdp=await sink.answer(offer["sdp"]),
             )
-            track = connection.getReceivers()[0].track
-            yield Playing(self, connected["stream_id"], track, asked_at)
+            yield Playing(self, connected["stream_id"], pictures, asked_at)
             await self.ask("rois.stream.disconnect_stream", stream_id=connected["stream_id"])
-        finally:
-            await connection.close()
 
 
 @asynccontextmanager
@@ -128,10 +106,3 @@ async def application(url: str) -> AsyncIterator[Application]:
         finally:
             await session.close()
             await asyncio.wait({running})
-
-
-def _luma(frame: av.VideoFrame) -> NDArray[np.uint8]:
-    """The Y plane of a decoded picture, as a view."""
-    plane = frame.planes[0]
-    rows = np.frombuffer(memoryview(plane), np.uint8).reshape(-1, plane.line_size)
-    return rows[: frame.height, : frame.width]

@@ -33,7 +33,7 @@ def main(arguments: Sequence[str]) -> int:
     parser = argparse.ArgumentParser(prog="openrois bench", description="Measures on this machine.")
     benches = parser.add_subparsers(dest="bench", required=True, metavar="BENCH")
     latency, fanout = LatencySettings(), FanoutSettings()
-    told = "from capture to viewer, over gateway and adapter: aiortc, and Chromium if there is one (about a minute)"
+    told = "from capture to viewer, over gateway and adapter: a measuring sink, and Chromium if there is one (a minute)"
     options = benches.add_parser("latency", help=told, description=told)
     options.add_argument(
         "--seconds", type=_seconds, default=latency.seconds, help="that each viewer plays (%(default)s)"

@@ -11,16 +11,16 @@ import aiohttp
 from openrois_streaming.clock import SystemClock
 from openrois_streaming.codecs import H264
 
-from openrois_avatar.bench.adapter import COMPONENT_REF, ENGINE_ID
+from openrois_avatar.bench.adapter import COMPONENT_REF, ENGINE_ID, Show
 from openrois_avatar.bench.browser import chromium_version, watch_in_chromium
 from openrois_avatar.bench.conditions import conditions, load
 from openrois_avatar.bench.errors import BenchFailed, within
-from openrois_avatar.bench.latency_report import LatencyReport
+from openrois_avatar.bench.latency_report import SINK, LatencyReport
 from openrois_avatar.bench.observation import Observation, Order, Sightings
 from openrois_avatar.bench.partner import partner
 from openrois_avatar.child import Output, child_process
 
-__all__ = ["LatencySettings", "run_latency"]
+__all__ = ["LatencySettings", "avatar", "patience", "run_latency", "watch_in_sink"]
 
 _START_TIMEOUT: Final = 30.0
 _VIEWER_START: Final = 20.0
@@ -57,19 +57,20 @@ async def run_latency(settings: LatencySettings, progress: Callable[[str], None]
     before = load()
     observations: list[Observation] = []
     for width, height in settings.sizes:
-        async with _avatar(width, height) as host:
+        async with avatar(width, height) as host:
             order = Order(
                 url=f"ws://{host}/",
                 component_ref=COMPONENT_REF,
                 codec=H264,
                 seconds=settings.seconds,
                 runs=settings.runs,
+                resumes=settings.runs,
             )
-            progress(f"{width}x{height}: aiortc")
-            observations.append(_sum_up("aiortc", await _watch_in_aiortc(order)))
+            progress(f"{width}x{height}: {SINK}")
+            observations.append(_sum_up(SINK, await watch_in_sink(order)))
             if settings.chromium is not None:
                 progress(f"{width}x{height}: Chromium")
-                seen = await watch_in_chromium(settings.chromium, order, patience=_patience(order))
+                seen = await watch_in_chromium(settings.chromium, order, patience=patience(order))
                 observations.append(_sum_up("Chromium", seen))
     return LatencyReport(
         seconds=settings.seconds,
@@ -79,9 +80,14 @@ async def run_latency(settings: LatencySettings, progress: Callable[[str], None]
     )
 
 
-async def _watch_in_aiortc(order: Order) -> Sightings:
+async def watch_in_sink(order: Order) -> Sightings:
+    """Have a measuring sink do what is ordered, in a process of its own.
+
+    Raises:
+        BenchFailed: it could not.
+    """
     async with partner("openrois_avatar.bench.viewer") as viewer:
-        told = await viewer.ask("watch", order.model_dump(mode="json"), within=_patience(order))
+        told = await viewer.ask("watch", order.model_dump(mode="json"), within=patience(order))
     return Sightings.model_validate(told)
 
 
@@ -92,13 +98,18 @@ def _sum_up(viewer: str, seen: Sightings) -> Observation:
         raise BenchFailed(f"{viewer}, {len(seen.numbers)} pictures, {seen.unreadable} unreadable: {error}") from error
 
 
-def _patience(order: Order) -> float:
-    return _VIEWER_START + order.seconds + order.runs * _RUN
+def patience(order: Order) -> float:
+    """Seconds that a viewer may take for what is ordered."""
+    return _VIEWER_START + order.settling + order.seconds + max(order.runs, order.resumes) * _RUN
 
 
 @asynccontextmanager
-async def _avatar(width: int, height: int) -> AsyncIterator[str]:
-    """Run a gateway and, behind it, an adapter whose pictures have that size; yields the gateway's `host:port`."""
+async def avatar(width: int, height: int, fps: float = 30, show: Show = "bars") -> AsyncIterator[str]:
+    """Run a gateway and, behind it, an adapter with such pictures; yields the gateway's `host:port`.
+
+    Raises:
+        BenchFailed: it does not start.
+    """
     clock = SystemClock()
     said = Output("gateway", clock)
     arguments = ("openrois.cli", "gateway", "--port", "0")
@@ -109,7 +120,7 @@ async def _avatar(width: int, height: int) -> AsyncIterator[str]:
         if not line.startswith(_LISTENING):
             raise BenchFailed(f"the gateway does not start: {said.last_words}")
         host = urlsplit(line.removeprefix(_LISTENING).strip()).netloc
-        adapter = ("openrois_avatar.bench.adapter", f"ws://{host}/adapter", str(width), str(height))
+        adapter = ("openrois_avatar.bench.adapter", f"ws://{host}/adapter", str(width), str(height), str(fps), show)
         said = Output("adapter", clock)
         async with child_process(*adapter, output=said) as process:
             await _attached(host, process, said)

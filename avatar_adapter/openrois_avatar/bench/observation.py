@@ -17,6 +17,7 @@ MEASURES = {
     "presented": "capture -> presented",
     "connect": "connect_stream -> first picture",
     "resume": "resume_stream -> first new picture",
+    "apart": "pictures behind the sound, as the browser says",
 }
 """What can be measured, in the order in which it is shown. A viewer measures what it can."""
 
@@ -25,7 +26,8 @@ class Order(BaseModel):
     """What a viewer is told to do.
 
     It plays the stream of a component behind the gateway at `url` (`ws://host:port/`): `runs` times only until the
-    first picture is there, then for `seconds`, then it suspends and resumes it `runs` times.
+    first picture is there; then for `settling` seconds that do not count, and for `seconds`; then it suspends and
+    resumes it `resumes` times. `fps` is what the source gives. A browser plays the sound of `sound_ref` beside it.
     """
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -35,6 +37,10 @@ class Order(BaseModel):
     codec: str
     seconds: float
     runs: int
+    resumes: int
+    fps: float = 30.0
+    settling: float = 0.5
+    sound_ref: str | None = None
 
 
 class Sightings(BaseModel):
@@ -49,6 +55,12 @@ class Sightings(BaseModel):
     """Pictures without a stamp that could be read."""
     milliseconds: dict[str, tuple[float, ...]]
     """By the names of `MEASURES`."""
+    visible: tuple[float, ...] = ()
+    """When each picture of `numbers` was there, in ms since the first."""
+    widths: tuple[int, ...] = ()
+    """Of each picture of `numbers`, in pixels."""
+    counters: dict[str, float] = {}
+    """What a browser counted meanwhile (W3C webrtc-stats, `RTCInboundRtpStreamStats`)."""
 
 
 class Observation(BaseModel):

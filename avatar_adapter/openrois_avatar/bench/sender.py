@@ -18,7 +18,7 @@ import av
 from aiortc import RTCConfiguration, RTCPeerConnection, RTCRtpSender, RTCSessionDescription, VideoStreamTrack
 from aiortc.codecs import h264, vpx
 from aiortc.rtcconfiguration import RTCBundlePolicy
-from openrois_signaling.messages import Answer, Bye, Offer
+from openrois_signaling.messages import Answer, Downward, Offer
 from openrois_streaming.clock import SystemClock
 from openrois_streaming.publisher import VideoPublisher
 from openrois_streaming.session import StreamSession
@@ -29,7 +29,7 @@ from openrois_avatar.bench.partner import cpu_seconds, serve
 from openrois_avatar.bench.picture import Grain
 from openrois_avatar.bench.runs import BITRATE, FPS, HEIGHT, OPENROIS, WIDTH
 
-__all__ = ["PlainSender", "Sender", "SharingSender"]
+__all__ = ["LatestPicture", "PlainSender", "Sender", "SharingSender"]
 
 _STREAM: Final = "stream"
 _CLOCK_RATE: Final = 90_000
@@ -63,7 +63,9 @@ class SharingSender:
         self._codec = codec
         self._stack = stack
         self._clock = SystemClock()
-        self._publisher = VideoPublisher(Grain(WIDTH, HEIGHT, clock=self._clock), clock=self._clock, bitrate=BITRATE)
+        self._publisher = VideoPublisher(
+            Grain(WIDTH, HEIGHT, clock=self._clock), clock=self._clock, max_bitrate=BITRATE
+        )
         self._sessions: list[StreamSession] = []
         self._offers: list[Offer] = []
         self._ids = itertools.count()
@@ -75,7 +77,7 @@ class SharingSender:
 
     async def offer(self) -> str:
         """Open a session with one stream, which is suspended until it is to play."""
-        first: asyncio.Future[Offer | Bye] = asyncio.get_running_loop().create_future()
+        first: asyncio.Future[Downward] = asyncio.get_running_loop().create_future()
         session = StreamSession(
             mint=lambda: f"peer {next(self._ids)}",
             send=lambda message: None if first.done() else first.set_result(message),
@@ -105,7 +107,7 @@ class SharingSender:
                 session.suspend(_STREAM)
 
 
-class _LatestPicture(VideoStreamTrack):
+class LatestPicture(VideoStreamTrack):
     """A track as aiortc's own: it hands out pictures, and the peer connection encodes them.
 
     A picture that the encoder has no time for is lost; without that, a busy machine would fall behind for good.
@@ -139,7 +141,7 @@ class PlainSender:
         """How many viewers play: aiortc has an encoder for each."""
         self._codec = codec
         self._stack = stack
-        self._tracks: list[_LatestPicture] = []
+        self._tracks: list[LatestPicture] = []
         self._connections: list[RTCPeerConnection] = []
         _pin_bitrate()
         stack.callback(tasks.create_task(self._pull()).cancel)
@@ -154,7 +156,7 @@ class PlainSender:
         """Make a peer connection with a track that waits."""
         connection = RTCPeerConnection(RTCConfiguration(iceServers=[], bundlePolicy=RTCBundlePolicy.MAX_BUNDLE))
         self._stack.push_async_callback(connection.close)
-        track = _LatestPicture()
+        track = LatestPicture()
         transceiver = connection.addTransceiver(track, direction="sendonly")
         known = RTCRtpSender.getCapabilities("video").codecs
         transceiver.setCodecPreferences([each for each in known if each.mimeType in (self._codec, "video/rtx")])

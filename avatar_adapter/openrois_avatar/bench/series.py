@@ -1,13 +1,13 @@
 """What is said about several measurements of one thing. Pure."""
 
-import math
 import statistics
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import Self
 
+from openrois_streaming.testing.delays import percentile
 from pydantic import BaseModel, ConfigDict
 
-__all__ = ["Series", "percentile"]
+__all__ = ["Series"]
 
 
 class Series(BaseModel):
@@ -31,8 +31,3 @@ class Series(BaseModel):
         if not kept:
             raise ValueError("nothing was measured")
         return cls(count=len(kept), median=statistics.median(kept), p95=percentile(kept, 0.95), values=kept)
-
-
-def percentile(values: Sequence[float], share: float) -> float:
-    """The smallest of `values` that at least `share` (above 0, at most 1) of them do not exceed."""
-    return sorted(values)[math.ceil(share * len(values)) - 1]

@@ -1,4 +1,4 @@
-"""The viewer on aiortc, a process of its own: plays the stream as an application does and reads the stamps."""
+"""The viewer without a browser, a process of its own: plays the stream as an application does and reads the stamps."""
 
 import asyncio
 import time
@@ -6,19 +6,18 @@ from collections.abc import Iterable, Mapping
 from contextlib import nullcontext, suppress
 from typing import Any, Final
 
-from openrois_avatar.bench.application import Picture, Playing, application
+from openrois_streaming.testing import SeenPicture
+
+from openrois_avatar.bench.application import Playing, application
 from openrois_avatar.bench.errors import BenchFailed
 from openrois_avatar.bench.observation import Order, Sightings
 from openrois_avatar.bench.partner import serve
 
 __all__ = ["watch"]
 
-_SETTLING: Final = 0.5
-"""Seconds after the first picture that are not counted."""
 _QUIET: Final = 0.2
 """Seconds without a picture after which a stream has fallen silent."""
 _FALLS_SILENT_WITHIN: Final = 5.0
-_FRAME_INTERVAL: Final = 1 / 30
 
 
 async def watch(order: Order) -> Sightings:
@@ -34,10 +33,10 @@ async def watch(order: Order) -> Sightings:
             connects.append(first.at - playing.asked_at)
             if len(connects) < order.runs:
                 continue
-            await _pictures(playing, _SETTLING)
+            await _pictures(playing, order.settling)
             pictures = await _pictures(playing, order.seconds)
             # The pictures keep to a beat: resuming at other moments of it each time, no run repeats another.
-            resumes = [await _resume(playing, run / order.runs * _FRAME_INTERVAL) for run in range(order.runs)]
+            resumes = [await _resume(playing, run / order.resumes / order.fps) for run in range(order.resumes)]
         break
     stamped = [(picture.stamp, picture.wall) for picture in pictures if picture.stamp is not None]
     return Sightings(
@@ -48,14 +47,14 @@ async def watch(order: Order) -> Sightings:
         milliseconds={
             "decoded": _milliseconds(stamp.age(wall) for stamp, wall in stamped),
             "connect": _milliseconds(connects),
-            "resume": _milliseconds(resumes),
-        },
+        }
+        | ({"resume": _milliseconds(resumes)} if resumes else {}),
     )
 
 
-async def _pictures(playing: Playing, seconds: float) -> list[Picture]:
+async def _pictures(playing: Playing, seconds: float) -> list[SeenPicture]:
     end = time.monotonic() + seconds
-    pictures: list[Picture] = []
+    pictures: list[SeenPicture] = []
     while time.monotonic() < end:
         pictures.append(await playing.picture())
     return pictures
@@ -71,7 +70,7 @@ async def _resume(playing: Playing, delay: float) -> float:
     await playing.ask("resume")
     while True:
         picture = await playing.picture()
-        # aiortc holds the last picture back until a packet of the next one comes; that one is not new.
+        # What was on its way when the stream was suspended is not new.
         if picture.stamp is not None and picture.stamp.age(suspended) < 0:
             return picture.at - asked_at
 

@@ -20,10 +20,12 @@ class _Streaming:
     available_transports: str | None
     _source_status: Callable[[], ComponentStatus]
 
-    def _offer(self, codecs: Iterable[str], source_status: Callable[[], ComponentStatus]) -> None:
+    def _offer(
+        self, codecs: Iterable[str], directions: Iterable[str], source_status: Callable[[], ComponentStatus]
+    ) -> None:
         self._source_status = source_status
         self.available_encodings = json.dumps({"codecs": list(codecs)})
-        self.available_transports = json.dumps({"direction": ["recvonly"]})
+        self.available_transports = json.dumps({"direction": list(directions)})
 
     def condition(self) -> ComponentStatus:
         """Follow the source."""
@@ -55,21 +57,26 @@ def _refuse() -> NoReturn:
 
 
 class VideoStreaming(_Streaming, components.VideoStreaming):
-    """What the avatar looks like.
+    """What the avatar looks like, and where its operator's camera is sent to.
 
     Args:
         codecs: the media types it can be streamed in, best first.
+        directions: what an application can do, as W3C says it.
         source_status: tells whether there is something to stream now.
     """
 
-    def __init__(self, codecs: Iterable[str], source_status: Callable[[], ComponentStatus]) -> None:
+    def __init__(
+        self, codecs: Iterable[str], directions: Iterable[str], source_status: Callable[[], ComponentStatus]
+    ) -> None:
         super().__init__("VideoStreaming")
-        self._offer(codecs, source_status)
+        self._offer(codecs, directions, source_status)
 
 
 class AudioStreaming(_Streaming, components.AudioStreaming):
-    """What the avatar sounds like; as `VideoStreaming`."""
+    """What the avatar sounds like, and where its operator's microphone is sent to; as `VideoStreaming`."""
 
-    def __init__(self, codecs: Iterable[str], source_status: Callable[[], ComponentStatus]) -> None:
+    def __init__(
+        self, codecs: Iterable[str], directions: Iterable[str], source_status: Callable[[], ComponentStatus]
+    ) -> None:
         super().__init__("AudioStreaming")
-        self._offer(codecs, source_status)
+        self._offer(codecs, directions, source_status)

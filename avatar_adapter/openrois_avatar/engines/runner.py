@@ -1,12 +1,15 @@
 """The loop every embedded game engine runs in: paced pictures and sound out, commands in.
 
 Pictures belong to deadlines on CLOCK_MONOTONIC: the picture of a deadline shows the body at that moment and carries it
-as its timestamp. A loop that is late skips to the newest deadline; nothing is queued.
+as its timestamp. A loop that is late skips to the newest deadline; nothing is queued. Sound leaves ahead of its
+time, so that it is there when its moment comes, however long a picture takes; a reaction begins, and is stopped, at the
+first moment of which the sound has not left yet, both to be seen and to be heard.
 """
 
 import argparse
 import sys
 import time
+from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import count
@@ -16,6 +19,7 @@ import cv2
 
 from openrois.version import __version__
 from openrois_avatar.engines.animation.animator import Animator
+from openrois_avatar.engines.animation.heard import loudness
 from openrois_avatar.engines.animation.idle import blink
 from openrois_avatar.engines.animation.pose import Pose
 from openrois_avatar.engines.animation.reactions import REACTIONS
@@ -46,6 +50,8 @@ LINK_LOST: Final = 4
 """Exit status when the adapter could not be reached or refused the engine."""
 _DEFAULT: Final = Picture()
 _STILL_SEED: Final = 1
+AHEAD: Final = 0.06
+"""Seconds by which sound leaves ahead of its time: more than a picture takes, and less than a person notices."""
 _REPORT: Final = 10.0
 """Seconds between two reports of what was dropped."""
 
@@ -61,7 +67,12 @@ def main(name: str, available: Available, factory: Factory, arguments: Sequence[
     if options.still:
         return _still(factory(picture), options)
     hello = Hello(
-        name, __version__, VideoShape(picture.width, picture.height, picture.fps, "i420"), 1, tuple(REACTIONS)
+        name,
+        __version__,
+        VideoShape(picture.width, picture.height, picture.fps, "i420"),
+        audio_channels=1,
+        reactions=tuple(REACTIONS),
+        hears=True,
     )
     renderer = factory(picture)
     try:
@@ -127,6 +138,9 @@ class Link(Protocol):
     def poll_commands(self, timeout: float = 0.0) -> list[Command]:
         """The commands that have arrived; waits up to `timeout` seconds for a first one."""
 
+    def poll_audio(self) -> Sequence[Samples]:
+        """The operator's sound that has arrived."""
+
     def send_video(
         self, pixels: bytes, width: int, height: int, stride: int, format: PixelFormat, timestamp_ns: int
     ) -> None:
@@ -157,6 +171,10 @@ class Runner:
         self._animator, self._sound = Animator(), Sound()
         self._skips = _Skips()
         self._waiting: list[Command] = []
+        self._coming: deque[tuple[float, React | Stop]] = deque()
+        """What is to be seen from a moment on."""
+        self._sent = clock()
+        """The moment up to which sound has left."""
         self._quit = False
 
     def run(self) -> None:
@@ -169,7 +187,7 @@ class Runner:
             if reports.due <= now:
                 reports.take()
                 self._report()
-            if blocks.due <= now:
+            if blocks.due - AHEAD <= now:
                 self._skips.blocks += blocks.catch_up(now)
                 self._send_sound(blocks.take())
             elif pictures.due <= now:
@@ -177,7 +195,7 @@ class Runner:
                 self._listen(0.0)
                 self._send_picture(pictures.take())
             else:
-                self._listen(min(blocks.due, pictures.due) - now)
+                self._listen(min(blocks.due - AHEAD, pictures.due) - now)
 
     def _listen(self, seconds: float) -> None:
         """Take commands for so long at most."""
@@ -187,11 +205,15 @@ class Runner:
 
     def _send_sound(self, due: float) -> None:
         self._link.send_audio(self._sound.block(due), round(due * 1e9))
+        self._sent = due + PERIOD
 
     def _send_picture(self, due: float) -> None:
         for command in self._waiting:
             self._obey(command, due)
         self._waiting = []
+        self._begin(due)
+        if heard := self._link.poll_audio():
+            self._animator.hear(due, loudness(heard))
         planes = i420(self._renderer.draw(self._animator.pose(due)))
         width, height = self._picture.width, self._picture.height
         self._link.send_video(planes.tobytes(), width, height, width, PixelFormat.I420, round(due * 1e9))
@@ -202,8 +224,8 @@ class Runner:
         match command:
             case React():
                 self._sound.hush()
-                self._sound.cue(command.reaction, now)
-                self._animator.react(now, command.id, command.reaction)
+                self._sound.cue(command.reaction, self._sent)
+                self._coming.append((self._sent, command))
             case Speak():
                 visemes = [(viseme.offset_ms / 1e3, viseme.shape, viseme.weight) for viseme in command.visemes]
                 self._animator.speak(now, Track(command.start_ns / 1e9, visemes, command.duration_ms / 1e3))
@@ -213,11 +235,20 @@ class Runner:
                 self._animator.look(now, command.x, command.y)
             case Stop():
                 self._sound.hush()
-                self._animator.stop(now, command.id)
+                self._coming.append((self._sent, command))
             case Quit():
                 pass
             case _:
                 assert_never(command)
+
+    def _begin(self, now: float) -> None:
+        """Show what has been heard to begin."""
+        while self._coming and self._coming[0][0] <= now:
+            moment, command = self._coming.popleft()
+            if isinstance(command, React):
+                self._animator.react(moment, command.id, command.reaction)
+            else:
+                self._animator.stop(moment, command.id)
 
     def _report(self) -> None:
         if self._skips.pictures or self._skips.blocks:

@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 
 from openrois_avatar.link.address import ADDRESS_VARIABLE, SECRET_VARIABLE, connect_socket, parse_address
 from openrois_avatar.link.messages import Bye, Command, Event, Hello, LinkError, Welcome
-from openrois_avatar.link.outbox import Outbox
+from openrois_avatar.link.outbox import MAX_AUDIO_BLOCKS, Outbox
 from openrois_avatar.link.protocol import Audio, Message, Parser, PixelFormat, Sender, Video, encode
 
 STALL_TIMEOUT: Final = 10.0
@@ -47,6 +47,7 @@ class LinkClient:
         self._stream = stream
         self._parser = Parser(Sender.ADAPTER)
         self._commands: deque[Command] = deque()
+        self._heard: deque[Audio] = deque(maxlen=MAX_AUDIO_BLOCKS)
         self._selector = selectors.DefaultSelector()
         self._selector.register(stream, selectors.EVENT_READ)
         self._outbox = Outbox()
@@ -150,6 +151,16 @@ class LinkClient:
         self._commands.clear()
         return commands
 
+    def poll_audio(self) -> list[NDArray[np.int16]]:
+        """The operator's sound since the last call, in order: blocks of shape (n, channels), 48 kHz.
+
+        They arrive while `poll_commands` is called, and only if HELLO said that the engine hears. Of more than 25
+        blocks the oldest are lost.
+        """
+        blocks = [np.frombuffer(block.samples, dtype="<i2").reshape(-1, block.channels) for block in self._heard]
+        self._heard.clear()
+        return blocks
+
     def close(self, reason: str = "the engine ends") -> None:
         """Send the events that wait and a goodbye, and release everything; half a second at most. May be repeated."""
         self._outbox.finish(Bye(reason))
@@ -186,6 +197,8 @@ class LinkClient:
     def _take(self, message: Message) -> None:
         if isinstance(message, Bye):
             self._end(message.reason)
+        elif isinstance(message, Audio):
+            self._heard.append(message)
         else:
             assert isinstance(message, Command), "the parser lets an adapter say nothing else"
             self._commands.append(message)

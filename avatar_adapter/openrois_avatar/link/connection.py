@@ -13,14 +13,17 @@ import numpy as np
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.source import RawAudio
 
-from openrois_avatar.link.inlet import EngineVideo, Timestamps
-from openrois_avatar.link.messages import Bye, Command, Completed, Event, Hello, LinkError, Log, Welcome
+from openrois_avatar.link.inlet import MAX_AHEAD, EngineVideo, believed
+from openrois_avatar.link.messages import Bye, Command, Completed, Event, Hello, LinkError, Log, Pause, Welcome
 from openrois_avatar.link.protocol import Audio, Bytes, Message, Parser, Sender, Video, encode
+from openrois_avatar.link.unheard import Unheard
 
 FAREWELL_TIMEOUT: Final = 0.5
 """Seconds that a peer has to take our goodbye before its connection is aborted."""
 MAX_UNREAD: Final = 256 * 1024
 """Bytes of commands that an engine may leave unread before it is cut off."""
+_CONGESTED: Final = 16 * 1024
+"""Bytes that the engine has not read yet above which sound waits: 90 ms of it."""
 _NAME: Final = "openrois-avatar"
 
 _Item = TypeVar("_Item")
@@ -63,10 +66,10 @@ class EngineConnection(asyncio.BufferedProtocol):
         self._host = host
         self._secret = secret
         self._receivers = receivers
-        self._timestamps = Timestamps(receivers.clock)
         self._parser = Parser(Sender.ENGINE, _uninitialised)
         self._hello: Hello | None = None
         self._reason: str | None = None
+        self._unheard = Unheard(lambda block: self._send(encode(block)))
         self._greeting_timeout = greeting_timeout
         loop = asyncio.get_running_loop()
         self._timer: asyncio.TimerHandle | None = None
@@ -104,6 +107,14 @@ class EngineConnection(asyncio.BufferedProtocol):
         if self._transport.get_write_buffer_size() > MAX_UNREAD:
             self.abort("the engine does not read its commands")
 
+    def send_audio(self, sound: RawAudio) -> None:
+        """Let the engine hear a block of sound, in mono, if it wants to; never waits, and never raises.
+
+        An engine that reads too slowly misses the oldest of `MAX_UNHEARD` blocks.
+        """
+        if self.connected and self._hello is not None and self._hello.hears:
+            self._unheard.add(sound)
+
     def close(self, reason: str) -> None:
         """Say goodbye and end the connection, `FAREWELL_TIMEOUT` seconds from now at the latest."""
         if self._reason is None:
@@ -119,6 +130,7 @@ class EngineConnection(asyncio.BufferedProtocol):
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Called by the event loop."""
         self._transport = cast(asyncio.Transport, transport)
+        self._transport.set_write_buffer_limits(high=_CONGESTED)
         self._allow(self._greeting_timeout, lambda: self.close("no HELLO in time"))
         refusal = self._host.opened(self)
         if refusal is not None:
@@ -138,6 +150,15 @@ class EngineConnection(asyncio.BufferedProtocol):
             _log.warning("engine link: closed: %s", error)
             self.close(str(error))
 
+    def pause_writing(self) -> None:
+        """Called by the event loop."""
+        self._unheard.pause()
+
+    def resume_writing(self) -> None:
+        """Called by the event loop."""
+        if self.connected:
+            self._unheard.go_on()
+
     def connection_lost(self, exc: Exception | None) -> None:
         """Called by the event loop."""
         self._stop_waiting()
@@ -152,7 +173,7 @@ class EngineConnection(asyncio.BufferedProtocol):
                 self._receivers.video.put(message)
             case Audio():
                 self._take_audio(message)
-            case Completed() | Log():
+            case Completed() | Log() | Pause():
                 tell(self._receivers.on_event, message)
             case Hello():
                 self._greet(message)
@@ -163,7 +184,8 @@ class EngineConnection(asyncio.BufferedProtocol):
 
     def _take_audio(self, audio: Audio) -> None:
         samples = np.frombuffer(audio.samples, dtype="<i2").reshape(-1, audio.channels)
-        tell(self._receivers.on_audio, RawAudio(samples, self._timestamps.captured_at(audio.timestamp_ns)))
+        moment = believed(audio.timestamp_ns, self._receivers.clock.now(), MAX_AHEAD)
+        tell(self._receivers.on_audio, RawAudio(samples, moment))
 
     def _greet(self, hello: Hello) -> None:
         if not hmac.compare_digest(hello.secret.encode(), self._secret.encode()):

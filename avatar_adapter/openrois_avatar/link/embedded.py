@@ -12,21 +12,22 @@ from typing import Any, Final, NoReturn, Self
 
 from openrois_streaming.clock import MediaClock, SystemClock
 from openrois_streaming.source import RawAudio
+from openrois_streaming.supervision import HUNG, LOOK_INTERVAL, SourceWatch
 
 from openrois.backoff import Backoff
 from openrois_avatar.child import Output, child_process, ended_within
 from openrois_avatar.link.address import ADDRESS_VARIABLE, SECRET_VARIABLE
 from openrois_avatar.link.connection import EngineConnection, tell
 from openrois_avatar.link.inlet import EngineVideo
-from openrois_avatar.link.messages import Command, Event, Hello, LinkError, Quit
+from openrois_avatar.link.messages import Command, Event, Hello, LinkError, Pause, Quit
 from openrois_avatar.link.server import LinkServer
 
 START_TIMEOUT: Final = 20.0
 """Seconds from the start of the process to its HELLO; Panda3D on a cold disk needs a few."""
 QUIT_TIMEOUT: Final = 0.8
 """Seconds that an engine has to end itself after `Quit`; then come SIGTERM and, 0.5 s later, SIGKILL."""
-STALL_TIMEOUT: Final = 10.0
-"""Seconds without a picture after which an engine counts as hung; it is replaced after twice as many at the latest."""
+STALL_TIMEOUT: Final = HUNG
+"""Seconds without a picture after which an engine counts as hung and is replaced; the first one may take longer."""
 FIRST_DELAY: Final = 0.5
 LONGEST_DELAY: Final = 10.0
 """Seconds before a new start; the delay doubles from the first to the longest."""
@@ -68,7 +69,10 @@ class EmbeddedEngine:
         self._module = module
         self._arguments = arguments
         self._clock = clock or SystemClock()
-        self._listening = LinkServer.listen(on_audio=on_audio, on_event=on_event, clock=self._clock)
+        self._listening = LinkServer.listen(on_audio=on_audio, on_event=self._take, clock=self._clock)
+        self._on_event = on_event
+        self._still = False
+        """Whether it has paused its pictures."""
         self._on_lost = on_lost
         self._on_back = on_back
         self._start_timeout = start_timeout
@@ -110,6 +114,11 @@ class EmbeddedEngine:
         if self._server.engine is None:
             raise LinkError("the engine is not there now")
         self._server.engine.send_command(command)
+
+    def hear(self, sound: RawAudio) -> None:
+        """Let the engine hear a block of sound, if it is there and wants to; never waits."""
+        if self._server.engine is not None:
+            self._server.engine.send_audio(sound)
 
     async def _keep_running(self) -> None:
         backoff = Backoff(FIRST_DELAY, 2.0, LONGEST_DELAY)
@@ -158,12 +167,20 @@ class EmbeddedEngine:
             await _farewell(connection, process)
         tell(self._on_lost, await connection.closed())
 
+    def _take(self, event: Event) -> None:
+        if isinstance(event, Pause):
+            self._still = event.on
+        tell(self._on_event, event)
+
     async def _stall(self) -> None:
-        """Return once the engine has sent no picture for a while."""
-        seen = -1
-        while seen != self._server.video.received:
-            seen = self._server.video.received
-            await self._clock.sleep_until(self._clock.now() + STALL_TIMEOUT)
+        """Return once the engine has sent no picture for a while, was to, and this process was able to take one."""
+        self._still = False
+        watch, video = SourceWatch(self._clock.now()), self._server.video
+        while watch.quiet_for(self._clock.now(), video.last_at, wanted=not self._still) < (
+            self._start_timeout if video.last_at is None else STALL_TIMEOUT
+        ):
+            await self._clock.sleep_until(self._clock.now() + LOOK_INTERVAL)
+        _log.warning("%s has sent no picture for a while", self._module)
 
 
 async def _first(*things: Coroutine[Any, Any, object] | asyncio.Task[Any]) -> None:

@@ -14,16 +14,24 @@ from openrois_avatar.link.picture import raw_video
 from openrois_avatar.link.protocol import Video
 
 MAX_AGE: Final = 1.0
-"""Seconds. A picture that claims to be older, or from the future, was stamped by another clock than ours."""
+"""Seconds. What claims to be older was stamped by another clock than ours; so was a picture from the future."""
+MAX_AHEAD: Final = 0.5
+"""Seconds that sound may be sent ahead of its time."""
 _TICK: Final = 0.001
 
 
-class Timestamps:
-    """Turns an engine's timestamps into times of the media clock that never go backwards.
+def believed(timestamp_ns: int, now: float, ahead: float) -> float:
+    """An engine's timestamp in seconds of the media clock, which is CLOCK_MONOTONIC too.
 
-    CLOCK_MONOTONIC is the media clock, so a true timestamp is kept. One that cannot be true (older than `MAX_AGE`, or
-    later than now) is replaced by the time of arrival.
+    One that cannot be true (older than `MAX_AGE`, or more than `ahead` seconds later than now) becomes `now`, the time
+    of arrival.
     """
+    claimed = timestamp_ns / 1e9
+    return claimed if now - MAX_AGE <= claimed <= now + ahead else now
+
+
+class Timestamps:
+    """Turns the timestamps of an engine's pictures into times of the media clock that never go backwards."""
 
     def __init__(self, clock: MediaClock) -> None:
         self._clock = clock
@@ -31,9 +39,7 @@ class Timestamps:
 
     def captured_at(self, timestamp_ns: int) -> float:
         """The time of capture in seconds, later than every one before it."""
-        now, claimed = self._clock.now(), timestamp_ns / 1e9
-        believed = claimed if now - MAX_AGE <= claimed <= now else now
-        self._last = max(believed, self._last + _TICK)
+        self._last = max(believed(timestamp_ns, self._clock.now(), 0.0), self._last + _TICK)
         return self._last
 
 
@@ -44,11 +50,14 @@ class EngineVideo:
     never an end. While nobody has it open pictures are received and forgotten.
 
     `received` counts the pictures that arrived, `dropped` those that a newer one replaced before they were read.
+    `last_at` is when the last one came from the engine that is connected now, in seconds of the media clock.
     """
 
     def __init__(self, clock: MediaClock) -> None:
         self.received = 0
         self.dropped = 0
+        self.last_at: float | None = None
+        self._clock = clock
         self._timestamps = Timestamps(clock)
         self._first_sequence = 0
         self._next_sequence = 0
@@ -59,10 +68,12 @@ class EngineVideo:
     def begin(self) -> None:
         """A new engine counts its pictures from zero; ours go on where the last engine's ended."""
         self._first_sequence = self._next_sequence
+        self.last_at = None
 
     def put(self, video: Video) -> None:
         """Take a picture from the link; never waits."""
         self.received += 1
+        self.last_at = self._clock.now()
         sequence = self._first_sequence + video.sequence
         self._next_sequence = sequence + 1
         captured_at = self._timestamps.captured_at(video.timestamp_ns)

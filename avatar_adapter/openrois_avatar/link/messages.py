@@ -62,6 +62,13 @@ def _real(value: Any, name: str, low: float, high: float) -> float:
     return float(value)
 
 
+def _truth(body: Mapping[str, Any], name: str) -> bool:
+    value = body.get(name)
+    if not isinstance(value, bool):
+        raise LinkError(f"{name}: expected true or false")
+    return value
+
+
 def _object(body: Mapping[str, Any], name: str) -> Mapping[str, Any]:
     value = body.get(name)
     if not isinstance(value, dict):
@@ -103,6 +110,8 @@ class Hello:
     """Channels of the 48 kHz sound it sends, None if it sends none."""
     reactions: tuple[str, ...] = ()
     secret: str = field(default="", repr=False)
+    hears: bool = False
+    """Whether it wants AUDIO: the sound of the operator's microphone."""
 
     def to_json(self) -> dict[str, Any]:
         """The body of HELLO."""
@@ -113,6 +122,7 @@ class Hello:
             "video": self.video.to_json(),
             "audio": None if self.audio_channels is None else {"channels": self.audio_channels},
             "reactions": list(self.reactions),
+            "hears": self.hears,
         }
 
     @classmethod
@@ -131,6 +141,7 @@ class Hello:
             audio_channels=channels,
             reactions=tuple(_text({"reactions": name}, "reactions", MAX_NAME) for name in names),
             secret=_text(body, "secret", MAX_NAME),
+            hears="hears" in body and _truth(body, "hears"),
         )
 
 
@@ -330,8 +341,24 @@ class Log:
         return cls(_text(body, "text", MAX_TEXT))
 
 
+@dataclass(frozen=True, slots=True)
+class Pause:
+    """The engine pauses its pictures, or goes on: while it pauses they are not shown and need not come."""
+
+    on: bool
+
+    def to_json(self) -> dict[str, Any]:
+        """The body of EVENT."""
+        return {"event": "pause", "on": self.on}
+
+    @classmethod
+    def from_json(cls, body: Mapping[str, Any]) -> Pause:
+        """Read the body of EVENT."""
+        return cls(_truth(body, "on"))
+
+
 Command: TypeAlias = React | Speak | Silence | Look | Stop | Quit
-Event: TypeAlias = Completed | Log
+Event: TypeAlias = Completed | Log | Pause
 
 _COMMANDS: Final[Mapping[str, Callable[[Mapping[str, Any]], Command]]] = {
     "react": React.from_json,
@@ -344,6 +371,7 @@ _COMMANDS: Final[Mapping[str, Callable[[Mapping[str, Any]], Command]]] = {
 _EVENTS: Final[Mapping[str, Callable[[Mapping[str, Any]], Event]]] = {
     "completed": Completed.from_json,
     "log": Log.from_json,
+    "pause": Pause.from_json,
 }
 
 

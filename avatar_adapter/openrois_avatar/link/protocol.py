@@ -31,6 +31,7 @@ from openrois_avatar.link.messages import (
     Hello,
     LinkError,
     Log,
+    Pause,
     Welcome,
     command_from_json,
     event_from_json,
@@ -129,7 +130,7 @@ _FIRST: Final[Mapping[Sender, frozenset[MessageType]]] = {
 }
 _LATER: Final[Mapping[Sender, frozenset[MessageType]]] = {
     Sender.ENGINE: frozenset({MessageType.VIDEO, MessageType.AUDIO, MessageType.EVENT, MessageType.BYE}),
-    Sender.ADAPTER: frozenset({MessageType.COMMAND, MessageType.BYE}),
+    Sender.ADAPTER: frozenset({MessageType.COMMAND, MessageType.AUDIO, MessageType.BYE}),
 }
 
 
@@ -305,7 +306,7 @@ def _kind(message: Message) -> MessageType:
             return MessageType.HELLO
         case Welcome():
             return MessageType.WELCOME
-        case Completed() | Log():
+        case Completed() | Log() | Pause():
             return MessageType.EVENT
         case Bye():
             return MessageType.BYE

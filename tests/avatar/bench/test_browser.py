@@ -8,7 +8,9 @@ from openrois_avatar.bench.browser import chromium_version, find_chromium, watch
 from openrois_avatar.bench.errors import BenchFailed
 from openrois_avatar.bench.observation import Order, Sightings
 
-ORDER = Order(url="ws://127.0.0.1:1/", component_ref="bench/VideoStreaming", codec="video/H264", seconds=1, runs=2)
+ORDER = Order(
+    url="ws://127.0.0.1:1/", component_ref="bench/VideoStreaming", codec="video/H264", seconds=1, runs=2, resumes=2
+)
 SIGHTINGS = Sightings(
     width=640, height=360, numbers=(1, 2), unreadable=0, milliseconds={"presented": (30.5, 31.0), "connect": (80.0,)}
 )

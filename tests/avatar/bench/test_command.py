@@ -25,9 +25,9 @@ class Benches:
         self.asked: list[LatencySettings | FanoutSettings] = []
 
     async def latency(self, settings: LatencySettings, progress: Progress) -> LatencyReport:
-        progress("640x360: aiortc")
+        progress("640x360: sink")
         self.asked.append(settings)
-        return latency(observation("aiortc", decoded=(41.0,)))
+        return latency(observation("sink", decoded=(41.0,)))
 
     async def fanout(self, settings: FanoutSettings, progress: Progress) -> FanoutReport:
         self.asked.append(settings)
@@ -49,7 +49,7 @@ def test_the_report_is_printed_and_progress_stands_beside_it(
     assert command.main(["latency"]) == 0
     printed = capsys.readouterr()
     assert "capture -> decoded" in printed.out
-    assert printed.err == "openrois bench: 640x360: aiortc\n"
+    assert printed.err == "openrois bench: 640x360: sink\n"
     assert benches.asked == [LatencySettings(chromium="/the/browser")]
 
 

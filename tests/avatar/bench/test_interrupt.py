@@ -11,7 +11,7 @@ COMMAND = "import sys; from openrois_avatar.bench.command import main; sys.exit(
 
 @pytest.mark.media
 @pytest.mark.parametrize(
-    ("bench", "begun"), [("latency", b"640x360: aiortc"), ("fanout", b"connecting 8 viewers to each of 4 senders")]
+    ("bench", "begun"), [("latency", b"640x360: sink"), ("fanout", b"connecting 8 viewers to each of 4 senders")]
 )
 async def test_ctrl_c_leaves_no_process_behind(bench: str, begun: bytes) -> None:
     process = await asyncio.create_subprocess_exec(

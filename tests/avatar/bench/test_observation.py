@@ -16,7 +16,7 @@ def sightings(**milliseconds: tuple[float, ...]) -> Sightings:
 
 
 def test_sightings_are_summed_up_in_the_order_of_the_measures() -> None:
-    seen = Observation.of("aiortc", "video/H264", sightings(connect=(90.0, 80.0, 100.0), decoded=(40.0,)))
+    seen = Observation.of("sink", "video/H264", sightings(connect=(90.0, 80.0, 100.0), decoded=(40.0,)))
     assert (seen.pictures, seen.missed, seen.unreadable) == (3, 1, 2)
     assert list(seen.milliseconds) == ["decoded", "connect"]
     assert seen.milliseconds["connect"].median == 90.0
@@ -24,4 +24,4 @@ def test_sightings_are_summed_up_in_the_order_of_the_measures() -> None:
 
 def test_what_was_never_seen_is_no_measurement() -> None:
     with pytest.raises(ValueError, match="nothing was measured"):
-        Observation.of("aiortc", "video/H264", sightings(decoded=()))
+        Observation.of("sink", "video/H264", sightings(decoded=()))

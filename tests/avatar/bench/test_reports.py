@@ -5,26 +5,26 @@ from tests.support.bench import fanout, latency, observation
 
 
 def test_latency_as_text_has_a_line_for_each_measure() -> None:
-    told = str(latency(observation("aiortc", connect=(90.0, 80.0), decoded=(41.0, 42.0, 43.0)))).splitlines()
+    told = str(latency(observation("sink", connect=(90.0, 80.0), decoded=(41.0, 42.0, 43.0)))).splitlines()
     assert told[0] == "gateway, adapter and viewers as processes of their own; 0.5 s and 2 runs each"
     assert told[4:7] == [
         "viewer      pictures  milliseconds                     median   p95  of",
-        "aiortc  640x360 H264  capture -> decoded                 42.0  43.0   3",
-        "aiortc  640x360 H264  connect_stream -> first picture    85.0  90.0   2",
+        "sink    640x360 H264  capture -> decoded                 42.0  43.0   3",
+        "sink    640x360 H264  connect_stream -> first picture    85.0  90.0   2",
     ]
-    assert "aiortc 640x360: 3 pictures seen, 1 missed, 0 without a readable stamp." in told
+    assert "sink 640x360: 3 pictures seen, 1 missed, 0 without a readable stamp." in told
 
 
-def test_latency_says_what_the_receivers_add_and_when_there_is_no_browser() -> None:
-    without = str(latency(observation("aiortc", decoded=(41.0,))))
-    assert "33 ms of each of its figures are that wait." in without
+def test_latency_says_what_the_viewers_are_and_when_there_is_no_browser() -> None:
+    without = str(latency(observation("sink", decoded=(41.0,))))
+    assert "sink: a viewer without a screen" in without
     assert without.endswith("Chromium is not installed, so there are no figures of a browser.")
-    both = latency(observation("aiortc", decoded=(41.0,)), observation("Chromium", presented=(30.0,)))
+    both = latency(observation("sink", decoded=(41.0,)), observation("Chromium", presented=(30.0,)))
     assert str(both).endswith("Chromium: presented is when the browser expects the picture on the screen.")
 
 
 def test_latency_as_json_is_the_whole_report() -> None:
-    report = latency(observation("aiortc", decoded=(41.0, 42.0)))
+    report = latency(observation("sink", decoded=(41.0, 42.0)))
     assert LatencyReport.model_validate_json(report.model_dump_json()) == report
     told = report.model_dump(mode="json")
     assert told["bench"] == "latency"

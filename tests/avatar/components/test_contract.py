@@ -4,10 +4,12 @@ from collections.abc import Mapping
 
 from openrois_avatar.body import Body
 from openrois_avatar.components.gaze import Gaze
+from openrois_avatar.components.operator import Operator
 from openrois_avatar.components.reaction import Reaction, reaction_ref
 from openrois_avatar.components.speech_synthesis import SpeechSynthesis
 from openrois_avatar.components.streaming import AudioStreaming, VideoStreaming
 from openrois_avatar.components.system_information import SystemInformation
+from openrois_avatar.operator import Camera, Microphone
 from openrois_avatar.sound import AvatarSound
 from openrois_avatar.voice import Voice
 
@@ -47,6 +49,13 @@ class TestGaze(ComponentContract):
         return Gaze(Body(lambda _command: None), ready)
 
 
+class TestOperator(ComponentContract):
+    refuses: Mapping[str, str] = {"camera": "no camera is connected"}
+
+    async def component(self) -> Component:
+        return Operator(Microphone(VirtualClock()), Camera())
+
+
 STREAMS = "a stream belongs to the application that connects it, and a component is not told which one that is"
 
 
@@ -54,11 +63,11 @@ class TestVideoStreaming(ComponentContract):
     refuses: Mapping[str, str] = {"get_stream_status": STREAMS}
 
     async def component(self) -> Component:
-        return VideoStreaming(("video/VP8",), ready)
+        return VideoStreaming(("video/VP8",), ("recvonly",), ready)
 
 
 class TestAudioStreaming(ComponentContract):
     refuses: Mapping[str, str] = {"get_stream_status": STREAMS}
 
     async def component(self) -> Component:
-        return AudioStreaming(("audio/opus",), ready)
+        return AudioStreaming(("audio/opus",), ("recvonly",), ready)

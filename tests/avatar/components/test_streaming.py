@@ -15,7 +15,9 @@ VIDEO = "avatar/VideoStreaming"
 
 @pytest.fixture
 def registry() -> LocalRegistry:
-    return LocalRegistry("avatar", [VideoStreaming(("video/VP8",), lambda: ComponentStatus.READY)])
+    return LocalRegistry(
+        "avatar", [VideoStreaming(("video/VP8",), ("recvonly", "sendonly"), lambda: ComponentStatus.READY)]
+    )
 
 
 async def set_parameters(registry: LocalRegistry, **values: str) -> None:
@@ -39,3 +41,9 @@ async def test_what_is_available_is_not_for_applications_to_say(registry: LocalR
     with pytest.raises(BadParameter, match=f"{name} can only be read"):
         await set_parameters(registry, encoding_parameters="{}", **{name: ""})
     assert await parameters(registry) == before
+
+
+async def test_what_is_available_is_told(registry: LocalRegistry) -> None:
+    told = await parameters(registry)
+    assert json.loads(told["available_encodings"]) == {"codecs": ["video/VP8"]}
+    assert json.loads(told["available_transports"]) == {"direction": ["recvonly", "sendonly"]}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from openrois_avatar.engines.animation.pose import Pose
 from openrois_avatar.engines.animation.reactions import REACTIONS
-from openrois_avatar.engines.runner import LINK_LOST, UNAVAILABLE, Runner, i420, main, still_pose
+from openrois_avatar.engines.runner import AHEAD, LINK_LOST, UNAVAILABLE, Runner, i420, main, still_pose
 from openrois_avatar.engines.settings import Picture, Pixels
 from openrois_avatar.engines.sound import Samples
 from openrois_avatar.link.address import ADDRESS_VARIABLE, SECRET_VARIABLE
@@ -57,7 +57,11 @@ class Link:
         self.script = {clock.time + time: command for time, command in (script or {}).items()}
         self.pictures: list[tuple[int, bytes, PixelFormat]] = []
         self.blocks: list[tuple[int, Samples]] = []
+        self.left: list[int] = []
+        """When each block left, in nanoseconds."""
         self.events: list[tuple[float, Event]] = []
+        self.voice: dict[float, Samples] = {}
+        """What the operator says, by the time at which it arrives."""
 
     @property
     def connected(self) -> bool:
@@ -70,6 +74,10 @@ class Link:
         self.clock.time = max(said[0], self.clock.time) if said else due
         return [self.script.pop(said[0])] if said else []
 
+    def poll_audio(self) -> list[Samples]:
+        due = [time for time in self.voice if time <= self.clock.time]
+        return [self.voice.pop(time) for time in sorted(due)]
+
     def send_video(
         self, pixels: bytes, width: int, height: int, stride: int, format: PixelFormat, timestamp_ns: int
     ) -> None:
@@ -79,6 +87,7 @@ class Link:
 
     def send_audio(self, samples: Samples, timestamp_ns: int) -> None:
         self.blocks.append((timestamp_ns, samples))
+        self.left.append(round(self.clock.time * 1e9))
 
     def send_event(self, event: Event) -> None:
         self.events.append((self.clock.time - 100.0, event))
@@ -95,7 +104,28 @@ def test_pictures_and_sound_leave_at_their_deadlines() -> None:
     link, _ = played(2.0)
     times = [stamp - 100_000_000_000 for stamp, _, _ in link.pictures]
     assert times == [round(number * 1e9 / 30) for number in range(60)]
-    assert [stamp - 100_000_000_000 for stamp, _ in link.blocks] == [number * 20_000_000 for number in range(100)]
+    # Sound leaves ahead of its time.
+    assert [stamp - 100_000_000_000 for stamp, _ in link.blocks] == [number * 20_000_000 for number in range(103)]
+
+
+@pytest.mark.parametrize("seconds", [0.004, 0.03, 0.05])
+def test_sound_is_there_before_its_time_while_pictures_are_drawn(seconds: float) -> None:
+    link, _ = played(2.0, seconds=seconds)
+    steps = [later - earlier for (earlier, _), (later, _) in pairwise(link.blocks)]
+    assert set(steps) == {20_000_000}
+    ahead = [stamp - left for (stamp, _), left in zip(link.blocks, link.left, strict=True)]
+    # The first three leave together.
+    assert min(ahead[3:]) >= (AHEAD - seconds) * 1e9 - 1000
+    assert max(ahead) <= AHEAD * 1e9 + 1000
+
+
+def test_a_reaction_is_seen_when_it_is_heard() -> None:
+    link, drawing = played(3.0, {0.5: React("a", "wave")})
+    heard = next(stamp for stamp, samples in link.blocks if samples.any())
+    shown = [stamp for stamp, _, _ in link.pictures]
+    seen = next(index for index, pose in enumerate(drawing.poses) if pose.right.z != drawing.poses[0].right.z)
+    assert shown[seen - 1] <= heard < shown[seen]
+    assert 500_000_000 <= heard - 100_000_000_000 <= 620_000_000
 
 
 def test_a_picture_is_i420() -> None:
@@ -110,7 +140,7 @@ def test_a_slow_renderer_skips_deadlines_and_queues_nothing() -> None:
     assert 18 <= len(drawing.poses) <= 21
     stamps = [stamp for stamp, _, _ in link.pictures]
     assert all(later - earlier >= 66_000_000 for earlier, later in pairwise(stamps))
-    assert len({stamp for stamp, _ in link.blocks}) == len(link.blocks) <= 40
+    assert len({stamp for stamp, _ in link.blocks}) == len(link.blocks) < 103
 
 
 def test_what_was_left_out_is_reported_now_and_then() -> None:
@@ -129,7 +159,7 @@ def test_a_reaction_is_played_and_completed() -> None:
     link, drawing = played(4.0, {0.5: React("a", "wave")})
     ((time, event),) = link.events
     assert event == Completed("a", "OK")
-    assert 0.5 + REACTIONS["wave"].duration <= time <= 0.6 + REACTIONS["wave"].duration
+    assert 0.5 + REACTIONS["wave"].duration <= time <= 0.65 + REACTIONS["wave"].duration
     assert max(pose.right.z for pose in drawing.poses[:14]) < -4
     assert max(pose.right.z for pose in drawing.poses[15:60]) > -1.5
     assert max(int(np.abs(samples).max()) for _, samples in link.blocks) > 1000
@@ -139,7 +169,7 @@ def test_stop_completes_with_abort_and_ends_its_sound() -> None:
     link, _ = played(3.0, {0.5: React("a", "wave"), 0.8: Stop("a")})
     ((time, event),) = link.events
     assert event == Completed("a", "ABORT")
-    assert 0.8 <= time < 0.85
+    assert 0.8 <= time < 0.91
     assert not any(samples.any() for stamp, samples in link.blocks if stamp > 100_900_000_000)
 
 
@@ -233,3 +263,14 @@ def test_settings_that_make_no_sense_are_refused(arguments: list[str], capsys: p
     with pytest.raises(SystemExit):
         main("test", works, stage, arguments)
     assert "error" in capsys.readouterr().err
+
+
+def test_the_mouth_follows_the_operator() -> None:
+    clock = Clock()
+    link, drawing = Link(clock, 1.0), Drawing(clock)
+    link.voice = {100.2 + number / 50: np.full((960, 1), 8000, np.int16) for number in range(15)}
+    Runner(link, drawing, SIZE, clock).run()
+    jaws = [pose.mouth.jaw for pose in drawing.poses]
+    assert jaws[:6] == [0.0] * 6
+    assert max(jaws[6:16]) > 0.3
+    assert jaws[-1] < 0.05

@@ -76,6 +76,18 @@ def test_commands_come_in_order_and_once() -> None:
         assert link.poll_commands() == []
 
 
+def test_sound_is_heard_apart_from_commands() -> None:
+    with FakeAdapter() as adapter, connect(adapter) as link:
+        adapter.send(*(Audio(number, 0, 1, bytes([number, 0])) for number in range(30)), Silence())
+        commands = link.poll_commands(5)
+        while not commands:
+            commands = link.poll_commands(5)
+        assert commands == [Silence()]
+        heard = link.poll_audio()
+        assert [block.tolist() for block in heard] == [[[number]] for number in range(5, 30)]
+        assert link.poll_audio() == []
+
+
 def test_a_command_before_the_end_is_still_given() -> None:
     with FakeAdapter() as adapter, connect(adapter) as link:
         adapter.send(Quit(), Bye("the adapter ends"))

@@ -6,11 +6,12 @@ import signal
 import sys
 from asyncio.subprocess import PIPE
 
+import numpy as np
 import pytest
 import uvloop
 from openrois_avatar.link import embedded
 from openrois_avatar.link.embedded import LONGEST_DELAY, STALL_TIMEOUT, EmbeddedEngine
-from openrois_avatar.link.messages import Completed, Event, Hello, LinkError, Log, React, Silence
+from openrois_avatar.link.messages import Completed, Event, Hello, LinkError, Log, Pause, React, Silence
 from openrois_streaming.source import RawAudio
 
 from tests.support.streaming import VirtualClock, settle
@@ -127,6 +128,32 @@ async def test_an_engine_that_hangs_is_replaced() -> None:
             await settle()
         await clock.advance(LONGEST_DELAY)
         assert int((await witness.back.get()).version) != pid
+
+
+async def test_an_engine_that_pauses_is_not_taken_for_one_that_hangs() -> None:
+    witness, clock = Witness(), VirtualClock()
+    async with asyncio.timeout(20), witness.engine("good", clock=clock) as engine:
+        async with engine.video.open() as pictures:
+            await anext(pictures)
+        engine.send(React("1", "pause"))
+        assert await witness.events.get() == Pause(True)
+        for _ in range(6):
+            await clock.advance(STALL_TIMEOUT)
+        assert witness.lost.empty()
+        engine.send(React("2", "go on"))
+        while await witness.events.get() != Pause(False):
+            pass
+        async with engine.video.open() as pictures:
+            await anext(pictures)
+
+
+async def test_an_engine_hears_the_operator() -> None:
+    witness = Witness()
+    sound = RawAudio(np.array([[100, 200], [-3, -5]], np.int16), 1.0)
+    async with asyncio.timeout(20), witness.engine("good") as engine:
+        engine.hear(sound)
+        assert await witness.events.get() == Log("heard (2, 1) 150")
+    engine.hear(sound)
 
 
 async def test_an_engine_that_refuses_to_end_is_killed_in_time() -> None:

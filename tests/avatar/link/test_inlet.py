@@ -2,7 +2,7 @@ import asyncio
 from collections.abc import AsyncIterator
 
 import pytest
-from openrois_avatar.link.inlet import EngineVideo, Timestamps
+from openrois_avatar.link.inlet import MAX_AHEAD, EngineVideo, Timestamps, believed
 from openrois_streaming.source import RawVideo
 
 from tests.support.avatar_link import picture
@@ -21,6 +21,12 @@ def test_a_true_timestamp_is_kept() -> None:
 @pytest.mark.parametrize("claimed", [0, at(998.9), at(1000.1), 2**64 - 1])
 def test_a_timestamp_of_another_clock_becomes_the_time_of_arrival(claimed: int) -> None:
     assert Timestamps(VirtualClock(now=1000)).captured_at(claimed) == 1000
+
+
+def test_sound_may_be_sent_ahead() -> None:
+    assert believed(at(1000.4), 1000, MAX_AHEAD) == pytest.approx(1000.4)
+    assert believed(at(1000.6), 1000, MAX_AHEAD) == 1000
+    assert believed(at(998.9), 1000, MAX_AHEAD) == 1000
 
 
 def test_time_never_goes_backwards() -> None:

@@ -20,6 +20,7 @@ from openrois_avatar.link.messages import (
     LinkError,
     Log,
     Look,
+    Pause,
     Quit,
     React,
     Silence,
@@ -35,7 +36,14 @@ from openrois_avatar.link.messages import (
 HELLO = Hello("puppet", "1.0", VideoShape(640, 360, 29.97, "i420"), 2, ("nod", "bow"), "s3cret")
 SPEAK = Speak("7", 123_456_789_000, (Viseme(0, "PP", 0.5), Viseme(62.5, "aa", 1)), 900)
 COMMANDS: list[Command] = [React("1", "nod"), SPEAK, Silence(), Look(-1, 0.25), Stop("1"), Stop(), Quit()]
-EVENTS: list[Event] = [Completed("1", "OK"), Completed("é", "ABORT"), Completed("2", "ERROR"), Log("shader compiled")]
+EVENTS: list[Event] = [
+    Completed("1", "OK"),
+    Completed("é", "ABORT"),
+    Completed("2", "ERROR"),
+    Log("shader compiled"),
+    Pause(True),
+    Pause(False),
+]
 
 json_values = st.recursive(
     st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=8),
@@ -57,6 +65,13 @@ def test_an_engine_without_sound_says_null() -> None:
     silent = Hello("x", "1", VideoShape(2, 2, 1))
     assert silent.to_json()["audio"] is None
     assert Hello.from_json(on_the_wire(silent.to_json())) == silent
+
+
+def test_an_engine_of_an_earlier_revision_hears_nothing() -> None:
+    body = HELLO.to_json()
+    del body["hears"]
+    assert not Hello.from_json(on_the_wire(body)).hears
+    assert Hello.from_json(on_the_wire({**body, "hears": True})).hears
 
 
 def test_the_secret_is_never_printed() -> None:
@@ -109,6 +124,8 @@ def shape_with(**changes: Any) -> dict[str, Any]:
         (hello_with(audio={"channels": True}), "channels"),
         (hello_with(audio=1), "audio"),
         (hello_with(reactions=None), "reactions"),
+        (hello_with(hears=1), "hears: expected true or false"),
+        (hello_with(hears=None), "hears"),
         (hello_with(reactions=["nod", 1]), "reactions"),
         (hello_with(reactions=["nod"] * (MAX_REACTIONS + 1)), "reactions"),
         (shape_with(width=1), "width: expected an integer from 2 to 16384"),
@@ -168,6 +185,8 @@ def test_a_bad_command_is_refused_by_name(body: dict[str, Any], named: str) -> N
         ({"event": "completed", "id": "1", "status": "DONE"}, "status: expected OK, ABORT or ERROR"),
         ({"event": "completed", "status": "OK"}, "id"),
         ({"event": "log"}, "text"),
+        ({"event": "pause"}, "on: expected true or false"),
+        ({"event": "pause", "on": 1}, "on"),
     ],
 )
 def test_a_bad_event_is_refused_by_name(body: dict[str, Any], named: str) -> None:

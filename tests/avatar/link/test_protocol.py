@@ -15,6 +15,7 @@ from openrois_avatar.link.messages import (
     LinkError,
     Log,
     Look,
+    Pause,
     Quit,
     React,
     Silence,
@@ -47,13 +48,14 @@ I420 = Video(2, 3, 4, 2, 6, PixelFormat.I420, bytes(18))
 NV12 = Video(2**64 - 1, 2**64 - 1, 2, 2, 2, PixelFormat.NV12, bytes(6))
 SOUND = Audio(3, 4, 2, bytes(3840))
 SPEAK = Speak("2", 5, (Viseme(0.0, "PP", 1.0),), 100)
-FROM_ENGINE: list[Message] = [HELLO, BGRA, I420, NV12, SOUND, Completed("1", "OK"), Log("ä"), Bye("end")]
+FROM_ENGINE: list[Message] = [HELLO, BGRA, I420, NV12, SOUND, Completed("1", "OK"), Log("ä"), Pause(True), Bye("end")]
 FROM_ADAPTER: list[Message] = [
     Welcome("x"),
     React("1", "nod"),
     SPEAK,
     Silence(),
     Look(0.0, 1.0),
+    SOUND,
     Stop(),
     Quit(),
     Bye(""),

@@ -25,6 +25,7 @@ from openrois_avatar.link.messages import (
 )
 from openrois_avatar.link.protocol import Audio, Message, Parser, Sender
 from openrois_avatar.link.server import MAX_STRANGERS, LinkServer
+from openrois_avatar.link.unheard import MAX_UNHEARD
 from openrois_streaming.source import RawAudio
 
 from tests.support.avatar_link import HELLO, picture, wire
@@ -124,6 +125,54 @@ async def test_commands_reach_the_engine(world: World) -> None:
     connection.send_command(React("1", "nod"))
     connection.send_command(Look(0.5, 0))
     assert [await engine.read(), await engine.read()] == [React("1", "nod"), Look(0.5, 0)]
+
+
+def block(value: int, at: float = 1.0) -> RawAudio:
+    return RawAudio(np.full((480, 2), value, np.int16), at)
+
+
+async def test_an_engine_that_wants_to_hears_the_operator(world: World) -> None:
+    engine = await world.join()
+    connection = await world.server.accept(5)
+    connection.send_audio(block(7))
+    connection.send_audio(block(-7, -1.0))
+    heard = [await engine.read(), await engine.read()]
+    assert [
+        (each.sequence, each.timestamp_ns, each.channels, set(np.frombuffer(each.samples, "<i2").tolist()))
+        for each in heard
+        if isinstance(each, Audio)
+    ] == [(0, 1_000_000_000, 1, {7}), (1, 0, 1, {-7})]
+
+
+async def test_an_engine_that_does_not_is_sent_no_sound(world: World) -> None:
+    engine = await world.dial()
+    engine.send(replace(world.hello, hears=False))
+    assert isinstance(await engine.read(), Welcome)
+    connection = await world.server.accept(5)
+    connection.send_audio(block(7))
+    connection.send_command(Look(0, 0))
+    assert await engine.read() == Look(0, 0)
+
+
+async def test_of_sound_that_is_not_read_the_newest_is_kept_and_nobody_is_cut_off(world: World) -> None:
+    engine = await world.join()
+    connection = await world.server.accept(5)
+    engine.writer.transport.pause_reading()  # type: ignore[attr-defined]
+    total = 3000
+    for number in range(total):
+        connection.send_audio(block(number))
+    connection.send_command(Look(0, 0))
+    assert connection.connected
+    engine.writer.transport.resume_reading()  # type: ignore[attr-defined]
+    heard, looked = [], False
+    while not looked or heard[-1] != total - 1:
+        message = await engine.read()
+        looked = looked or message == Look(0, 0)
+        if isinstance(message, Audio):
+            heard.append(message.sequence)
+    assert heard == sorted(heard)
+    assert len(heard) < total
+    assert heard[-MAX_UNHEARD:] == list(range(total - MAX_UNHEARD, total))
 
 
 async def test_the_end_of_the_context_says_goodbye_and_leaves_nothing_behind() -> None:

@@ -6,6 +6,7 @@ from typing import Final, Literal
 from openrois_avatar.engines.animation import idle
 from openrois_avatar.engines.animation.curves import settling, settling_speed
 from openrois_avatar.engines.animation.gaze import Gaze
+from openrois_avatar.engines.animation.heard import HeardVoice
 from openrois_avatar.engines.animation.pose import Pose, channels, from_channels
 from openrois_avatar.engines.animation.reactions import REACTIONS, Reaction
 from openrois_avatar.engines.animation.visemes import Track, blended
@@ -63,6 +64,7 @@ class Animator:
         self._seed = seed
         self._gaze = Gaze()
         self._tracks: list[Track] = []
+        self._heard = HeardVoice()
         self._playing: _Playing | None = None
         self._residue = _Residue(0.0, {})
         self._outcomes: list[Outcome] = []
@@ -74,6 +76,10 @@ class Animator:
     def speak(self, time: float, track: Track) -> None:
         """Move the mouth along a track from its own start on."""
         self._tracks = [*(known for known in self._tracks if not known.over(time)), track][-MAX_TRACKS:]
+
+    def hear(self, time: float, loudness: float) -> None:
+        """Somebody speaks through the avatar, so loud (0..1): its mouth follows where it does not speak itself."""
+        self._heard.hear(time, loudness)
 
     def silence(self, time: float) -> None:
         """Close the mouth now; tracks that have not begun are dropped."""
@@ -151,14 +157,16 @@ class Animator:
 
     def _speaking(self, time: float) -> dict[str, float]:
         playing = [track for track in self._tracks if not track.over(time)]
-        mouth = blended([track.share(time) for track in playing])
+        shares = [track.share(time) for track in playing]
+        mouth = blended(shares)
+        opening = self._heard.opening(time) * max(0.0, 1 - sum(share.presence for share in shares))
         accent = max((track.accent(time) for track in playing), default=0.0)
         return {
-            "mouth.jaw": mouth.jaw,
+            "mouth.jaw": mouth.jaw + 0.70 * opening,
             "mouth.wide": mouth.wide,
             "mouth.round": mouth.round,
-            "mouth.upper": mouth.upper,
-            "mouth.lower": mouth.lower,
+            "mouth.upper": mouth.upper + 0.20 * opening,
+            "mouth.lower": mouth.lower + 0.35 * opening,
             "mouth.press": mouth.press,
             "mouth.bite": mouth.bite,
             "mouth.tongue": mouth.tongue,

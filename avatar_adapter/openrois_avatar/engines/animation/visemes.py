@@ -29,6 +29,8 @@ SHAPES: Final[Mapping[str, Mouth]] = {
 
 _SPREAD: Final = 0.11
 """Seconds over which one shape turns into the next: lips start early and leave late."""
+EARLY: Final = 0.02
+"""Seconds by which lips are ahead of the sound: closed ones insist, and without this open up too late to be heard."""
 _FIRMNESS: Final[Mapping[str, float]] = {
     "PP": 4.0,
     "FF": 3.0,
@@ -103,7 +105,7 @@ class Track:
 
     def share(self, time: float) -> Share:
         """What the track does to the mouth at a time."""
-        at, loudness = time - self.start, self._loudness(time)
+        at, loudness = time - self.start + EARLY, self._loudness(time)
         first, last = bisect_left(self._ends, at - _SPREAD / 2), bisect_right(self._starts, at + _SPREAD / 2)
         total, firmness, presence = [0.0] * len(_PARTS), 0.0, 0.0
         for voiced in self._voiced[first:last]:

@@ -53,6 +53,13 @@ def test_closed_lips_close_even_when_they_are_short() -> None:
     assert closed.jaw < 0.3
 
 
+def test_lips_are_open_when_a_plosive_is_heard_to_burst() -> None:
+    track = Track(5.0, [(0.0, "sil", 1.0), (0.2, "PP", 1.0), (0.233, "aa", 1.0), (0.425, "sil", 1.0)], LONG)
+    assert mouth(track, 5.2).press > 0.5
+    opened = next(ms for ms in range(200, 425) if mouth(track, 5.0 + ms / 1000).jaw > 0.4)
+    assert abs(opened - 233) <= 10
+
+
 def test_a_mouth_between_two_shapes_flows() -> None:
     track = Track(0.0, [(0.06 * n, VISEMES[n * 7 % 15], 1.0) for n in range(40)], 2.4)
     shapes = [mouth(track, n / 60) for n in range(160)]

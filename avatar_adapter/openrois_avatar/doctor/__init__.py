@@ -1,0 +1,1 @@
+"""`openrois doctor`: what of the media path works on this machine, and what to change where it does not."""

@@ -1,0 +1,75 @@
+"""Takes the snapshot: reads every session, rendition and source of the adapter, in its event loop."""
+
+import asyncio
+import threading
+from collections.abc import Sequence
+from contextlib import suppress
+from dataclasses import asdict
+
+from openrois_streaming.clock import MediaClock
+from openrois_streaming.errors import UnknownStream
+from openrois_streaming.network.guard import GuardFigures
+from openrois_streaming.publisher import AudioPublisher, VideoPublisher
+from openrois_streaming.session import StreamSession
+from openrois_streaming.sessions import SESSIONS_LIMIT, StreamSessions
+from openrois_streaming.stats import StreamStats
+
+from openrois_avatar.metrics.figures import Process, Snapshot, Source
+from openrois_avatar.supervision import Supervised
+
+__all__ = ["Looking"]
+
+
+class Looking:
+    """What of an adapter is measured.
+
+    Args:
+        sessions: the applications and their streams.
+        publishers: what is played, by the name of its source.
+        sources: what is supervised, by the name of the source.
+        guarded: what did not get in from the network.
+        clock: the media clock.
+    """
+
+    def __init__(
+        self,
+        sessions: StreamSessions,
+        publishers: dict[str, VideoPublisher | AudioPublisher],
+        sources: dict[str, Supervised],
+        guarded: GuardFigures,
+        clock: MediaClock,
+    ) -> None:
+        self._sessions = sessions
+        self._publishers = publishers
+        self._sources = sources
+        self._guarded = guarded
+        self._clock = clock
+
+    async def snapshot(self) -> Snapshot:
+        """Everything as it is now."""
+        streams = [await _streams_of(session) for session in self._sessions]
+        process = Process(
+            sessions=len(self._sessions),
+            sessions_limit=SESSIONS_LIMIT,
+            tasks=len(asyncio.all_tasks()),
+            threads=threading.active_count(),
+        )
+        renditions = tuple(
+            (name, rendition.figures()) for name, publisher in self._publishers.items() for rendition in publisher.made
+        )
+        sources = tuple(self._source(name, supervised) for name, supervised in self._sources.items())
+        guarded = tuple(asdict(self._guarded).items())
+        return Snapshot(process, sources, renditions, tuple(each for found in streams for each in found), guarded)
+
+    def _source(self, name: str, supervised: Supervised) -> Source:
+        seen = supervised.observe()
+        age = None if seen.last_frame_at is None else max(0.0, self._clock.now() - seen.last_frame_at)
+        return Source(name, supervised.health.status, seen.frames, age)
+
+
+async def _streams_of(session: StreamSession) -> Sequence[StreamStats]:
+    found = []
+    for stream_id in session.stream_ids:
+        with suppress(UnknownStream):  # it ended while the others were asked
+            found.append(await session.stats(stream_id))
+    return found

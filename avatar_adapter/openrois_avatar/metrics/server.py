@@ -1,0 +1,64 @@
+"""`GET /metrics`: a small HTTP server of the adapter, for Prometheus."""
+
+import asyncio
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager
+from typing import Final
+
+from aiohttp import web
+
+from openrois_avatar.metrics.exposition import written
+from openrois_avatar.metrics.figures import Snapshot
+
+__all__ = ["LOOPBACK", "MetricsUnavailable", "metrics_address", "serving_metrics"]
+
+LOOPBACK: Final = "127.0.0.1"
+
+_SHUTDOWN_TIMEOUT: Final = 0.5
+
+
+class MetricsUnavailable(Exception):
+    """Figures cannot be served where they should be; the text says why."""
+
+
+def metrics_address(text: str) -> tuple[str, int]:
+    """Read `HOST:PORT`, `[HOST]:PORT`, `:PORT` or `PORT`; without a host it is the loopback address.
+
+    Raises:
+        ValueError: it is none of these.
+    """
+    host, _, port = text.rpartition(":")
+    host = host.removeprefix("[").removesuffix("]") or LOOPBACK
+    if not (port.isascii() and port.isdigit() and int(port) < 2**16):
+        raise ValueError(f"{text!r} is no address for metrics: HOST:PORT or PORT")
+    return host, int(port)
+
+
+@asynccontextmanager
+async def serving_metrics(host: str, port: int, look: Callable[[], Awaitable[Snapshot]]) -> AsyncIterator[str]:
+    """Serve what `look` sees for as long as the block runs; gives the URL, with the port that was chosen for 0.
+
+    Raises:
+        MetricsUnavailable: the port is taken, or the address is not this machine's.
+    """
+    one_at_a_time = asyncio.Lock()
+
+    async def answer(request: web.Request) -> web.Response:
+        async with one_at_a_time:
+            snapshot = await look()
+            text, content_type = await asyncio.to_thread(written, snapshot, request.headers.get("Accept", ""))
+        return web.Response(body=text, headers={"Content-Type": content_type})
+
+    app = web.Application()
+    app.router.add_get("/metrics", answer)
+    runner = web.AppRunner(app, access_log=None, shutdown_timeout=_SHUTDOWN_TIMEOUT)
+    await runner.setup()
+    try:
+        try:
+            await web.TCPSite(runner, host, port).start()
+        except OSError as error:
+            raise MetricsUnavailable(f"metrics cannot be served at {host}:{port}: {error.strerror or error}") from error
+        chosen = runner.addresses[0][1]
+        yield f"http://{f'[{host}]' if ':' in host else host}:{chosen}/metrics"
+    finally:
+        await runner.cleanup()

@@ -1,0 +1,56 @@
+"""The network side of streams as options of a command."""
+
+import argparse
+from collections.abc import Sequence
+
+from openrois_streaming.network.interfaces import host_addresses
+from openrois_streaming.network.settings import PROFILES, NetworkSettings, PortRange
+
+__all__ = ["add_host_options", "add_network_options", "host_arguments", "network_settings"]
+
+
+def add_host_options(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
+    """Add what concerns this machine's own addresses and ports."""
+    group = parser.add_argument_group("network of the streams")
+    group.add_argument(
+        "--interface",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="a network interface for media, by name or address (repeatable; all but loopback)",
+    )
+    group.add_argument("--udp-ports", type=_ports, metavar="FIRST-LAST", help="the UDP ports that media may use (any)")
+    return group
+
+
+def add_network_options(parser: argparse.ArgumentParser) -> None:
+    """Add all of it."""
+    group = add_host_options(parser)
+    group.add_argument("--public-address", metavar="IPV4", help="where a 1:1 NAT makes this machine known")
+    group.add_argument(
+        "--candidates", choices=tuple(PROFILES), default="lan", help="whose addresses are used (%(default)s)"
+    )
+    group.add_argument("--relay-only", action="store_true", help="media passes over TURN servers and no other way")
+
+
+def _ports(text: str) -> PortRange:
+    try:
+        return PortRange.parse(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
+
+
+def network_settings(chosen: argparse.Namespace) -> NetworkSettings:
+    """What was chosen. Raises ValueError with a sentence, also for an interface that is not there."""
+    settings = NetworkSettings(
+        tuple(chosen.interface), chosen.udp_ports, chosen.public_address, chosen.relay_only, chosen.candidates
+    )
+    host_addresses(settings.interfaces)
+    return settings
+
+
+def host_arguments(chosen: argparse.Namespace) -> Sequence[str]:
+    """The options of `add_host_options` as they were given, for another command."""
+    given = [argument for name in chosen.interface for argument in ("--interface", name)]
+    ports = chosen.udp_ports
+    return [*given, "--udp-ports", f"{ports.first}-{ports.last}"] if ports is not None else given

@@ -1,0 +1,54 @@
+import asyncio
+
+import aiohttp
+import pytest
+from openrois_avatar.metrics.figures import Snapshot
+from openrois_avatar.metrics.server import MetricsUnavailable, metrics_address, serving_metrics
+
+from tests.avatar.metrics.test_exposition import SNAPSHOT
+
+
+async def look() -> Snapshot:
+    return SNAPSHOT
+
+
+@pytest.mark.parametrize(
+    ("text", "address"),
+    [
+        ("9464", ("127.0.0.1", 9464)),
+        (":9464", ("127.0.0.1", 9464)),
+        ("0.0.0.0:9464", ("0.0.0.0", 9464)),
+        ("[::1]:0", ("::1", 0)),
+        ("avatar.example:80", ("avatar.example", 80)),
+    ],
+)
+def test_an_address_is_of_this_machine_alone_unless_it_says_otherwise(text: str, address: tuple[str, int]) -> None:
+    assert metrics_address(text) == address
+
+
+@pytest.mark.parametrize("text", ["", "x", "1.2.3.4:", "localhost:http", "65536", "-1", "²"])
+def test_what_is_no_address_is_refused(text: str) -> None:
+    with pytest.raises(ValueError, match="no address for metrics"):
+        metrics_address(text)
+
+
+async def test_figures_are_at_metrics_and_nothing_else_is_there() -> None:
+    async with serving_metrics("127.0.0.1", 0, look) as url, aiohttp.ClientSession() as http:
+        bodies = await asyncio.gather(*(_get(http, url) for _ in range(3)))
+        assert all(b"openrois_stream_frames_total" in body for body in bodies)
+        async with http.get(url.removesuffix("metrics")) as response:
+            assert response.status == 404
+
+
+async def test_a_port_that_is_taken_is_said() -> None:
+    async with serving_metrics("127.0.0.1", 0, look) as url:
+        port = int(url.split(":")[2].partition("/")[0])
+        with pytest.raises(MetricsUnavailable, match=f"metrics cannot be served at 127.0.0.1:{port}"):
+            async with serving_metrics("127.0.0.1", port, look):
+                pytest.fail("served")
+
+
+async def _get(http: aiohttp.ClientSession, url: str) -> bytes:
+    async with http.get(url) as response:
+        assert response.headers["Content-Type"].startswith("text/plain")
+        return await response.read()

@@ -1,0 +1,73 @@
+"""The avatar adapter around a scene that the test plays: what the operator says, and what the engine pauses."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+import numpy as np
+import pytest
+from openrois_avatar import adapter
+from openrois_avatar.health import Health, Observed
+from openrois_avatar.link.messages import Pause
+from openrois_avatar.operator import Microphone
+from openrois_avatar.pauses import Pauses
+from openrois_avatar.scene import Scene
+from openrois_streaming.sessions import StreamSessions
+from openrois_streaming.source import RawAudio, RawVideo
+
+from tests.support.streaming import FedSource, VirtualClock, settle
+
+
+class Stage:
+    """A scene whose sources give nothing, and what it hears."""
+
+    def __init__(self) -> None:
+        self.clock = VirtualClock()
+        self.heard: list[RawAudio] = []
+        self.pauses = Pauses()
+        video: FedSource[RawVideo] = FedSource()
+        audio: FedSource[RawAudio] = FedSource()
+        health = Health("the stage", self.clock.now())
+        unobserved = Observed(None, wanted=False)
+        self.scene = Scene(
+            video, audio, 30.0, (640, 480), (), health, lambda: unobserved, self.pauses, self.heard.append
+        )
+
+    @asynccontextmanager
+    async def served(self) -> AsyncIterator[None]:
+        async with adapter.serve_scene("avatar", self.scene, self.clock):
+            await settle()
+            yield
+
+
+async def test_the_first_viewer_is_offered_the_sizes_of_the_scene_before_any_picture_has_come() -> None:
+    stage = Stage()
+    async with adapter.serve_scene("avatar", stage.scene, stage.clock) as avatar:
+        rungs = [each.rung for each in avatar.video.renditions("video/VP8")]
+        assert [(rung.width, rung.height) for rung in rungs if rung is not None] == [(640, 480), (320, 240)]
+
+
+async def test_the_engine_hears_the_operator(monkeypatch: pytest.MonkeyPatch) -> None:
+    stage, made = Stage(), list[Microphone]()
+
+    def remember(clock: VirtualClock) -> Microphone:
+        made.append(Microphone(clock))
+        return made[-1]
+
+    monkeypatch.setattr(adapter, "Microphone", remember)
+    voice: FedSource[RawAudio] = FedSource()
+    sound = RawAudio(np.ones((480, 2), np.int16), 1.0)
+    async with stage.served():
+        made[0].inlet.plug("s", voice)
+        await voice.feed(sound)
+        assert stage.heard == [sound]
+    assert voice.opened == voice.closed == 1
+
+
+async def test_what_the_engine_pauses_is_held_for_those_who_see_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    stage, calls = Stage(), list[tuple[str, ...]]()
+    monkeypatch.setattr(StreamSessions, "hold", lambda _self, *what: calls.append(("hold", *what)))
+    monkeypatch.setattr(StreamSessions, "release", lambda _self, *what: calls.append(("release", *what)))
+    async with stage.served():
+        stage.pauses.take(Pause(True))
+        stage.pauses.clear()
+    assert calls == [("hold", "avatar/VideoStreaming", "recvonly"), ("release", "avatar/VideoStreaming")]

@@ -1,0 +1,78 @@
+import pytest
+from openrois_avatar.health import Health, Observed, Trouble, worst
+from openrois_streaming.supervision import HUNG, LOOK_INTERVAL, QUIET
+
+from openrois.types.codes import ComponentStatus, ErrorType
+
+READY, WARNING, ERROR = ComponentStatus.READY, ComponentStatus.WARNING, ComponentStatus.ERROR
+HANGS = Trouble(ErrorType.COMPONENT_NOT_RESPONDING, "the picture has stood still for 5 s")
+
+
+class Patient:
+    """Something whose health is looked at as often as it has to be."""
+
+    def __init__(self) -> None:
+        self.now = 100.0
+        self.health = Health("the picture", self.now)
+        self.seen = Observed(self.now)
+        self.reported: list[Trouble] = []
+
+    def wait(self, seconds: float) -> ComponentStatus:
+        end = self.now + seconds
+        while self.now < end:
+            self.now = min(end, self.now + LOOK_INTERVAL)
+            trouble = self.health.look(self.now, self.seen)
+            if trouble is not None:
+                self.reported.append(trouble)
+        return self.health.status
+
+    def plays(self) -> ComponentStatus:
+        self.seen = Observed(self.now)
+        return self.wait(LOOK_INTERVAL)
+
+
+@pytest.fixture
+def patient() -> Patient:
+    return Patient()
+
+
+def test_a_stall_is_a_warning_and_a_hang_an_error_that_is_reported_once(patient: Patient) -> None:
+    assert patient.wait(QUIET - 0.01) is READY
+    assert patient.wait(0.02) is WARNING
+    assert (patient.wait(HUNG - QUIET), patient.reported) == (ERROR, [HANGS])
+    assert (patient.wait(60), patient.reported) == (ERROR, [HANGS])
+    assert patient.plays() is READY
+    assert (patient.wait(HUNG + 1), patient.reported) == (ERROR, [HANGS, HANGS])
+
+
+def test_a_failure_is_an_error_at_once_and_reported_once(patient: Patient) -> None:
+    patient.seen = Observed(None, failure="the game engine is gone: killed")
+    assert patient.wait(0.01) is ERROR
+    assert patient.wait(60) is ERROR
+    assert patient.reported == [Trouble(ErrorType.COMPONENT_INTERNAL_ERROR, "the game engine is gone: killed")]
+
+
+def test_what_comes_back_has_its_time_before_it_is_judged_again(patient: Patient) -> None:
+    patient.seen = Observed(None, failure="the game engine is gone")
+    patient.wait(60)
+    patient.seen = Observed(None)
+    assert patient.wait(QUIET - 0.01) is READY
+    assert patient.wait(0.02) is WARNING
+
+
+def test_a_failure_that_turns_into_a_stall_is_still_the_same_trouble(patient: Patient) -> None:
+    patient.wait(HUNG)
+    patient.seen = Observed(patient.now - QUIET - 0.1)
+    assert patient.wait(LOOK_INTERVAL) is WARNING
+    assert (patient.wait(HUNG), len(patient.reported)) == (ERROR, 1)
+
+
+def test_nobody_misses_what_nobody_wants(patient: Patient) -> None:
+    patient.seen = Observed(None, wanted=False)
+    assert (patient.wait(60), patient.reported) == (READY, [])
+
+
+def test_the_worst_of_several_counts() -> None:
+    assert worst(READY) is READY
+    assert worst(READY, WARNING) is worst(WARNING, READY) is WARNING
+    assert worst(ERROR, READY, WARNING) is ERROR

@@ -1,0 +1,57 @@
+import argparse
+
+import pytest
+from openrois_avatar.network_options import add_host_options, add_network_options, host_arguments, network_settings
+from openrois_streaming.network.settings import NetworkSettings, PortRange
+
+
+def parse(*arguments: str) -> argparse.Namespace:
+    parser = argparse.ArgumentParser()
+    add_network_options(parser)
+    return parser.parse_args(arguments)
+
+
+def test_without_options_the_defaults_hold() -> None:
+    assert network_settings(parse()) == NetworkSettings()
+
+
+def test_what_is_chosen() -> None:
+    options = ("--interface", "127.0.0.1", "--udp-ports", "50000-50010", "--public-address", "203.0.113.1")
+    assert network_settings(parse(*options, "--candidates", "public")) == NetworkSettings(
+        ("127.0.0.1",), PortRange(50000, 50010), "203.0.113.1", candidates="public"
+    )
+    assert network_settings(parse("--relay-only")).relay_only
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("--udp-ports", "x"), "'x' is no range of UDP ports, such as 50000-50100"),
+        (("--candidates", "wan"), "invalid choice"),
+    ],
+)
+def test_what_cannot_be_read_is_said(arguments: tuple[str, ...], told: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        parse(*arguments)
+    assert told in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (("--udp-ports", "9-10"), "from 1024"),
+        (("--interface", "nowhere0"), "no interface has the name or the address nowhere0; there are: .*lo"),
+        (("--relay-only", "--interface", "lo"), "with a relay alone"),
+    ],
+)
+def test_what_cannot_be_used_is_said(arguments: tuple[str, ...], told: str) -> None:
+    with pytest.raises(ValueError, match=told):
+        network_settings(parse(*arguments))
+
+
+def test_what_was_given_can_be_passed_on() -> None:
+    parser = argparse.ArgumentParser()
+    add_host_options(parser)
+    given = ["--interface", "lo", "--interface", "10.0.0.1", "--udp-ports", "5000-5010"]
+    assert host_arguments(parser.parse_args(given)) == given
+    assert host_arguments(parser.parse_args([])) == []

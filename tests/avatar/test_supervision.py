@@ -1,0 +1,93 @@
+import asyncio
+import logging
+from collections.abc import AsyncIterator
+
+import pytest
+from openrois_avatar.health import Health, Observed
+from openrois_avatar.supervision import Supervised, seen_of, supervise
+from openrois_streaming.publisher import VideoPublisher
+from openrois_streaming.source import RawVideo
+from openrois_streaming.supervision import HUNG, QUIET
+
+from openrois.adapter.components import VideoStreaming
+from openrois.types.codes import ComponentStatus, ErrorType
+from tests.support.streaming import FakeEncoders, FedSource, VirtualClock, picture, settle
+from tests.support.streams import Camera
+
+
+class Post:
+    """A source under supervision, on a clock that stands still."""
+
+    def __init__(self) -> None:
+        self.clock = VirtualClock()
+        self.health = Health("the picture", self.clock.now())
+        self.seen = Observed(self.clock.now())
+        self.camera: VideoStreaming = Camera()
+        self.reported: list[tuple[ErrorType, str]] = []
+        self.camera.report = lambda kind, sentence: self.reported.append((kind, sentence))
+
+
+@pytest.fixture
+async def post() -> AsyncIterator[Post]:
+    post = Post()
+    supervised = Supervised(post.health, lambda: post.seen, (post.camera,))
+    task = asyncio.create_task(supervise((supervised,), post.clock))
+    await settle()
+    yield post
+    task.cancel()
+    await asyncio.wait({task})
+
+
+async def test_a_source_that_hangs_is_reported_by_its_components_and_its_return_is_logged(
+    post: Post, caplog: pytest.LogCaptureFixture
+) -> None:
+    await post.clock.advance(QUIET + 0.3)
+    assert (post.health.status, post.reported) == (ComponentStatus.WARNING, [])
+    await post.clock.advance(HUNG - QUIET)
+    assert post.health.status is ComponentStatus.ERROR
+    assert post.reported == [(ErrorType.COMPONENT_NOT_RESPONDING, "the picture has stood still for 5 s")]
+    post.seen = Observed(post.clock.now())
+    with caplog.at_level(logging.INFO):
+        await post.clock.advance(0.3)
+    assert caplog.messages == ["the picture has stood still for 5 s", "the picture is there again"]
+
+
+async def test_an_adapter_that_was_stopped_blames_nobody(post: Post) -> None:
+    await post.clock.advance(0.5)
+    post.clock.jump(20)
+    await post.clock.advance(QUIET - 0.3)
+    assert (post.health.status, post.reported) == (ComponentStatus.READY, [])
+
+
+async def test_a_publisher_is_seen_to_play_to_stall_and_to_fail(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock, source, encoders = VirtualClock(), FedSource[RawVideo](), FakeEncoders()
+    monkeypatch.setattr("openrois_streaming.publisher.VideoEncoder", lambda _, *, bitrate, **__: encoders(bitrate))
+    publisher = VideoPublisher(source, clock=clock, name="bars")
+    assert seen_of(publisher) == Observed(None, wanted=False)
+    rendition = publisher.renditions("video/H264")[0]
+    async with rendition.subscribe() as viewer:
+        await source.feed(picture(0))
+        await viewer.get()
+        assert seen_of(publisher) == Observed(clock.now(), frames=1)
+        encoders.made[0].failure = ValueError("odd")
+        await source.feed(picture(1))
+        with pytest.raises(Exception, match="has ended"):
+            await viewer.get()
+        assert seen_of(publisher).failure == "the encoder of bars (video/H264) has failed: ValueError('odd')"
+    async with rendition.subscribe() as viewer:
+        await source.end(OSError("unplugged"))
+        await settle()
+        assert seen_of(publisher).failure == "the source of bars has failed: OSError('unplugged')"
+    async with rendition.subscribe() as viewer:
+        await source.feed(picture(2))
+        await viewer.get()
+        assert seen_of(publisher).failure == ""
+
+
+async def test_a_source_that_cannot_be_opened_has_failed() -> None:
+    source = FedSource[RawVideo]()
+    source.refusal = OSError("busy")
+    publisher = VideoPublisher(source, clock=VirtualClock())
+    async with publisher.renditions("video/VP8")[0].subscribe():
+        await settle()
+        assert seen_of(publisher).failure == "the source of video has failed: OSError('busy')"
