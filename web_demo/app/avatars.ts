@@ -12,6 +12,7 @@ export interface Avatar {
   readonly reaction: string | null;
   readonly system: string | null;
   readonly gaze: string | null;
+  readonly operator: string | null;
 }
 
 export function findAvatars(profile: Profile): Avatar[] {
@@ -28,6 +29,7 @@ export function findAvatars(profile: Profile): Avatar[] {
       reaction: of("Reaction"),
       system: of("SystemInformation"),
       gaze: of("Gaze"),
+      operator: of("Operator"),
     });
   }
   return avatars;
@@ -37,15 +39,18 @@ export function findAvatars(profile: Profile): Avatar[] {
 export class AvatarDirectory {
   readonly #client: Client;
   readonly #onChange: () => void;
+  readonly #preferred: string;
   #profile: Profile | null = null;
   #avatars: Avatar[] | null = null;
   #chosen: Avatar | null = null;
   #reading = false;
   #again = false;
 
-  constructor(client: Client, onChange: () => void) {
+  /** @param preferred the engine to choose if it is there; else it is the first */
+  constructor(client: Client, onChange: () => void, preferred = "") {
     this.#client = client;
     this.#onChange = onChange;
+    this.#preferred = preferred;
     client.on("profile_changed", () => void this.#read());
     client.on("state", ({ name }) => {
       if (name === "connected") void this.#read();
@@ -77,6 +82,11 @@ export class AvatarDirectory {
     this.#onChange();
   }
 
+  #first(avatars: readonly Avatar[]): string {
+    const preferred = avatars.find(({ engineId }) => engineId === this.#preferred);
+    return (preferred ?? avatars[0])?.engineId ?? "";
+  }
+
   async #read(): Promise<void> {
     this.#again = true;
     if (this.#reading) return;
@@ -86,7 +96,7 @@ export class AvatarDirectory {
         this.#again = false;
         this.#profile = await this.#client.getProfile();
         this.#avatars = findAvatars(this.#profile);
-        this.choose(this.#chosen?.engineId ?? this.#avatars[0]?.engineId ?? "");
+        this.choose(this.#chosen?.engineId ?? this.#first(this.#avatars));
       }
     } catch {
       // The connection ended, and the next one reads again.

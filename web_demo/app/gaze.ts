@@ -25,7 +25,7 @@ export class Gaze {
     this.#client = client;
     this.#stage = stage;
     stage.addEventListener("click", (event) => {
-      if (event.target instanceof Element && event.target.closest("button") !== null) return;
+      if (event.target instanceof Element && event.target.closest("button, .statistics") !== null) return;
       const { left, top, width, height } = stage.getBoundingClientRect();
       this.#look((2 * (event.clientX - left)) / width - 1, 1 - (2 * (event.clientY - top)) / height);
     });

@@ -46,9 +46,13 @@ export class MessageLog {
     this.#frame = 0;
     const { scrollHeight, scrollTop, clientHeight } = this.#list;
     const following = scrollHeight - scrollTop - clientHeight < NEAR_END;
-    const rows = this.#waiting.filter((entry) => matches(entry, this.#filter.value)).map(row);
+    for (const entry of this.#waiting.filter((each) => matches(each, this.#filter.value))) {
+      const last = this.#list.lastElementChild;
+      const again = last instanceof HTMLElement && last.dataset["number"] === String(entry.number);
+      if (again) last.replaceWith(row(entry));
+      else this.#list.append(row(entry));
+    }
     this.#waiting = [];
-    this.#list.append(...rows);
     while (this.#list.childElementCount > MAX_ENTRIES) this.#list.firstElementChild?.remove();
     if (following) this.#list.scrollTop = this.#list.scrollHeight;
     this.#renderCount();
@@ -88,13 +92,19 @@ function row(entry: LogEntry): HTMLLIElement {
     make("time", {}, formatTime(at)),
     make("span", { class: "method" }, name),
     make("span", { class: "gist" }, entry.summary),
-    make("span", { class: "took" }, took),
+    make("span", { class: "took" }, entry.repeats > 1 ? `× ${entry.repeats}` : took),
   );
   const details = make("details", {}, summary);
   // Most messages are never opened: their JSON is written when they are.
   details.addEventListener("toggle", () => {
     if (details.open && details.childElementCount === 1) details.append(make("pre", {}, pretty(message)));
   });
-  const attributes = { "data-direction": direction, "data-kind": kind, "data-method": method };
+  const number = String(entry.number);
+  const attributes = {
+    "data-number": number,
+    "data-direction": direction,
+    "data-kind": kind,
+    "data-method": method,
+  };
   return make("li", entry.failed ? { ...attributes, "data-failed": "" } : attributes, details);
 }

@@ -3,6 +3,7 @@
 import type { Json, Traffic } from "../sdk/index.ts";
 
 export const MAX_ENTRIES = 500;
+const EVENT = "rois.event.notify_event";
 /** Characters of SDP that are shown; the message itself stays whole. */
 const SDP_SHOWN = 120;
 /** Ids are 96 or 128 random bits; their first digits tell them apart. */
@@ -17,6 +18,8 @@ export interface LogEntry {
   /** In small letters, for the filter. */
   readonly text: string;
   readonly failed: boolean;
+  /** How many of its kind came in a row, this one the last: a level that is told all the time is one line. */
+  readonly repeats: number;
 }
 
 /** Remembers the newest messages. While it is paused, what is shown does not change. */
@@ -30,8 +33,12 @@ export class LogModel {
 
   add(traffic: Traffic): LogEntry {
     const summary = summarize(traffic);
+    const last = this.#entries.at(-1);
+    const repeats = last && isSame(last.traffic, traffic) ? last.repeats + 1 : 1;
+    if (repeats > 1) this.#entries.pop();
     const entry = {
-      number: this.#number++,
+      number: repeats > 1 && last ? last.number : this.#number++,
+      repeats,
       traffic,
       summary,
       text: `${traffic.direction} ${traffic.kind} ${traffic.method} ${JSON.stringify(traffic.message)}`.toLowerCase(),
@@ -45,6 +52,13 @@ export class LogModel {
   clear(): void {
     this.#entries.length = 0;
   }
+}
+
+/** Both tell an event of the same subscription. */
+function isSame(one: Traffic, other: Traffic): boolean {
+  const subscription = ({ method, message }: Traffic): Json | undefined =>
+    method === EVENT ? field(field(message, "params"), "subscribe_id") : undefined;
+  return subscription(one) !== undefined && subscription(one) === subscription(other);
 }
 
 /** Every word of the filter has to be somewhere in the message. */

@@ -9,7 +9,7 @@ import {
   isLoopback,
   measureOffset,
 } from "../sdk/media/index.ts";
-import type { RemoteStream } from "../sdk/media/index.ts";
+import type { Desire, LocalStream, RemoteStream } from "../sdk/media/index.ts";
 import { AvatarDirectory } from "./avatars.ts";
 import type { Avatar } from "./avatars.ts";
 import { Banner } from "./banner.ts";
@@ -17,7 +17,11 @@ import { FiguresPanel } from "./figures.ts";
 import { Gaze } from "./gaze.ts";
 import { Header } from "./header.ts";
 import { MessageLog } from "./log.ts";
+import { recall, remember } from "./memory.ts";
+import { OperatorCard } from "./operator.ts";
+import { Overlay } from "./overlay.ts";
 import { Reactions } from "./reactions.ts";
+import { Readings } from "./readings.ts";
 import { SayLine } from "./say.ts";
 import { installShortcuts } from "./shortcuts.ts";
 import { Sound } from "./sound.ts";
@@ -28,8 +32,14 @@ import { Views } from "./views.ts";
 
 declare global {
   interface Window {
-    /** For the browser's console and for tests: the client and the two streams of the page. */
-    openrois: { client: Client; video: RemoteStream | null; audio: RemoteStream | null };
+    /** For the browser's console and for tests: the client and the streams of the page. */
+    openrois: {
+      client: Client;
+      video: RemoteStream | null;
+      audio: RemoteStream | null;
+      microphone: LocalStream | null;
+      camera: LocalStream | null;
+    };
   }
 }
 
@@ -38,23 +48,30 @@ const codecs = canStream ? decodableCodecs("video") : [];
 
 const client = new Client();
 const receiver = new MediaReceiver(client);
-const directory = new AvatarDirectory(client, avatarChanged);
+let before = recall(sessionStorage, Date.now());
+const directory = new AvatarDirectory(client, avatarChanged, before?.engineId);
 const header = new Header(directory);
 const banner = new Banner(() => client.retryNow());
 const stage = new Stage();
 const sound = new Sound();
 const videoCard = new StreamCard("video");
 const audioCard = new StreamCard("audio");
-const figures = new FiguresPanel();
+const readings = new Readings();
+new FiguresPanel(readings);
+const overlay = new Overlay(readings);
 const say = new SayLine(client);
 const reactions = new Reactions(client);
 const gaze = new Gaze(client, stage.element);
+const operator = new OperatorCard(client, receiver);
 new MessageLog(client);
-new StampReader(stage.video, stage.frames, (reading) => figures.stampRead(reading));
+new StampReader(stage.video, stage.frames, (reading) => readings.stampRead(reading));
 
 let shown: Avatar | null = null;
-window.openrois = { client, video: null, audio: null };
+window.openrois = { client, video: null, audio: null, microphone: null, camera: null };
 const views = new Views(client, render);
+if (before?.muted === true) sound.muted = true;
+overlay.shown = before?.statistics ?? false;
+if (before && before.picture !== "") void stage.picture.restore(before.picture).then(render, () => undefined);
 
 /** The profile was read, another avatar was chosen, or the gateway came or went. */
 function avatarChanged(): void {
@@ -66,7 +83,10 @@ function avatarChanged(): void {
   say.setComponent(present?.speech ?? null);
   reactions.setComponent(present?.reaction ?? null);
   gaze.setComponent(present?.gaze ?? null);
-  if (present) void readClock(present);
+  if (present) {
+    void readClock(present);
+    void operator.watch(present).then((streams) => Object.assign(window.openrois, streams));
+  }
   views.update(directory.profile, client.state.name === "connected");
   render();
 }
@@ -85,28 +105,36 @@ function show(avatar: Avatar): void {
   void oldAudio?.disconnect();
   const video = receiver.stream(avatar.video, "video");
   const audio = avatar.audio === null ? null : receiver.stream(avatar.audio, "audio");
-  window.openrois = { client, video, audio };
+  Object.assign(window.openrois, { video, audio });
   stage.watch(video);
   sound.listen(audio);
   videoCard.watch(video);
   audioCard.watch(audio);
-  figures.watch(video);
+  readings.watch(video, audio);
   video.on("change", render);
-  void video.connect();
-  void audio?.connect();
+  const past = before?.engineId === avatar.engineId ? before : null;
+  before = null;
+  begin(video, past?.video);
+  if (audio) begin(audio, past?.audio);
+}
+
+/** What stood still or was off when the page was left does so when it is back. */
+function begin(stream: RemoteStream, desire: Desire = "running"): void {
+  if (desire === "suspended") void stream.suspend();
+  else if (desire === "running") void stream.connect();
 }
 
 async function readClock({ engineId, system }: Avatar): Promise<void> {
-  if (isLoopback(location.hostname)) return figures.setClock(SAME_CLOCK);
+  if (isLoopback(location.hostname)) return void (readings.clock = SAME_CLOCK);
   const clock = system === null ? null : await measureOffset(client, system).catch(() => null);
-  if (shown?.engineId === engineId) figures.setClock(clock);
+  if (shown?.engineId === engineId) readings.clock = clock;
 }
 
 function render(): void {
   const { video } = window.openrois;
   const avatar = directory.chosen;
   header.render(client.state);
-  stage.render(directory.present, figures.latency);
+  stage.render(directory.present, readings.latency);
   const trouble = findTrouble({
     canStream,
     connection: client.state,
@@ -151,7 +179,10 @@ installShortcuts([
     run: toAvatar((key) => reactions.press((Number(key) + 9) % 10)),
   },
   { keys: ["s"], label: "Suspend or resume the video", run: toAvatar(toggleVideo) },
+  { keys: ["t"], label: "Your microphone on or off", run: toAvatar(() => operator.toggleMicrophone()) },
+  { keys: ["c"], label: "Your camera on or off", run: toAvatar(() => operator.toggleCamera()) },
   { keys: ["m"], label: "Sound on or off", run: () => sound.toggle() },
+  { keys: ["g"], label: "Statistics of the last minute", run: toAvatar(() => overlay.toggle()) },
   { keys: ["f"], label: "Full screen", run: toAvatar(() => stage.toggleFullscreen()) },
 ]);
 
@@ -161,12 +192,28 @@ function toggleVideo(): void {
   void (video.desire === "suspended" ? video.resume() : video.suspend());
 }
 
-stage.frames.onFrame(() => figures.frameShown());
+stage.frames.onFrame(() => readings.frameShown());
 client.on("state", avatarChanged);
-globalThis.addEventListener("online", () => client.retryNow());
+globalThis.addEventListener("online", () => {
+  client.networkChanged();
+  receiver.networkChanged();
+});
 document.addEventListener("visibilitychange", () => {
   if (document.visibilityState === "visible") client.retryNow();
   render();
+});
+globalThis.addEventListener("pagehide", () => {
+  const { video, audio } = window.openrois;
+  if (!shown || !video) return;
+  const page = {
+    engineId: shown.engineId,
+    video: video.desire,
+    audio: audio?.desire ?? "running",
+    muted: sound.muted,
+    statistics: overlay.shown,
+    picture: stage.picture.snapshot(960),
+  };
+  remember(sessionStorage, page, Date.now());
 });
 // The countdowns, and the age of the picture.
 setInterval(render, 500);

@@ -28,6 +28,15 @@ export class Sound {
     this.#render();
   }
 
+  /** The user wants silence. */
+  get muted(): boolean {
+    return !this.#wanted;
+  }
+
+  set muted(muted: boolean) {
+    this.#set(!muted);
+  }
+
   toggle(): void {
     this.#set(this.#blocked || !this.#wanted);
   }

@@ -1,5 +1,14 @@
 /** The last minute of a figure as a line. Pure. */
 
+/** Returns the least round number (1, 2 or 5 with zeros) that is no less than `value` and `least`. */
+export function roundTop(value: number, least: number): number {
+  const wanted = Math.max(value, least);
+  const power = 10 ** Math.floor(Math.log10(wanted));
+  return power * (NICE.find((step) => step * power >= wanted * 0.999999) ?? 10);
+}
+
+const NICE = [1, 2, 5, 10];
+
 /** Numbers of the last `limit` steps; null where there was none. */
 export class History {
   readonly #limit: number;
@@ -14,12 +23,22 @@ export class History {
     if (this.#values.length > this.#limit) this.#values.shift();
   }
 
+  /** The greatest value of all; 0 where there is none. */
+  get greatest(): number {
+    return Math.max(0, ...this.#values.map((value) => value ?? 0));
+  }
+
   /**
    * Returns the data of two SVG paths in a box of the given size: the line, and the area under it. The newest value is
    * at the right edge; the lower edge is 0, so that a figure that hardly moves looks like one.
+   *
+   * @param top the value at the upper edge
    */
-  paths(width: number, height: number): { line: string; area: string } {
-    const top = Math.max(...this.#values.map((value) => value ?? 0)) * 1.25 || 1;
+  paths(
+    width: number,
+    height: number,
+    top: number = this.greatest * 1.25 || 1,
+  ): { line: string; area: string } {
     const step = width / (this.#limit - 1);
     let line = "";
     let area = "";

@@ -16,6 +16,8 @@ const WORDS: Readonly<Record<Look, string>> = {
   stalled: "Frozen",
 };
 
+const AWAITED = { waiting: "waiting for the avatar", connecting: "connecting" } as const;
+
 /** The page shows a picture as frozen when it is this old, in milliseconds, although the stream should run. */
 const FROZEN_AFTER = 1000;
 
@@ -66,7 +68,9 @@ export class Stage {
     const look = this.#look(present);
     this.#element.dataset["look"] = look;
     this.#element.classList.toggle("empty", !this.picture.shown);
-    setText(this.#text, WORDS[look]);
+    const awaited = look === "waiting" || look === "connecting";
+    // A picture from before is to be looked at meanwhile, but it says nothing about now.
+    setText(this.#text, awaited && this.picture.shown ? `Frozen: ${AWAITED[look]}` : WORDS[look]);
     this.#latency.hidden = look !== "live" || latency === null;
     if (latency !== null) setText(this.#latency, `${Math.round(latency)} ms`);
   }

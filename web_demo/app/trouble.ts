@@ -129,13 +129,19 @@ function problemTrouble(problem: Problem): Trouble {
       return {
         kind: "no-codec",
         title: "The avatar cannot send what this browser plays",
-        text: "They have no video codec in common, or the avatar has no video right now. Trying again.",
+        text: `${said(problem.detail) ?? "They have no video codec in common, or the avatar has no video right now."} The page goes on trying.`,
       };
     case "refused":
       return {
         kind: "refused",
         title: "The avatar refuses the video",
-        text: `It answered ${problem.detail}; the log of its adapter tells why. The page goes on trying.`,
+        text: `${said(problem.detail) ?? `It answered ${problem.detail}; the log of its adapter tells why.`} The page goes on trying.`,
       };
   }
+}
+
+/** The engine's own words; null where it gave a return code and nothing else. */
+function said(detail: string): string | null {
+  if (/^[A-Z_]+$/.test(detail)) return null;
+  return `It says: “${detail.replace(/\.$/, "")}”.`;
 }

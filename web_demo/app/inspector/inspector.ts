@@ -19,6 +19,8 @@ export class Inspector {
   readonly #tree: TreeView;
   readonly #place = make("div", { class: "place" });
   readonly #holdings = new Holdings();
+  /** What the present session's profile had when it was read last. */
+  #listed: ReadonlySet<string> = new Set();
   readonly #faults: FaultLog;
   readonly #watch: StatusWatch;
   readonly #panels = new Map<string, ComponentPanel>();
@@ -65,7 +67,9 @@ export class Inspector {
         if (!now.has(ref) && this.#panels.has(ref)) this.#left.set(ref, component);
       this.#components = now;
     }
-    this.#holdings.lose((ref) => !connected || !this.#components.has(ref));
+    // What was bound again before the profile lists it is held: only what this session had listed can leave it.
+    this.#holdings.lose((ref) => !connected || (this.#listed.has(ref) && !this.#components.has(ref)));
+    this.#listed = new Set(connected && profile !== null ? this.#components.keys() : []);
     for (const ref of this.#status.keys())
       if (!connected || !this.#components.has(ref)) this.#status.delete(ref);
     this.#holdingsChanged();

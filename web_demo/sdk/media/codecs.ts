@@ -1,4 +1,4 @@
-/** Which codecs this browser can decode, in the order in which they are asked for. */
+/** Which codecs this browser can decode and encode, in the order in which they are asked for. */
 
 import type { MediaKind } from "../rois/generated/types.ts";
 
@@ -33,4 +33,9 @@ export function decodableCodecs(
     return index < 0 ? PREFERRED.length : index;
   };
   return [...new Set(usable.map((codec) => codec.mimeType))].sort((a, b) => rank(a) - rank(b));
+}
+
+/** Returns MIME types of what can be sent, as `decodableCodecs` does; of these the engine has its pick. */
+export function encodableCodecs(kind: MediaKind): string[] {
+  return decodableCodecs(kind, RTCRtpSender.getCapabilities(kind)?.codecs ?? []);
 }

@@ -12,11 +12,18 @@ export interface PresentedFrame {
   readonly presented: number;
 }
 
-/** Follows the frames that a video element presents, whichever stream it shows. */
+/**
+ * Follows the frames that a video element presents, whichever stream it shows.
+ *
+ * Only frames that came over the network count, where the browser tells: one that it made itself, because a track
+ * ended or begins, is black.
+ */
 export class FrameWatch {
   readonly #events = new Emitter<{ frame: PresentedFrame }>();
   readonly #video: HTMLVideoElement;
   #lastAt: number | null = null;
+  /** This browser tells which frames came over RTP. */
+  #tells = false;
 
   constructor(video: HTMLVideoElement) {
     this.#video = video;
@@ -35,6 +42,9 @@ export class FrameWatch {
   #listen(): void {
     this.#video.requestVideoFrameCallback((now, metadata) => {
       this.#listen();
+      const received = metadata.rtpTimestamp !== undefined;
+      this.#tells ||= received;
+      if (this.#tells && !received) return;
       this.#lastAt = now;
       const visibleAt = Math.max(now, metadata.expectedDisplayTime);
       this.#events.emit("frame", { visibleAt, presented: metadata.presentedFrames });
@@ -51,6 +61,8 @@ export class LastingPicture {
   readonly #canvas: HTMLCanvasElement;
   /** What the video presents is the track that was shown last, no longer the one before. */
   #current = false;
+  /** Counts what was to be kept, so that a picture which is kept anew is not taken away for the one before. */
+  #turn = 0;
 
   /** The canvas must cover the video; it is hidden while frames flow. */
   constructor(video: HTMLVideoElement, canvas: HTMLCanvasElement, frames: FrameWatch) {
@@ -61,7 +73,7 @@ export class LastingPicture {
       this.#current = true;
     });
     frames.onFrame(() => {
-      if (this.#current) canvas.hidden = true;
+      if (this.#current && !canvas.hidden) this.#reveal();
     });
   }
 
@@ -74,12 +86,50 @@ export class LastingPicture {
   freeze(): void {
     // A track that ends presents one more frame, a black one: it must neither be shown nor be painted.
     this.#current = false;
+    this.#turn += 1;
     if (!this.#canvas.hidden) return;
     const { videoWidth, videoHeight, readyState } = this.#video;
     if (videoWidth === 0 || readyState < HTMLMediaElement.HAVE_CURRENT_DATA) return;
     this.#canvas.width = videoWidth;
     this.#canvas.height = videoHeight;
     this.#canvas.getContext("2d")?.drawImage(this.#video, 0, 0);
+    this.#canvas.hidden = false;
+  }
+
+  /** The frame was given to the compositor, which on a busy machine may still have nothing but black to show. */
+  #reveal(): void {
+    const turn = this.#turn;
+    requestAnimationFrame(() =>
+      requestAnimationFrame(() => {
+        if (this.#turn === turn) this.#canvas.hidden = true;
+      }),
+    );
+  }
+
+  /** What is shown, as a `data:` URL of a JPEG that is no wider than this; empty when nothing is shown. */
+  snapshot(width: number): string {
+    const shown = this.#canvas.hidden ? this.#video : this.#canvas;
+    const [ownWidth, ownHeight] =
+      shown === this.#video
+        ? [shown.videoWidth, shown.videoHeight]
+        : [this.#canvas.width, this.#canvas.height];
+    if (!this.shown || ownWidth === 0) return "";
+    const small = document.createElement("canvas");
+    small.width = Math.min(width, ownWidth);
+    small.height = Math.round((small.width * ownHeight) / ownWidth);
+    small.getContext("2d")?.drawImage(shown, 0, 0, small.width, small.height);
+    return small.toDataURL("image/jpeg", 0.8);
+  }
+
+  /** Shows a picture of earlier until a track brings its first frame. */
+  async restore(snapshot: string): Promise<void> {
+    const image = new Image();
+    image.src = snapshot;
+    await image.decode();
+    if (this.shown) return;
+    this.#canvas.width = image.naturalWidth;
+    this.#canvas.height = image.naturalHeight;
+    this.#canvas.getContext("2d")?.drawImage(image, 0, 0);
     this.#canvas.hidden = false;
   }
 

@@ -17,10 +17,13 @@ export type Verdict =
   /** Ask the engine for a new peer connection. */
   | "restart";
 
-/** Milliseconds until the first frame, of silence between frames, and of ICE without a working pair. */
+/**
+ * Milliseconds until the first frame, of silence between frames, and of ICE without a working pair. A browser calls a
+ * pair disconnected after seconds of silence, and an engine gives up a receiver that is silent for four.
+ */
 export const FIRST_FRAME_WITHIN = 10_000;
-export const SILENCE_LIMIT = 4_000;
-export const DISCONNECTED_LIMIT = 3_000;
+export const SILENCE_LIMIT = 2_000;
+export const DISCONNECTED_LIMIT = 1_000;
 const LATE_AFTER = 1_000;
 const FIRST_PATIENCE = 5_000;
 const MAX_PATIENCE = 30_000;

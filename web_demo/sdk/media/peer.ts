@@ -6,6 +6,9 @@ import type { Candidate } from "./negotiation.ts";
 /** Makes a peer connection; replaced in tests. */
 export type CreatePeerConnection = (configuration: RTCConfiguration) => RTCPeerConnection;
 
+/** What is sent in a stream now; null for nothing. */
+export type Outgoing = (streamId: string) => MediaStreamTrack | null;
+
 /** What the receiver of a section can be told about the delay it may add; names differ between browsers. */
 interface DelayTargets {
   jitterBufferTarget?: number | null;
@@ -23,11 +26,11 @@ export interface MediaPeerEvents {
   onStateChange(): void;
 }
 
-/** Applies offers, answers them, and knows which receiver carries which stream. */
+/** Applies offers, answers them, and knows which section carries which stream. */
 export class MediaPeer {
   readonly peerId: string;
   readonly connection: RTCPeerConnection;
-  #receivers = new Map<string, RTCRtpReceiver>();
+  #sections = new Map<string, RTCRtpTransceiver>();
   #closed = false;
 
   constructor(peerId: string, connection: RTCPeerConnection, events: MediaPeerEvents) {
@@ -50,13 +53,13 @@ export class MediaPeer {
     return this.#closed;
   }
 
-  /** The streams that the last applied offer brings to this side. */
+  /** The streams of the last applied offer. */
   get streamIds(): readonly string[] {
-    return [...this.#receivers.keys()];
+    return [...this.#sections.keys()];
   }
 
-  receiver(streamId: string): RTCRtpReceiver | undefined {
-    return this.#receivers.get(streamId);
+  section(streamId: string): RTCRtpTransceiver | undefined {
+    return this.#sections.get(streamId);
   }
 
   /**
@@ -64,17 +67,25 @@ export class MediaPeer {
    *
    * @throws DOMException when the browser refuses the offer, or the peer was closed meanwhile
    */
-  async apply(offer: Offer): Promise<string> {
+  async apply(offer: Offer, outgoing: Outgoing): Promise<string> {
     await this.connection.setRemoteDescription({ type: "offer", sdp: offer.sdp });
-    await this.connection.setLocalDescription(await this.connection.createAnswer());
-    const byMid = new Map(this.connection.getTransceivers().map((each) => [each.mid, each.receiver]));
-    this.#receivers = new Map();
-    for (const section of offer.streams) {
-      const receiver = byMid.get(section.mid);
-      if (!receiver || section.direction === "sendonly") continue;
-      playAtOnce(receiver);
-      this.#receivers.set(section.stream_id, receiver);
+    const idle = new Map(this.connection.getTransceivers().map((each) => [each.mid, each]));
+    const sections = new Map<string, RTCRtpTransceiver>();
+    for (const { mid, stream_id, direction } of offer.streams) {
+      const transceiver = idle.get(mid);
+      if (!transceiver) continue;
+      idle.delete(mid);
+      sections.set(stream_id, transceiver);
+      if (direction !== "sendonly") playAtOnce(transceiver.receiver);
+      if (direction === "recvonly") continue;
+      // A section that an offer brings is only received in, unless this side says something else.
+      transceiver.direction = direction;
+      await transceiver.sender.replaceTrack(outgoing(stream_id));
     }
+    // What was sent in a section whose stream is over must not go to the next stream that gets it.
+    for (const { sender } of idle.values()) if (sender.track) await sender.replaceTrack(null);
+    await this.connection.setLocalDescription(await this.connection.createAnswer());
+    this.#sections = sections;
     return this.connection.localDescription?.sdp ?? "";
   }
 

@@ -1,24 +1,27 @@
-/** Receives the streams of one application: streaming verbs, signaling, peer connections, and getting well again. */
+/** The streams of one application, both ways: streaming verbs, signaling, peer connections, and getting well again. */
 
 import type { Notification } from "../jsonrpc/peer.ts";
 import type { BackoffOptions } from "../rois/backoff.ts";
 import type { ConnectionState } from "../rois/connection.ts";
 import { RoISError } from "../rois/errors.ts";
-import type { Bye, Offer, StreamStatusNotification } from "../rois/generated/types.ts";
+import type { Bye, MediaKind, Offer, StreamStatusNotification } from "../rois/generated/types.ts";
 import type { Call } from "../rois/link.ts";
-import { decodableCodecs } from "./codecs.ts";
-import type { MediaKind } from "../rois/generated/types.ts";
+import { Capture } from "./capture.ts";
+import type { Devices } from "./capture.ts";
+import { decodableCodecs, encodableCodecs } from "./codecs.ts";
+import { progress, readCounters } from "./counters.ts";
 import { IceServers } from "./ice_servers.ts";
+import { LocalStream } from "./local_stream.ts";
 import { Negotiation } from "./negotiation.ts";
 import type { CandidateMessage, Effect } from "./negotiation.ts";
 import { FIRST_FRAME_WITHIN, PathWatch } from "./path_watch.ts";
+import { sizeWanted, streamParameters } from "./parameters.ts";
 import { MediaPeer } from "./peer.ts";
 import type { CreatePeerConnection } from "./peer.ts";
 import type { Problem, Verb } from "./reconciler.ts";
-import { readSample } from "./statistics.ts";
 import type { Sample } from "./statistics.ts";
 import { RemoteStream } from "./stream.ts";
-import type { Attachment } from "./stream.ts";
+import type { ControlledStream, EncodingLimits, StreamOperations } from "./stream.ts";
 
 /** What a `Client` offers to the receiver. */
 export interface MediaLink {
@@ -33,6 +36,17 @@ export interface ReceiverOptions {
   readonly createPeerConnection?: CreatePeerConnection;
   /** What this application can decode, best first. */
   readonly codecs?: (kind: MediaKind) => string[];
+  /** Microphones and cameras; replaced in tests. */
+  readonly devices?: Devices;
+}
+
+/** How a stream of this application's own is connected. */
+export interface SendingOptions {
+  /** `sendrecv` also hears what comes back; for sound only. */
+  readonly direction?: "sendonly" | "sendrecv";
+  readonly limits?: EncodingLimits;
+  /** What else is wanted of the device. */
+  readonly constraints?: MediaTrackConstraints;
 }
 
 /** When an engine comes back its profile changes, and that is tried at once; the waits only bound what that misses. */
@@ -61,7 +75,7 @@ export class MediaReceiver {
   readonly #options: ReceiverOptions;
   readonly #iceServers: IceServers;
   readonly #negotiation = new Negotiation();
-  readonly #streams = new Map<string, RemoteStream>();
+  readonly #streams = new Map<string, ControlledStream>();
   readonly #peers = new Map<string, OpenPeer>();
   readonly #stopListening: (() => void)[];
   #timer: ReturnType<typeof setTimeout> | undefined;
@@ -78,19 +92,36 @@ export class MediaReceiver {
     this.#scheduleTick();
   }
 
-  /** Returns the stream of a component; it is not connected before its `connect` is called. */
-  stream(componentRef: string, kind: MediaKind): RemoteStream {
-    const known = this.#streams.get(componentRef);
-    if (known) return known;
-    const operations = {
-      ready: () => this.#link.state.name === "connected",
-      connect: (ref: string, of: MediaKind) => this.#connect(ref, of),
-      perform: (verb: Exclude<Verb, "connect">, streamId: string) => this.#perform(verb, streamId),
-      relocate: (each: RemoteStream) => this.#relocate(each),
-    };
-    const stream = new RemoteStream(componentRef, kind, operations, { ...BACKOFF, ...this.#options.backoff });
-    this.#streams.set(componentRef, stream);
-    return stream;
+  /**
+   * Returns the stream that comes from a component; it is not connected before its `connect` is called.
+   *
+   * @param limits more than this is not to be sent; those of the first call hold
+   */
+  stream(componentRef: string, kind: MediaKind, limits: EncodingLimits = {}): RemoteStream {
+    return this.#known(`from ${componentRef}`, (backoff) => {
+      const what = { componentRef, kind, direction: "recvonly", limits } as const;
+      return new RemoteStream(what, this.#operations(), backoff);
+    });
+  }
+
+  /**
+   * Returns the stream of this machine's microphone or camera to a component. Its `connect` asks the user for the
+   * device: call it when the user wants it, and not before.
+   */
+  sending(componentRef: string, kind: MediaKind, options: SendingOptions = {}): LocalStream {
+    const { direction = "sendonly", limits = {}, constraints } = options;
+    return this.#known(`to ${componentRef}`, (backoff) => {
+      const capture = new Capture(kind, { ...sizeWanted(limits), ...constraints }, this.#options.devices);
+      return new LocalStream({ componentRef, kind, direction, limits }, capture, this.#operations(), backoff);
+    });
+  }
+
+  /**
+   * There is reason to believe that the network is another one: the engine is asked for another way at once, before
+   * the old one has failed. What is shown stays until the new one plays.
+   */
+  networkChanged(): void {
+    for (const { peer, leaving } of this.#peers.values()) if (!leaving) void this.#restart(peer.peerId);
   }
 
   /** Ends every stream and every peer connection. */
@@ -103,18 +134,27 @@ export class MediaReceiver {
     for (const { peer } of [...this.#peers.values()]) this.#closePeer(peer);
   }
 
-  async #connect(componentRef: string, kind: MediaKind): Promise<string> {
-    const codecs = (this.#options.codecs ?? decodableCodecs)(kind);
+  #known<Kind extends ControlledStream>(name: string, make: (backoff: BackoffOptions) => Kind): Kind {
+    const known = this.#streams.get(name) as Kind | undefined;
+    const stream = known ?? make({ ...BACKOFF, ...this.#options.backoff });
+    this.#streams.set(name, stream);
+    return stream;
+  }
+
+  #operations(): StreamOperations {
+    return {
+      ready: () => this.#link.state.name === "connected",
+      connect: (stream) => this.#connect(stream),
+      perform: (verb, streamId) => this.#perform(verb, streamId),
+      relocate: (stream) => this.#relocate(stream),
+    };
+  }
+
+  async #connect({ componentRef, kind, direction, limits }: ControlledStream): Promise<string> {
+    const usable = direction === "recvonly" ? decodableCodecs : encodableCodecs;
+    const codecs = (this.#options.codecs ?? usable)(kind);
     await this.#iceServers.refresh();
-    const parameters = [
-      { name: "encoding_parameters", data_type_ref: "string", value: JSON.stringify({ codecs }) },
-      {
-        name: "transport_parameters",
-        data_type_ref: "string",
-        value: JSON.stringify({ direction: "recvonly" }),
-      },
-    ];
-    const params = { component_ref: componentRef, parameters };
+    const params = { component_ref: componentRef, parameters: streamParameters(codecs, limits, direction) };
     const { stream_id: streamId = "" } = await this.#link.call(
       "rois.stream.connect_stream",
       params,
@@ -128,15 +168,15 @@ export class MediaReceiver {
   }
 
   /** Attaches a stream to the newest peer that carries it, and closes what nobody needs. */
-  #relocate(stream: RemoteStream): void {
+  #relocate(stream: ControlledStream): void {
     const { streamId } = stream;
     if (streamId !== null) {
       const carriers = [...this.#peers.values()].map(({ peer }) => ({
         peer,
-        receiver: peer.receiver(streamId),
+        transceiver: peer.section(streamId),
       }));
-      const newest = carriers.findLast(({ receiver }) => receiver !== undefined);
-      if (newest?.receiver) stream.arrival.attach({ peer: newest.peer, receiver: newest.receiver });
+      const newest = carriers.findLast(({ transceiver }) => transceiver !== undefined);
+      if (newest?.transceiver) stream.place.attach({ peer: newest.peer, transceiver: newest.transceiver });
     }
     this.#closeEmptyPeers();
     this.#scheduleTick();
@@ -170,13 +210,17 @@ export class MediaReceiver {
       }
       case "rois.stream.notify_stream_status": {
         const { stream_id: streamId, status } = params as unknown as StreamStatusNotification;
-        [...this.#streams.values()].find((each) => each.streamId === streamId)?.reported(status);
+        this.#byId(streamId)?.reported(status);
         return this.#closeEmptyPeers();
       }
       case "rois.system.profile_changed":
         // The engine may be back, and with it what could not be connected.
         for (const stream of this.#streams.values()) if (stream.streamId === null) stream.retryNow();
     }
+  }
+
+  #byId(streamId: string): ControlledStream | undefined {
+    return [...this.#streams.values()].find((each) => each.streamId === streamId);
   }
 
   #follow(effects: readonly Effect[]): void {
@@ -226,7 +270,7 @@ export class MediaReceiver {
     const open = this.#peers.get(offer.peer_id);
     if (!open) return;
     try {
-      const sdp = await open.peer.apply(offer);
+      const sdp = await open.peer.apply(offer, (streamId) => this.#byId(streamId)?.outgoing ?? null);
       this.#follow(this.#negotiation.answered(offer.peer_id, offer.generation, sdp));
     } catch (error) {
       if (open.peer.closed) return;
@@ -245,7 +289,7 @@ export class MediaReceiver {
     for (const stream of this.#streams.values()) {
       if (stream.streamId === null || !open.peer.streamIds.includes(stream.streamId)) continue;
       const elsewhere = [...this.#peers.values()].some(
-        ({ peer, leaving }) => !leaving && peer.receiver(stream.streamId ?? "") !== undefined,
+        ({ peer, leaving }) => !leaving && peer.section(stream.streamId ?? "") !== undefined,
       );
       if (!elsewhere) stream.lost("STREAMING_NOT_CONNECTED");
     }
@@ -253,16 +297,14 @@ export class MediaReceiver {
 
   #closePeer(peer: MediaPeer): void {
     this.#peers.delete(peer.peerId);
-    for (const stream of this.#streams.values()) stream.arrival.detach(peer);
+    for (const stream of this.#streams.values()) stream.place.detach(peer);
     peer.close();
   }
 
   #closeEmptyPeers(): void {
     const streams = [...this.#streams.values()];
     for (const { peer, leaving } of [...this.#peers.values()]) {
-      const used = streams.some(
-        ({ arrival }) => arrival.current?.peer === peer || arrival.next?.peer === peer,
-      );
+      const used = streams.some(({ place }) => place.current?.peer === peer || place.next?.peer === peer);
       if (!leaving || used) continue;
       this.#negotiation.end(peer.peerId, "replaced");
       this.#closePeer(peer);
@@ -272,17 +314,17 @@ export class MediaReceiver {
   #scheduleTick(): void {
     clearTimeout(this.#timer);
     if (this.#closed) return;
-    const quick = [...this.#streams.values()].some((stream) => stream.arrival.next !== null);
+    const quick = [...this.#streams.values()].some((stream) => stream.place.next !== null);
     this.#timer = setTimeout(() => void this.#tick(), quick ? QUICK_TICK : TICK);
   }
 
   async #tick(): Promise<void> {
     clearTimeout(this.#timer);
-    const samples = new Map<string, Sample>();
+    const samples = new Map<ControlledStream, Sample>();
     await Promise.all(
       [...this.#streams.values()].map(async (stream) => {
         const sample = await this.#look(stream);
-        if (sample) samples.set(stream.componentRef, sample);
+        if (sample) samples.set(stream, sample);
       }),
     );
     for (const stream of this.#streams.values()) this.#missOffer(stream);
@@ -292,20 +334,20 @@ export class MediaReceiver {
   }
 
   /** Reads the counters of a stream, and moves it to its next place when it flows there. */
-  async #look(stream: RemoteStream): Promise<Sample | null> {
-    const { current, next } = stream.arrival;
-    const [shown, coming] = await Promise.all([readCounters(current), readCounters(next)]);
-    if (shown && stream.arrival.current === current) stream.arrival.sampled(shown);
-    if (!next || stream.arrival.next !== next) return shown;
+  async #look(stream: ControlledStream): Promise<Sample | null> {
+    const { current, next } = stream.place;
+    const [shown, coming] = await Promise.all([readCounters(current, stream), readCounters(next, stream)]);
+    if (shown && stream.place.current === current) stream.place.sampled(shown);
+    if (!next || stream.place.next !== next) return shown;
     const idle = !stream.expectsMedia && next.peer.connection.connectionState === "connected";
-    if (idle || (coming && coming.units > 0)) stream.arrival.promote();
+    if (idle || (coming && coming.units > 0)) stream.place.promote();
     return coming;
   }
 
   /** The user should know that there is no offer; and an engine that does not give the stream back is asked to. */
-  #missOffer(stream: RemoteStream): void {
+  #missOffer(stream: ControlledStream): void {
     const { streamId } = stream;
-    if (streamId === null || !stream.expectsMedia || stream.arrival.located) return;
+    if (streamId === null || !stream.expectsMedia || stream.place.located) return;
     const waited = performance.now() - stream.connectedAt;
     if (waited >= FIRST_FRAME_WITHIN && !stream.problem) {
       stream.fail({ kind: "no-media", detail: "the engine made no offer" });
@@ -315,14 +357,14 @@ export class MediaReceiver {
     stream.lost("STREAMING_NOT_CONNECTED");
   }
 
-  #judge(open: OpenPeer, samples: ReadonlyMap<string, Sample>): void {
+  #judge(open: OpenPeer, samples: ReadonlyMap<ControlledStream, Sample>): void {
     const carried = [...this.#streams.values()].filter(
-      ({ arrival }) => arrival.located && arrival.newest?.peer === open.peer,
+      ({ place }) => place.located && place.newest?.peer === open.peer,
     );
     const flows = carried.map((stream) => ({
       streamId: stream.streamId ?? "",
       expected: stream.expectsMedia,
-      count: progress(samples.get(stream.componentRef)),
+      count: progress(samples.get(stream)),
     }));
     const { connectionState } = open.peer.connection;
     if (open.leaving) {
@@ -351,16 +393,4 @@ export class MediaReceiver {
 /** An answer or a candidate that is lost leads to a peer that does not connect, and that is noticed. */
 function mayFail(asked: Promise<unknown>): void {
   void asked.catch(() => undefined);
-}
-
-/** A hidden page may stop decoding, but the packets still come in. */
-function progress(sample: Sample | undefined): number {
-  if (!sample) return 0;
-  return globalThis.document?.visibilityState === "hidden" ? sample.bytes : sample.units;
-}
-
-async function readCounters(attachment: Attachment | null): Promise<Sample | null> {
-  if (!attachment || attachment.peer.closed) return null;
-  const stats = await attachment.receiver.getStats();
-  return readSample((stats as unknown as Map<string, never>).values(), performance.now());
 }

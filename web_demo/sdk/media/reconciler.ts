@@ -19,7 +19,7 @@ export interface Problem {
     | "refused"
     /** The stream is connected, and nothing arrives. */
     | "no-media";
-  /** A return code, or a sentence. */
+  /** A sentence, of the engine's where it gave one; else a return code. */
   readonly detail: string;
 }
 
@@ -177,7 +177,8 @@ function describe(error: unknown): Problem {
     return { kind: "no-streaming", detail: "the gateway does not know rois.stream.connect_stream" };
   }
   if (error instanceof RoISError) {
-    return { kind: error.returnCode === "UNSUPPORTED" ? "unsupported" : "refused", detail: error.returnCode };
+    const kind = error.returnCode === "UNSUPPORTED" ? "unsupported" : "refused";
+    return { kind, detail: error.reason || error.returnCode };
   }
   return { kind: "refused", detail: error instanceof Error ? error.message : String(error) };
 }

@@ -5,13 +5,18 @@ export interface Sample {
   /** Milliseconds of a monotonic clock. */
   readonly at: number;
   readonly bytes: number;
+  readonly packets: number;
   readonly packetsLost: number;
-  /** Video frames decoded, or audio packets received. */
+  /** Video frames decoded or sent, or audio packets received or sent. */
   readonly units: number;
   readonly dropped: number;
   /** Seconds that all units together spent in the jitter buffer. */
   readonly bufferDelay: number;
   readonly bufferCount: number;
+  /** Seconds for which the picture stood still, all together, as the browser judges it. */
+  readonly frozen: number;
+  /** MIME type; empty while it is not known. */
+  readonly codec: string;
   readonly width: number;
   readonly height: number;
   /** Milliseconds; null while no path has measured one. */
@@ -29,6 +34,12 @@ export interface Figures {
   /** Frames that were decoded, or could not be, and never shown; since the stream began. */
   readonly dropped: number;
   readonly packetsLost: number;
+  /** The part of the interval's packets that was lost and not sent again in time, from 0 to 1. */
+  readonly loss: number;
+  /** Milliseconds of the interval for which the picture stood still. */
+  readonly frozen: number;
+  /** MIME type, such as `video/H264`; empty while it is not known. */
+  readonly codec: string;
   /** Milliseconds in the jitter buffer, mean of the interval; null when nothing left it. */
   readonly bufferDelay: number | null;
 }
@@ -38,6 +49,9 @@ export function figuresBetween(before: Sample, after: Sample): Figures | null {
   const seconds = (after.at - before.at) / 1000;
   if (seconds <= 0 || after.bytes < before.bytes || after.units < before.units) return null;
   const left = after.bufferCount - before.bufferCount;
+  // A packet that comes after all takes back its loss.
+  const lost = Math.max(0, after.packetsLost - before.packetsLost);
+  const expected = after.packets - before.packets + lost;
   return {
     rate: (after.units - before.units) / seconds,
     bitrate: (8 * (after.bytes - before.bytes)) / seconds,
@@ -46,40 +60,55 @@ export function figuresBetween(before: Sample, after: Sample): Figures | null {
     roundTrip: after.roundTrip,
     dropped: after.dropped,
     packetsLost: after.packetsLost,
+    loss: expected > 0 ? lost / expected : 0,
+    frozen: Math.max(0, 1000 * (after.frozen - before.frozen)),
+    codec: after.codec,
     bufferDelay: left > 0 ? (1000 * (after.bufferDelay - before.bufferDelay)) / left : null,
   };
 }
 
 type Report = Record<string, unknown> & { readonly type: string };
 
-/** Reads a sample out of `RTCRtpReceiver.getStats()`; null while it has no inbound stream. */
+/** Reads a sample out of what a receiver or a sender counts; null while nothing is received or sent. */
 export function readSample(reports: Iterable<Report>, at: number): Sample | null {
-  let inbound: Report | undefined;
+  const found = new Map<string, Report>();
+  const codecs = new Map<unknown, Report>();
   let roundTrip: number | null = null;
   for (const report of reports) {
-    if (report.type === "inbound-rtp") inbound = report;
+    found.set(report.type, report);
+    if (report.type === "codec") codecs.set(report["id"], report);
     if (report.type === "candidate-pair" && report["nominated"] === true && report["state"] === "succeeded") {
       const seconds = report["currentRoundTripTime"];
       if (typeof seconds === "number") roundTrip = seconds * 1000;
     }
   }
-  if (!inbound) return null;
-  const count = (name: string): number => {
-    const value = inbound[name];
-    return typeof value === "number" ? value : 0;
-  };
+  const inbound = found.get("inbound-rtp");
+  const flow = inbound ?? found.get("outbound-rtp");
+  if (!flow) return null;
+  const video = flow["kind"] === "video";
+  const either = (received: string, sent: string): number => count(flow, inbound ? received : sent);
+  const codec = codecs.get(flow["codecId"])?.["mimeType"];
   return {
     at,
-    bytes: count("bytesReceived"),
-    packetsLost: count("packetsLost"),
-    units: inbound["kind"] === "video" ? count("framesDecoded") : count("packetsReceived"),
-    dropped: count("framesDropped"),
-    bufferDelay: count("jitterBufferDelay"),
-    bufferCount: count("jitterBufferEmittedCount"),
-    width: count("frameWidth"),
-    height: count("frameHeight"),
+    bytes: either("bytesReceived", "bytesSent"),
+    packets: either("packetsReceived", "packetsSent"),
+    // How much of what was sent is lost, only the other end knows.
+    packetsLost: count(inbound ?? found.get("remote-inbound-rtp"), "packetsLost"),
+    units: video ? either("framesDecoded", "framesSent") : either("packetsReceived", "packetsSent"),
+    dropped: count(flow, "framesDropped"),
+    bufferDelay: count(flow, "jitterBufferDelay"),
+    bufferCount: count(flow, "jitterBufferEmittedCount"),
+    frozen: count(flow, "totalFreezesDuration"),
+    codec: typeof codec === "string" ? codec : "",
+    width: count(flow, "frameWidth"),
+    height: count(flow, "frameHeight"),
     roundTrip,
   };
+}
+
+function count(report: Report | undefined, name: string): number {
+  const value = report?.[name];
+  return typeof value === "number" ? value : 0;
 }
 
 /** The median of the numbers that were pushed within the last `span` milliseconds, and how many these are. */

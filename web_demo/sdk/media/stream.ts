@@ -1,13 +1,22 @@
-/** One stream that this application receives. */
+/** One stream of this application: what it is wanted to be, and what it is. */
 
 import { Emitter } from "../events.ts";
 import type { BackoffOptions } from "../rois/backoff.ts";
-import type { MediaKind, StreamStatus } from "../rois/generated/types.ts";
-import type { MediaPeer } from "./peer.ts";
+import type { Direction, MediaKind, StreamStatus } from "../rois/generated/types.ts";
+import { StreamPlace } from "./place.ts";
 import { Reconciler } from "./reconciler.ts";
 import type { Desire, Problem, Verb } from "./reconciler.ts";
-import { figuresBetween } from "./statistics.ts";
-import type { Figures, Sample } from "./statistics.ts";
+import type { Figures } from "./statistics.ts";
+
+/** What is asked of the encoder at the other end, or kept to at this one. Whoever encodes may do less. */
+export interface EncodingLimits {
+  readonly width?: number;
+  readonly height?: number;
+  /** Frames per second. */
+  readonly fps?: number;
+  /** Bits per second. */
+  readonly max_bitrate?: number;
+}
 
 export interface StreamEvents {
   /** Any of the properties has changed. */
@@ -20,20 +29,22 @@ export interface StreamEvents {
   figures: Figures;
 }
 
-/** Where a stream arrives: a receiver of one of the peer connections. */
-export interface Attachment {
-  readonly peer: MediaPeer;
-  readonly receiver: RTCRtpReceiver;
-}
-
 /** What a stream needs of the `MediaReceiver` to which it belongs. */
 export interface StreamOperations {
   /** The gateway can be asked now. */
   ready(): boolean;
-  connect(componentRef: string, kind: MediaKind): Promise<string>;
+  connect(stream: ControlledStream): Promise<string>;
   perform(verb: Exclude<Verb, "connect">, streamId: string): Promise<void>;
-  /** The stream has another id, or none: see where it arrives. */
-  relocate(stream: RemoteStream): void;
+  /** The stream has another id, or none: see where it is carried. */
+  relocate(stream: ControlledStream): void;
+}
+
+export interface StreamDescription {
+  readonly componentRef: string;
+  readonly kind: MediaKind;
+  /** Which way the media goes, as this application sees it; `sendrecv` is for sound only. */
+  readonly direction: Direction;
+  readonly limits: EncodingLimits;
 }
 
 /**
@@ -43,34 +54,33 @@ export interface StreamOperations {
  * The verbs return once the engine has agreed or refused. They do not throw: what is wrong stands in `problem`, and
  * is tried again.
  */
-export class RemoteStream {
+export abstract class ControlledStream {
   readonly componentRef: string;
   readonly kind: MediaKind;
+  readonly direction: Direction;
+  readonly limits: EncodingLimits;
   /** For the `MediaReceiver` that owns the stream. @internal */
-  readonly arrival: StreamArrival;
+  readonly place: StreamPlace;
   readonly #events = new Emitter<StreamEvents>();
   readonly #reconciler: Reconciler;
   #status: StreamStatus | null = "STREAMING_NOT_CONNECTED";
   #problem: Problem | null = null;
   #connectedAt = 0;
 
-  constructor(
-    componentRef: string,
-    kind: MediaKind,
-    operations: StreamOperations,
-    backoff: BackoffOptions = {},
-  ) {
-    this.componentRef = componentRef;
-    this.kind = kind;
-    this.arrival = new StreamArrival(this.#events);
-    this.arrival.onFlow = () => {
+  constructor(what: StreamDescription, operations: StreamOperations, backoff: BackoffOptions = {}) {
+    this.componentRef = what.componentRef;
+    this.kind = what.kind;
+    this.direction = what.direction;
+    this.limits = what.limits;
+    this.place = new StreamPlace(this.#events, what.direction !== "sendonly");
+    this.place.onFlow = () => {
       this.#reconciler.succeeded();
       if (this.#problem?.kind === "no-media") this.fail(null);
     };
     this.#reconciler = new Reconciler(
       {
         ready: () => operations.ready(),
-        connect: () => operations.connect(componentRef, kind),
+        connect: () => operations.connect(this),
         perform: (verb, streamId) => operations.perform(verb, streamId),
         onConnected: () => {
           this.#connectedAt = performance.now();
@@ -79,11 +89,11 @@ export class RemoteStream {
         },
         onReleased: (wanted) => {
           this.#status = "STREAMING_NOT_CONNECTED";
-          if (wanted) this.arrival.drop();
+          if (wanted) this.place.drop();
           operations.relocate(this);
         },
         onProblem: (problem) => this.fail(problem),
-        onChange: () => this.#changed(),
+        onChange: () => this.changed(),
       },
       backoff,
     );
@@ -113,13 +123,18 @@ export class RemoteStream {
     return this.#reconciler.busy;
   }
 
-  /** The track that carries the stream; null while none does. */
+  /** The track that arrives; null while none does, and for a stream that is only sent. */
   get track(): MediaStreamTrack | null {
-    return this.arrival.current?.receiver.track ?? null;
+    return this.direction === "sendonly" ? null : (this.place.current?.transceiver.receiver.track ?? null);
   }
 
   on<Name extends keyof StreamEvents>(name: Name, listener: (value: StreamEvents[Name]) => void): () => void {
     return this.#events.on(name, listener);
+  }
+
+  /** What is sent now; null for nothing, and in a stream that is only received. @internal */
+  get outgoing(): MediaStreamTrack | null {
+    return null;
   }
 
   /** Connects the stream, and again whenever it is lost. */
@@ -142,13 +157,13 @@ export class RemoteStream {
   }
 
   /**
-   * Media should be arriving now: the stream is connected, wanted, and runs or is about to for the first time. An
+   * Media should be flowing now: the stream is connected, wanted, and runs or is about to for the first time. An
    * engine whose source has stopped says NOT_RUNNING, and nothing is wrong with the path. @internal
    */
   get expectsMedia(): boolean {
     if (this.streamId === null || this.desire !== "running") return false;
     if (this.#status === "STREAMING_RUNNING") return true;
-    return this.#status === "STREAMING_NOT_RUNNING" && !this.arrival.flowed;
+    return this.#status === "STREAMING_NOT_RUNNING" && !this.place.flowed;
   }
 
   /** Since when the stream is connected, on the clock of `performance.now`. @internal */
@@ -168,113 +183,27 @@ export class RemoteStream {
     this.#status = status === "STREAMING_RESUMED" ? "STREAMING_RUNNING" : status;
     // A stream that could not be suspended before it ran can be now.
     if (this.#reconciler.pending) void this.#reconciler.kick();
-    this.#changed();
+    this.changed();
   }
 
   /** The stream is no longer connected; null says that nobody knows. @internal */
   lost(status: StreamStatus | null): void {
     this.#status = status;
-    if (this.#reconciler.lost()) this.arrival.forget();
-    this.#changed();
+    if (this.#reconciler.lost()) this.place.forget();
+    this.changed();
   }
 
   /** @internal */
   fail(problem: Problem | null): void {
     this.#problem = problem;
-    this.#changed();
+    this.changed();
   }
 
-  #changed(): void {
+  /** A property has changed. */
+  protected changed(): void {
     this.#events.emit("change", undefined);
   }
 }
 
-/** Where a stream arrives now, and where it will once the first frame has come there. */
-export class StreamArrival {
-  onFlow: () => void = () => undefined;
-  readonly #events: Emitter<StreamEvents>;
-  #current: Attachment | null = null;
-  #next: Attachment | null = null;
-  #sample: Sample | null = null;
-  #located = false;
-
-  constructor(events: Emitter<StreamEvents>) {
-    this.#events = events;
-  }
-
-  get current(): Attachment | null {
-    return this.#current;
-  }
-
-  get next(): Attachment | null {
-    return this.#next;
-  }
-
-  get newest(): Attachment | null {
-    return this.#next ?? this.#current;
-  }
-
-  /** The present connection of the stream has a place; what is shown may still come from the one before. */
-  get located(): boolean {
-    return this.#located;
-  }
-
-  /** Something has arrived at the newest place. */
-  get flowed(): boolean {
-    return this.#located && this.#next === null && this.#sample !== null && this.#sample.units > 0;
-  }
-
-  /** The stream arrives here too. It is shown from here at once if it was shown nowhere. */
-  attach(attachment: Attachment): void {
-    const { newest } = this;
-    this.#located = true;
-    if (newest?.peer === attachment.peer && newest.receiver === attachment.receiver) return;
-    this.#next = attachment;
-    if (!this.#current) this.promote();
-  }
-
-  /** The first frame has come: the stream is shown from the newest place. */
-  promote(): void {
-    if (!this.#next) return;
-    this.#current = this.#next;
-    this.#next = null;
-    this.#sample = null;
-    this.#events.emit("track", this.#current.receiver.track);
-    this.#events.emit("change", undefined);
-  }
-
-  /** A peer connection is about to be closed. */
-  detach(peer: MediaPeer): void {
-    if (this.#next?.peer === peer) this.#next = null;
-    if (this.#current?.peer === peer) this.#interrupt();
-    this.promote();
-  }
-
-  /** The connection of the stream has ended. What is shown stays. */
-  forget(): void {
-    this.#next = null;
-    this.#located = false;
-  }
-
-  /** The stream is not wanted any more. */
-  drop(): void {
-    this.forget();
-    if (this.#current) this.#interrupt();
-  }
-
-  /** Counters of the current place. */
-  sampled(sample: Sample): void {
-    const figures = this.#sample && figuresBetween(this.#sample, sample);
-    this.#sample = sample;
-    if (!figures) return;
-    if (figures.rate > 0) this.onFlow();
-    this.#events.emit("figures", figures);
-  }
-
-  #interrupt(): void {
-    this.#events.emit("interrupted", undefined);
-    this.#current = null;
-    this.#sample = null;
-    this.#events.emit("change", undefined);
-  }
-}
+/** A stream that this application receives. */
+export class RemoteStream extends ControlledStream {}

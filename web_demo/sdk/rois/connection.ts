@@ -90,6 +90,11 @@ export class Connection {
     if (this.#state.name === "waiting") this.#dial();
   }
 
+  /** Nothing was heard for so long that the connection is taken for dead: the next one is made. */
+  abandon(): void {
+    this.#session?.close(4000, "no answer");
+  }
+
   close(): void {
     this.#attempt += 1;
     clearTimeout(this.#timer);

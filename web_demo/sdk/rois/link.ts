@@ -24,6 +24,9 @@ import type {
 const EXTENSION_VERSION = "1";
 const EXTENSIONS: readonly string[] = ["rois.stream", "signaling"];
 
+/** Milliseconds that a gateway has for a sign of life when the network may be another one. */
+const SIGN_WITHIN = 3000;
+
 /** The params of a method; of one that is not in `Methods`, any object. */
 export type Params<Method extends string> = Method extends MethodName
   ? Methods[Method]["params"]
@@ -92,6 +95,7 @@ export abstract class Link {
   readonly #connection: Connection;
   readonly #idleProbe: number;
   #probe: ReturnType<typeof setInterval> | undefined;
+  #doubt: ReturnType<typeof setTimeout> | undefined;
   #extensions: readonly string[] | null = null;
   #postponed: (() => void)[] = [];
   /** Why the command that is told of next did not end OK. */
@@ -156,6 +160,21 @@ export abstract class Link {
     this.#connection.retryNow();
   }
 
+  /**
+   * There is reason to believe that the network is another one: connects anew unless the gateway gives a sign of life
+   * within three seconds.
+   */
+  networkChanged(): void {
+    this.retryNow();
+    if (this.state.name !== "connected") return;
+    void this.call("rois.command.search").catch(() => undefined);
+    const asked = performance.now();
+    clearTimeout(this.#doubt);
+    this.#doubt = setTimeout(() => {
+      if (this.#connection.silence > performance.now() - asked) this.#connection.abandon();
+    }, SIGN_WITHIN);
+  }
+
   /** Ends the session, and with it what was bound and subscribed. */
   async close(): Promise<void> {
     if (this.state.name === "connected") await this.call("rois.system.disconnect").catch(() => undefined);
@@ -205,6 +224,7 @@ export abstract class Link {
 
   #stateChanged(state: ConnectionState): void {
     clearInterval(this.#probe);
+    clearTimeout(this.#doubt);
     if (state.name === "connected") this.#probe = setInterval(() => this.#probeIdle(), this.#idleProbe / 4);
     else this.ended(state.name === "closed");
     this.emitter.emit("state", state);

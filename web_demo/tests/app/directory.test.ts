@@ -26,6 +26,13 @@ afterEach(() => {
 });
 
 describe("AvatarDirectory", () => {
+  it("prefers an engine that is there", async () => {
+    const directories = ["b", "c"].map((id) => new AvatarDirectory(client, () => undefined, id));
+    await client.connect();
+    await vi.advanceTimersByTimeAsync(0);
+    expect(directories.map(({ chosen }) => chosen?.engineId)).toEqual(["b", "a"]);
+  });
+
   it("reads the profile on connecting and on every change, and keeps the choice", async () => {
     const changed = vi.fn();
     const directory = new AvatarDirectory(client, changed);

@@ -24,6 +24,17 @@ describe("LogModel", () => {
     expect(log.add(traffic({})).number).toBe(MAX_ENTRIES + 5);
   });
 
+  it("takes events of one subscription that come in a row for one line", () => {
+    const log = new LogModel();
+    const event = (subscribe_id: string): number =>
+      log.add(traffic({ method: "rois.event.notify_event", message: { params: { subscribe_id } } })).repeats;
+    expect([event("a"), event("a"), event("b"), event("b")]).toEqual([1, 2, 1, 2]);
+    expect(log.entries.map(({ number }) => number)).toEqual([0, 1]);
+    log.add(traffic({}));
+    expect(event("b")).toBe(1);
+    expect(log.entries).toHaveLength(4);
+  });
+
   it.each<[string, Partial<Traffic>]>([
     ["avatar/SpeechSynthesis", { message: { params: { component_ref: "avatar/SpeechSynthesis" } } }],
     ["OK", { kind: "response", message: { result: { return_code: "OK", subscribe_id: "", results: null } } }],

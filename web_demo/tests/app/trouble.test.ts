@@ -60,4 +60,16 @@ describe("findTrouble", () => {
     expect(findTrouble(situation(all))).toMatchObject({ kind: "no-gateway", retryAt: 7 });
     expect(findTrouble(situation({ ...all, connection: { name: "connected" } }))?.kind).toBe("adapter-gone");
   });
+
+  it.each(["unsupported", "refused"] as const)(
+    "passes on what the engine says of a stream that is %s",
+    (kind) => {
+      const trouble = (detail: string) =>
+        findTrouble(situation({ video: { problem: { kind, detail } } }))?.text;
+      expect(trouble("64 applications are served already.")).toContain(
+        "“64 applications are served already”.",
+      );
+      expect(trouble("ERROR")).not.toContain("“");
+    },
+  );
 });

@@ -127,7 +127,7 @@ describe("findAvatars", () => {
         "c/video2": component("VideoStreaming"),
       },
     };
-    const nothing = { audio: null, speech: null, reaction: null, system: null, gaze: null };
+    const nothing = { operator: null, audio: null, speech: null, reaction: null, system: null, gaze: null };
     expect(findAvatars(profile)).toEqual([
       { ...nothing, engineId: "a", video: "a/eyes", speech: "a/mouth" },
       { ...nothing, engineId: "c", video: "c/video" },

@@ -9,6 +9,12 @@ const URN = "urn:x-rois:def:component:";
 const REACTIONS = ["OMG::1", "OMG::2", "OMG::3", "OMG::9", "OpenRoIS::wave", "OpenRoIS::look_around"];
 const MORE_REACTIONS = ["OpenRoIS::shrug", "OpenRoIS::clap", "OpenRoIS::raise_hand", "OpenRoIS::surprise"];
 
+const TRANSPORTS = {
+  name: "available_transports",
+  data_type_ref: "String",
+  value: '{"direction": ["recvonly", "sendonly"]}',
+};
+
 interface Stream extends SectionOf {
   status: string;
 }
@@ -34,12 +40,16 @@ export class PreviewAvatar {
     this.#gateway = gateway;
     this.engineId = engineId;
     this.#tracks.set("audio", hum());
+    setInterval(() => this.#tellLevel(), 200);
     gateway
       .on("rois.system.get_profile", () => this.#profile())
       .on("rois.command.bind", () => (this.taken ? { return_code: "OUT_OF_RESOURCES" } : {}))
       .on("rois.command.release", () => ({}))
       .on("rois.command.execute", (params) => this.#execute(params))
       .on("rois.query.query", (params) => this.#query(params))
+      .on("rois.command.get_parameter", () => ({ parameters: [TRANSPORTS] }))
+      .on("rois.event.subscribe", () => ({ subscribe_id: `${this.engineId}/level` }))
+      .on("rois.event.unsubscribe", () => ({}))
       .on("rois.stream.connect_stream", (params) => this.#connect(params))
       .on("rois.stream.suspend_stream", (params) => this.#gate(params, "STREAMING_SUSPENDED"))
       .on("rois.stream.resume_stream", (params) => this.#gate(params, "STREAMING_RESUMED"))
@@ -82,7 +92,9 @@ export class PreviewAvatar {
 
   #profile(): JsonObject {
     const types = ["OMG::VideoStreaming", "OMG::AudioStreaming", "OMG::SpeechSynthesis", "OMG::Reaction"];
-    const all = this.#present ? [...types, "OMG::SystemInformation", "OpenRoIS::Gaze"] : [];
+    const all = this.#present
+      ? [...types, "OMG::SystemInformation", "OpenRoIS::Gaze", "OpenRoIS::Operator"]
+      : [];
     const profiles = all.map((type) => {
       const name = type.split("::")[1] ?? "";
       return [`${this.engineId}/${name}`, { identifier: { code: URN + type }, name }] as const;
@@ -151,12 +163,33 @@ export class PreviewAvatar {
     this.drawn.nod = 0;
   }
 
-  #connect({ component_ref }: JsonObject): JsonObject {
+  /** As loud as if somebody spoke, while a microphone is connected. */
+  #tellLevel(): void {
+    const heard = [...this.#streams.values()].some(
+      ({ kind, direction }) => kind === "audio" && direction === "sendonly",
+    );
+    if (!heard) return;
+    const rms = -38 + 20 * Math.abs(Math.sin(performance.now() / 700));
+    const value = (name: string, db: number): JsonObject => ({
+      name,
+      data_type_ref: "double",
+      value: db.toFixed(1),
+    });
+    this.#notify("rois.event.notify_event", {
+      event_id: `${this.engineId}/e${++this.#count}`,
+      event_type: "microphone_level",
+      subscribe_id: `${this.engineId}/level`,
+      results: [value("rms", rms), value("peak", rms + 9)],
+    });
+  }
+
+  #connect({ component_ref, parameters }: JsonObject): JsonObject {
     if (!this.#present) return { return_code: "UNSUPPORTED" };
     const componentRef = String(component_ref);
     const kind = componentRef.endsWith("VideoStreaming") ? "video" : "audio";
     const streamId = `${this.engineId}/${(++this.#count).toString(16).padStart(32, "0")}`;
-    const stream: Stream = { streamId, componentRef, kind, status: "STREAMING_NOT_RUNNING" };
+    const direction = JSON.stringify(parameters).includes("sendonly") ? "sendonly" : "recvonly";
+    const stream: Stream = { streamId, componentRef, kind, direction, status: "STREAMING_NOT_RUNNING" };
     this.#streams.set(streamId, stream);
     setTimeout(() => void this.#offer(), 20);
     return { stream_id: streamId };

@@ -92,6 +92,8 @@ export interface SectionOf {
   readonly streamId: string;
   readonly componentRef: string;
   readonly kind: "video" | "audio";
+  /** As the application sees it. */
+  readonly direction: "recvonly" | "sendonly";
 }
 
 /** Offers a set of streams on one peer connection, as an engine does. */
@@ -140,10 +142,13 @@ export class OfferingPeer {
       transceiver.direction = "inactive";
       await transceiver.sender.replaceTrack(null);
     }
-    for (const { streamId, kind } of streams) {
+    for (const { streamId, kind, direction } of streams) {
       if (this.#sections.has(streamId)) continue;
-      const track = tracks.get(kind) ?? kind;
-      this.#sections.set(streamId, this.connection.addTransceiver(track, { direction: "sendonly" }));
+      const transceiver =
+        direction === "sendonly"
+          ? this.connection.addTransceiver(kind, { direction: "recvonly" })
+          : this.connection.addTransceiver(tracks.get(kind) ?? kind, { direction: "sendonly" });
+      this.#sections.set(streamId, transceiver);
     }
     await this.connection.setLocalDescription();
     this.#generation += 1;
@@ -151,12 +156,12 @@ export class OfferingPeer {
       peer_id: this.peerId,
       generation: this.#generation,
       sdp: this.connection.localDescription?.sdp ?? "",
-      streams: streams.map(({ streamId, componentRef, kind }) => ({
+      streams: streams.map(({ streamId, componentRef, kind, direction }) => ({
         mid: this.#sections.get(streamId)?.mid ?? "",
         stream_id: streamId,
         component_ref: componentRef,
         kind,
-        direction: "recvonly",
+        direction,
       })),
       ...(replaces !== undefined && { replaces }),
     });

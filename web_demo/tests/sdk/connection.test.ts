@@ -182,6 +182,22 @@ describe("reconnecting", () => {
     await vi.advanceTimersByTimeAsync(30_000);
     expect(states.find((state) => state.name === "waiting")).toMatchObject({ reason: "no answer" });
   });
+
+  it.each([false, true])("connects anew on another network, dead: %s", async (dead) => {
+    const client = start();
+    await vi.advanceTimersByTimeAsync(10_000);
+    gateway.mute = dead;
+    client.networkChanged();
+    client.networkChanged();
+    await vi.advanceTimersByTimeAsync(2999);
+    expect(client.state.name).toBe("connected");
+    await vi.advanceTimersByTimeAsync(1);
+    expect(client.state.name).toBe(dead ? "waiting" : "connected");
+    gateway.mute = false;
+    client.networkChanged();
+    await vi.advanceTimersByTimeAsync(1);
+    expect(client.state.name).toBe("connected");
+  });
 });
 
 describe("gatewayUrl", () => {

@@ -15,8 +15,8 @@ describe("PathWatch", () => {
     expect(new Set(verdicts([0, 30, 60, 90, 120]))).toEqual(new Set(["fine"]));
   });
 
-  it("asks for a restart after 4 s without a frame", () => {
-    expect(verdicts([30, 30, 30, 30, 30])).toEqual(["fine", "waiting", "waiting", "waiting", "restart"]);
+  it("asks for a restart after 2 s without a frame", () => {
+    expect(verdicts([30, 30, 30, 30])).toEqual(["fine", "waiting", "restart", "waiting"]);
   });
 
   it("gives the first frame 10 s", () => {
@@ -39,7 +39,7 @@ describe("PathWatch", () => {
   it.each([
     ["failed", 0],
     ["closed", 0],
-    ["disconnected", 3],
+    ["disconnected", 1],
   ] as const)("takes %s for broken after %i s", (state, after) => {
     expect(verdicts([1, 2, 3, 4, 5], state).indexOf("restart")).toBe(after);
   });
@@ -47,9 +47,9 @@ describe("PathWatch", () => {
   it("forgives a short disconnection", () => {
     const watch = new PathWatch();
     expect(watch.observe(0, "disconnected", [])).toBe("waiting");
-    expect(watch.observe(2000, "connected", [])).toBe("fine");
-    expect(watch.observe(2500, "disconnected", [])).toBe("waiting");
-    expect(watch.observe(5000, "disconnected", [])).toBe("waiting");
+    expect(watch.observe(900, "connected", [])).toBe("fine");
+    expect(watch.observe(1500, "disconnected", [])).toBe("waiting");
+    expect(watch.observe(2400, "disconnected", [])).toBe("waiting");
   });
 
   it("expects nothing of a suspended stream, and starts anew when it resumes", () => {

@@ -191,6 +191,15 @@ describe("connecting", () => {
     expect(video).toMatchObject({ streamId: "avatar/s9", problem: null });
   });
 
+  it("says what the engine says of its refusal", async () => {
+    gateway.on("rois.stream.connect_stream", (_, id) => {
+      gateway.notify("openrois.reason", { request_id: id, reason: "too many" });
+      return { return_code: "OUT_OF_RESOURCES" };
+    });
+    await video.connect();
+    expect(video.problem).toEqual({ kind: "refused", detail: "too many" });
+  });
+
   it.each([
     ["no-streaming", new FakeGateway(null)],
     ["refused", new FakeGateway().on("rois.stream.connect_stream", () => ({ return_code: "ERROR" }))],
@@ -355,6 +364,18 @@ describe("recovery", () => {
     expect(video.streamId).toBe("avatar/s1");
     gateway.notify("signaling.bye", { peer_id: "p1", reason: "replaced" });
     expect(video.streamId).toBe("avatar/s1");
+  });
+
+  it("looks for another way at once when the network has changed", async () => {
+    await running();
+    receiver.networkChanged();
+    await pass(1);
+    expect(gateway.called("signaling.restart")).toEqual([{ peer_id: "p1" }]);
+    offer("p2", 1, [["0", video]], { replaces: "p1" });
+    await pass(1);
+    receiver.networkChanged();
+    await pass(1);
+    expect(gateway.called("signaling.restart")).toEqual([{ peer_id: "p1" }, { peer_id: "p2" }]);
   });
 
   it("keeps a stream whose old peer ends before the new one has a frame", async () => {

@@ -5,11 +5,14 @@ import type { Sample } from "../../sdk/media/statistics.ts";
 const sample = (over: Partial<Sample>): Sample => ({
   at: 0,
   bytes: 0,
+  packets: 0,
   packetsLost: 0,
   units: 0,
   dropped: 0,
   bufferDelay: 0,
   bufferCount: 0,
+  frozen: 0,
+  codec: "",
   width: 640,
   height: 360,
   roundTrip: null,
@@ -18,15 +21,25 @@ const sample = (over: Partial<Sample>): Sample => ({
 
 describe("figuresBetween", () => {
   it("divides what happened by the time it took", () => {
-    const before = sample({ at: 1000, bytes: 1000, units: 10, bufferDelay: 1, bufferCount: 10 });
+    const before = sample({
+      at: 1000,
+      bytes: 1000,
+      packets: 100,
+      units: 10,
+      bufferDelay: 1,
+      bufferCount: 10,
+    });
     const after = sample({
       at: 3000,
       bytes: 251_000,
       units: 70,
       dropped: 3,
+      packets: 298,
       packetsLost: 2,
       bufferDelay: 2.2,
       bufferCount: 70,
+      frozen: 0.25,
+      codec: "video/VP8",
       roundTrip: 4,
     });
     expect(figuresBetween(before, after)).toEqual({
@@ -37,8 +50,15 @@ describe("figuresBetween", () => {
       roundTrip: 4,
       dropped: 3,
       packetsLost: 2,
+      loss: 0.01,
+      frozen: 250,
+      codec: "video/VP8",
       bufferDelay: expect.closeTo(20, 6),
     });
+  });
+
+  it("takes a packet that came after all for none that was lost", () => {
+    expect(figuresBetween(sample({ packetsLost: 5 }), sample({ at: 1000, packetsLost: 3 }))?.loss).toBe(0);
   });
 
   it("has no buffer delay when nothing left the buffer", () => {
@@ -68,17 +88,22 @@ describe("readSample", () => {
     jitterBufferEmittedCount: 3,
     frameWidth: 1280,
     frameHeight: 720,
+    totalFreezesDuration: 1.5,
+    codecId: "c",
   };
 
   it("reads a video", () => {
-    expect(readSample([{ type: "codec" }, pair, video], 7)).toEqual({
+    expect(readSample([{ type: "codec", id: "c", mimeType: "video/H264" }, pair, video], 7)).toEqual({
       at: 7,
       bytes: 10,
+      packets: 99,
       packetsLost: 1,
       units: 3,
       dropped: 2,
       bufferDelay: 0.5,
       bufferCount: 3,
+      frozen: 1.5,
+      codec: "video/H264",
       width: 1280,
       height: 720,
       roundTrip: 12.3,
@@ -97,6 +122,14 @@ describe("readSample", () => {
       { ...pair, currentRoundTripTime: undefined },
     ];
     expect(readSample([...others, video], 0)?.roundTrip).toBeNull();
+  });
+
+  it("reads what is sent, and what the other end says of it", () => {
+    const sent = { type: "outbound-rtp", kind: "video", bytesSent: 5, packetsSent: 4, framesSent: 2 };
+    const read = readSample([{ type: "remote-inbound-rtp", packetsLost: 1 }, pair, sent], 0);
+    expect(read).toMatchObject({ bytes: 5, packets: 4, packetsLost: 1, units: 2, roundTrip: 12.3 });
+    const sound = { type: "outbound-rtp", kind: "audio", packetsSent: 4 };
+    expect(readSample([sound], 0)).toMatchObject({ units: 4, packetsLost: 0 });
   });
 
   it("is null before anything is received", () => {

@@ -1,4 +1,48 @@
-/** As much of RTCPeerConnection as an answerer needs; what arrives on it is set by the test. */
+/** As much of RTCPeerConnection as an answerer needs; what arrives on it, and leaves, is set by the test. */
+
+export class FakeSender {
+  track: object | null = null;
+  units = 0;
+  encodings: Record<string, number>[] = [{}];
+  readonly #kind: "video" | "audio";
+
+  constructor(kind: "video" | "audio") {
+    this.#kind = kind;
+  }
+
+  replaceTrack(track: object | null): Promise<void> {
+    this.track = track;
+    return Promise.resolve();
+  }
+
+  getParameters(): { encodings: Record<string, number>[] } {
+    return { encodings: this.encodings.map((each) => ({ ...each })) };
+  }
+
+  setParameters({ encodings }: { encodings: Record<string, number>[] }): Promise<void> {
+    this.encodings = encodings;
+    return Promise.resolve();
+  }
+
+  getStats(): Promise<Map<string, object>> {
+    const units = this.units;
+    const outbound = {
+      type: "outbound-rtp",
+      kind: this.#kind,
+      framesSent: units,
+      packetsSent: units,
+      bytesSent: units * 100,
+    };
+    return Promise.resolve(new Map([["out", outbound]]));
+  }
+}
+
+export interface FakeTransceiver {
+  readonly mid: string;
+  readonly receiver: FakeReceiver;
+  readonly sender: FakeSender;
+  direction: string;
+}
 
 export class FakeReceiver {
   readonly track: { readonly id: string };
@@ -35,7 +79,7 @@ export class FakePeerConnection {
   onconnectionstatechange: (() => void) | null = null;
   readonly configuration: RTCConfiguration;
   readonly candidates: (object | undefined)[] = [];
-  readonly receivers = new Map<string, FakeReceiver>();
+  readonly transceivers = new Map<string, FakeTransceiver>();
   #offers = 0;
 
   constructor(configuration: RTCConfiguration) {
@@ -49,10 +93,11 @@ export class FakePeerConnection {
     this.#offers += 1;
     for (const section of sdp.split(",")) {
       const [mid = "", kind = ""] = section.split(" ");
-      if (!this.receivers.has(mid)) {
-        const id = `${FakePeerConnection.all.indexOf(this)}/${mid}`;
-        this.receivers.set(mid, new FakeReceiver(id, kind === "video" ? "video" : "audio"));
-      }
+      if (this.transceivers.has(mid)) continue;
+      const id = `${FakePeerConnection.all.indexOf(this)}/${mid}`;
+      const of = kind === "video" ? "video" : "audio";
+      const ends = { receiver: new FakeReceiver(id, of), sender: new FakeSender(of) };
+      this.transceivers.set(mid, { mid, ...ends, direction: "recvonly" });
     }
     return Promise.resolve();
   }
@@ -67,8 +112,19 @@ export class FakePeerConnection {
     return Promise.resolve();
   }
 
-  getTransceivers(): { mid: string; receiver: FakeReceiver }[] {
-    return [...this.receivers].map(([mid, receiver]) => ({ mid, receiver }));
+  /** What arrives, by section. */
+  get receivers(): Map<string, FakeReceiver> {
+    return new Map([...this.transceivers].map(([mid, { receiver }]) => [mid, receiver]));
+  }
+
+  section(mid: string): FakeTransceiver {
+    const found = this.transceivers.get(mid);
+    if (!found) throw new Error(`there is no section ${mid}`);
+    return found;
+  }
+
+  getTransceivers(): FakeTransceiver[] {
+    return [...this.transceivers.values()];
   }
 
   addIceCandidate(candidate: object | undefined): Promise<void> {

@@ -1,0 +1,132 @@
+/** A stream that this application sends: what a microphone or camera gives, for as long as the user wants it. */
+
+import type { BackoffOptions } from "../rois/backoff.ts";
+import type { StreamStatus } from "../rois/generated/types.ts";
+import type { Capture, CaptureProblem } from "./capture.ts";
+import type { Attachment } from "./place.ts";
+import { ControlledStream } from "./stream.ts";
+import type { EncodingLimits, StreamDescription, StreamOperations } from "./stream.ts";
+
+/**
+ * Like a stream that is received; `connect` also takes the device into use and `disconnect` lets go of it. A stream
+ * that was lost is connected again with the same device: the user is asked by `connect` and `use` alone.
+ */
+export class LocalStream extends ControlledStream {
+  readonly #capture: Capture;
+  /** The engine has suspended it. */
+  #held = false;
+
+  constructor(
+    what: StreamDescription,
+    capture: Capture,
+    operations: StreamOperations,
+    backoff: BackoffOptions = {},
+  ) {
+    super(what, operations, backoff);
+    this.#capture = capture;
+    this.place.onAttached = (attachment) => void this.#send(attachment);
+    capture.onChange(() => this.#follow());
+  }
+
+  /** What the device gives, for a preview and a level; null while it is not in use. */
+  get captured(): MediaStreamTrack | null {
+    return this.#capture.track;
+  }
+
+  /** What is wrong with the device; `problem` is what is wrong with the stream. */
+  get captureProblem(): CaptureProblem | null {
+    return this.#capture.problem;
+  }
+
+  /** The device that is in use, or was last; null for the system's choice. */
+  get deviceId(): string | null {
+    return this.#capture.deviceId;
+  }
+
+  /** @internal */
+  override get outgoing(): MediaStreamTrack | null {
+    return this.desire === "running" && !this.#held ? this.#capture.track : null;
+  }
+
+  /** @internal */
+  override get expectsMedia(): boolean {
+    return super.expectsMedia && (this.outgoing !== null || this.direction === "sendrecv");
+  }
+
+  /** The devices that could be used; without the user's consent browsers do not tell their names. */
+  devices(): Promise<MediaDeviceInfo[]> {
+    return this.#capture.list();
+  }
+
+  /** Takes another device into use; where that fails the one before goes on, and `captureProblem` says why. */
+  async use(deviceId: string): Promise<void> {
+    await this.#capture.open(deviceId);
+  }
+
+  /** Asks for the device, then connects. Without a device nothing is connected. */
+  override async connect(): Promise<void> {
+    if (await this.#capture.open()) await super.connect();
+  }
+
+  /** Has nothing captured and sends nothing, at once, whatever the engine says; the connection stays. */
+  override suspend(): Promise<void> {
+    const done = super.suspend();
+    this.#follow();
+    return done;
+  }
+
+  override resume(): Promise<void> {
+    this.#held = false;
+    const done = super.resume();
+    this.#follow();
+    return done;
+  }
+
+  override disconnect(): Promise<void> {
+    const done = super.disconnect();
+    this.#capture.close();
+    return done;
+  }
+
+  /** An engine that has suspended the stream says something else before it wants it again. @internal */
+  override reported(status: StreamStatus): void {
+    this.#held = status === "STREAMING_SUSPENDED" && this.desire === "running";
+    super.reported(status);
+    this.#follow();
+  }
+
+  /** @internal */
+  override lost(status: StreamStatus | null): void {
+    this.#held = false;
+    super.lost(status);
+  }
+
+  #follow(): void {
+    const { track } = this.#capture;
+    if (track) track.enabled = this.desire !== "suspended";
+    for (const attachment of [this.place.current, this.place.next]) {
+      if (attachment) void this.#send(attachment);
+    }
+    this.changed();
+  }
+
+  async #send({ peer, transceiver: { sender } }: Attachment): Promise<void> {
+    try {
+      if (sender.track !== this.outgoing) await sender.replaceTrack(this.outgoing);
+      await limit(sender, this.limits);
+    } catch (error) {
+      if (!peer.closed) console.warn("openrois: what is sent could not be changed", error);
+    }
+  }
+}
+
+async function limit(sender: RTCRtpSender, { max_bitrate, fps }: EncodingLimits): Promise<void> {
+  if (max_bitrate === undefined && fps === undefined) return;
+  const parameters = sender.getParameters();
+  const [encoding] = parameters.encodings;
+  // Before the first answer there is nothing to be limited, and what was set stays set.
+  if (!encoding || (encoding.maxBitrate === max_bitrate && encoding.maxFramerate === fps)) return;
+  if (max_bitrate !== undefined) encoding.maxBitrate = max_bitrate;
+  if (fps !== undefined) encoding.maxFramerate = fps;
+  await sender.setParameters(parameters);
+}

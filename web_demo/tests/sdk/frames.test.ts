@@ -1,0 +1,114 @@
+import { afterEach, beforeEach, expect, it, vi } from "vitest";
+import { FrameWatch, LastingPicture } from "../../sdk/media/frames.ts";
+
+type Told = Partial<VideoFrameCallbackMetadata>;
+
+/** A video element whose frames the test presents. */
+class FakeVideo {
+  videoWidth = 640;
+  videoHeight = 360;
+  readyState = 2;
+  srcObject: object | null = null;
+  #callback: ((now: number, told: Told) => void) | null = null;
+  readonly #listeners: (() => void)[] = [];
+
+  requestVideoFrameCallback(callback: (now: number, told: Told) => void): void {
+    this.#callback = callback;
+  }
+
+  addEventListener(_: string, listener: () => void): void {
+    this.#listeners.push(listener);
+  }
+
+  play(): Promise<void> {
+    return Promise.resolve();
+  }
+
+  load(): void {
+    for (const listener of this.#listeners) listener();
+  }
+
+  present(told: Told): void {
+    this.#callback?.(0, { expectedDisplayTime: 0, presentedFrames: 1, ...told });
+  }
+}
+
+const REAL = { rtpTimestamp: 1 };
+const MADE_HERE = {};
+
+let video: FakeVideo;
+let canvas: { hidden: boolean; getContext(): null };
+let frames: FrameWatch;
+let picture: LastingPicture;
+let turns: (() => void)[];
+
+/** The browser draws the page so many times. */
+function draw(times: number): void {
+  for (let time = 0; time < times; time++) for (const turn of turns.splice(0)) turn();
+}
+
+beforeEach(() => {
+  turns = [];
+  vi.stubGlobal("requestAnimationFrame", (turn: () => void) => turns.push(turn));
+  vi.stubGlobal("HTMLMediaElement", { HAVE_CURRENT_DATA: 2 });
+  vi.stubGlobal("MediaStream", class {});
+  video = new FakeVideo();
+  canvas = { hidden: false, getContext: () => null };
+  frames = new FrameWatch(video as unknown as HTMLVideoElement);
+  const element = video as unknown as HTMLVideoElement;
+  picture = new LastingPicture(element, canvas as unknown as HTMLCanvasElement, frames);
+  picture.show({} as MediaStreamTrack);
+  video.load();
+  video.present(REAL);
+  draw(2);
+});
+
+afterEach(() => {
+  vi.unstubAllGlobals();
+});
+
+it("keeps the last picture until a frame of the next track is on the screen", () => {
+  expect(canvas.hidden).toBe(true);
+  picture.freeze();
+  expect(canvas.hidden).toBe(false);
+  picture.show({} as MediaStreamTrack);
+  video.present(REAL);
+  draw(2);
+  expect(canvas.hidden).toBe(false);
+  video.load();
+  video.present(REAL);
+  draw(1);
+  expect(canvas.hidden).toBe(false);
+  draw(1);
+  expect(canvas.hidden).toBe(true);
+});
+
+it("takes no frame for a picture that the browser made itself", () => {
+  const counted = vi.fn();
+  frames.onFrame(counted);
+  picture.freeze();
+  picture.show({} as MediaStreamTrack);
+  video.load();
+  video.present(MADE_HERE);
+  draw(2);
+  expect(canvas.hidden).toBe(false);
+  expect(counted).not.toHaveBeenCalled();
+});
+
+it("does not take away a picture that is kept anew meanwhile", () => {
+  picture.freeze();
+  picture.show({} as MediaStreamTrack);
+  video.load();
+  video.present(REAL);
+  picture.freeze();
+  draw(2);
+  expect(canvas.hidden).toBe(false);
+});
+
+it("believes a browser that never tells where frames come from", () => {
+  const other = new FakeVideo();
+  const counted = vi.fn();
+  new FrameWatch(other as unknown as HTMLVideoElement).onFrame(counted);
+  other.present(MADE_HERE);
+  expect(counted).toHaveBeenCalledOnce();
+});
