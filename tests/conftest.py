@@ -14,6 +14,8 @@ import pytest
 
 from tests.support.mono import Mono
 
+pytest_plugins = ["openrois_streaming.testing.plugin"]
+
 WEB_DEMO = Path(__file__).parents[1] / "web_demo"
 
 _lacking: set[str] = set()
@@ -48,6 +50,13 @@ def node() -> Path:
     if found is None or not (WEB_DEMO / "node_modules").is_dir():
         _lack("no Node with the page's tools is found; `make page` installs them")
     return Path(found)
+
+
+@pytest.fixture(scope="session")
+def turnserver() -> None:
+    """coturn is installed."""
+    if shutil.which("turnserver") is None:
+        _lack("no TURN server is found; install it to run the tests with relays (Debian: apt install coturn)")
 
 
 @pytest.fixture(scope="session")

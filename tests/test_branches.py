@@ -13,12 +13,33 @@ TESTS = (
     *(f"tests/openrois/{part}" for part in ("authoring", "catalog", "jsonrpc", "profile_xml", "types")),
     *(f"tests/openrois/conformance/test_{part}.py" for part in ("manifest", "probe_engine", "strictness", "table")),
     *(str(path.relative_to(ROOT)) for path in sorted((ROOT / "tests/openrois").glob("test_*.py"))),
-    *(f"tests/streaming/test_{part}.py" for part in ("state", "liveness", "keyframes")),
+    *(
+        f"tests/streaming/test_{part}.py"
+        for part in ("arrival", "level", "state", "liveness", "keyframes", "supervision")
+    ),
+    "tests/streaming/test_reference_chain.py",
+    "tests/streaming/adaptation",
+    "tests/streaming/rtp",
+    "tests/streaming/sending/test_probe.py",
+    *(
+        str(path.relative_to(ROOT))
+        for path in sorted((ROOT / "tests/streaming/receiving").glob("test_*.py"))
+        if path.stem not in {"test_decoders", "test_receiver", "test_sources"}
+    ),
+    *(
+        f"tests/streaming/testing/test_{part}.py"
+        for part in ("candidates", "clicks", "delays", "link", "lipsync", "pictures", "sounds")
+    ),
+    *(f"tests/streaming/network/test_{part}.py" for part in ("datagrams", "guard", "policy", "servers", "settings")),
     *(
         str(path.relative_to(ROOT))
         for path in sorted((ROOT / "tests/codegen").glob("test_*.py"))
         if "csharp" not in path.name
     ),
+    "tests/avatar/doctor/test_finding.py",
+    "tests/avatar/test_engine_sound.py",
+    "tests/avatar/test_health.py",
+    "tests/avatar/test_sound_lag.py",
     "tests/signaling",
     "tests/fuzz",
 )
@@ -34,6 +55,7 @@ def pure_modules() -> list[str]:
 def files_of(module: str) -> list[str]:
     """Return the patterns of a module's files: its own, and those below it if it is a package."""
     places = {"openrois_signaling": "signaling/", "openrois_streaming": "streaming/", "openrois_codegen": "codegen/"}
+    places["openrois_avatar"] = "avatar_adapter/"
     path = places.get(module.partition(".")[0], "") + module.replace(".", "/")
     return [f"{path}/*"] if (ROOT / path).is_dir() else [f"{path}.py"]
 

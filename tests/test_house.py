@@ -145,7 +145,7 @@ def binds(text: str, name: str) -> bool:
     ways = (
         rf"(?:async def|def|class) {name}\b",
         rf"{name}\b[^\n=]*=",
-        rf"(?:from .+ )?import .*\b{name}\b",
+        rf"(?: {{4}})?(?:from .+ )?import .*\b{name}\b",
         rf"    {name},$",
     )
     return re.search("|".join(f"^(?:{way})" for way in ways), text, re.MULTILINE) is not None

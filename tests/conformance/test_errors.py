@@ -20,6 +20,7 @@ from openrois.types.values import check_value
 from tests.support import deployment, wire
 from tests.support.deployment import Adapter, Application, Door, Robot
 from tests.support.plain import TOY, PlainAdapter, attached, component_profile, plain_adapter, profile_result
+from tests.support.viewer import CAMERA, stream_of
 
 LAMP, BELL, DOOR = "robot/lamp", "robot/bell", "robot/door"
 NO_DETAILS = {"return_code": "BAD_PARAMETER", "results": []}
@@ -131,6 +132,21 @@ class TestComponents:
         robot.door.may_answer.set()
         await app.completed("c")
         assert await other.settled() == []
+
+    async def test_told_to_who_has_a_stream_of_it(
+        self, app: Application, other: Application, robot: Robot, noticed: Noticed
+    ) -> None:
+        stream_id = await stream_of(app)
+        robot.camera.report(ErrorType.COMPONENT_NOT_RESPONDING, "it has stood still")
+        told = await app.next("rois.system.notify_error")
+        assert (await details(app, told["error_id"]))["component_ref"] == CAMERA
+        assert await other.settled() == []
+        await noticed.next()
+        await app.ask("rois.stream.disconnect_stream", stream_id=stream_id)
+        await app.settled()
+        robot.camera.report(ErrorType.COMPONENT_NOT_RESPONDING, "and still does")
+        await noticed.next()
+        assert "rois.system.notify_error" not in await app.settled()
 
     async def test_the_command_that_failed_has_ended_by_then(self, app: Application, robot: Robot) -> None:
         del robot.door.may_answer

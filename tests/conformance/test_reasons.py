@@ -112,6 +112,7 @@ class TestRefusals:
                 ("rois.event.subscribe", {"event_type": "rain"}, "UNSUPPORTED", "no component"),
                 ("rois.event.get_event_detail", {"event_id": "e"}, "BAD_PARAMETER", "'e'"),
                 ("rois.system.get_error_detail", {"error_id": "e"}, "BAD_PARAMETER", "there is no error 'e'"),
+                ("signaling.restart", {"peer_id": "robot/1"}, "UNSUPPORTED", "there is no such peer connection"),
                 ("rois.stream.suspend_stream", {"stream_id": "s"}, "UNSUPPORTED", "there is no stream 's'"),
             ]
             for method, params, code, words in refusals:

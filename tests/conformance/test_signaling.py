@@ -1,5 +1,7 @@
 """Signaling at the gateway: whose peer, how much, how often."""
 
+import asyncio
+import logging
 from contextlib import AsyncExitStack
 from typing import Any
 
@@ -7,7 +9,7 @@ import pytest
 from openrois_signaling.messages import CANDIDATES_LIMIT, SDP_LIMIT
 from openrois_signaling.relay import BURST, PEERS_PER_OWNER
 
-from openrois.errors import BadParameter
+from openrois.errors import BadParameter, Unsupported
 from openrois.gateway.server import Gateway
 from openrois.types.codes import StreamStatus
 from tests.support import deployment
@@ -35,6 +37,11 @@ class TestSignaling:
         robot.streams.calls.clear()
         long = {"peer_id": peer_id, "generation": 1, "sdp": "x" * (SDP_LIMIT + 1)}
         assert await app.ask("signaling.answer", **long) == {"return_code": "BAD_PARAMETER"}
+        assert await app.code("signaling.answer", **(long | {"peer_id": "robot/none"})) == "BAD_PARAMETER"
+        [(method, bye, _)] = robot.streams.calls
+        assert (method, bye["peer_id"]) == ("signaling.bye", peer_id)
+        assert bye["reason"].startswith("the answer cannot be passed on: sdp: more than")
+        robot.streams.calls.clear()
         misfits: list[tuple[str, dict[str, Any]]] = [
             ("answer", {"peer_id": peer_id, "generation": 1}),
             ("answer", {"peer_id": peer_id, "generation": "1", "sdp": "v=0"}),
@@ -97,6 +104,39 @@ class TestSignaling:
             await peer_of(app)
             assert await app.code("rois.system.disconnect") == "OK"
             app.told.clear()
+
+    async def test_a_peer_too_many_is_ended_and_not_just_dropped(self, app: Application, robot: Robot) -> None:
+        client = robot.streams.streams[await stream_of(app)].client
+        for number in range(PEERS_PER_OWNER):
+            robot.streams.offer(client, f"robot/{number}", [])
+        while ("signaling.bye", "robot/63") not in {(method, p.get("peer_id")) for method, p, _ in robot.streams.calls}:
+            robot.streams.called.clear()
+            await robot.streams.called.wait()
+        bye = next(params for method, params, _ in robot.streams.calls if method == "signaling.bye")
+        assert bye["reason"] == f"the application has {PEERS_PER_OWNER} peer connections already"
+        client.notify("signaling.bye", bye)
+        assert await app.next("signaling.bye") == bye
+        offers = [params["peer_id"] for method, params in app.told if method == "signaling.offer"]
+        assert offers[-1] == "robot/62"
+
+    async def test_an_engine_that_cannot_end_a_peer_harms_nobody(
+        self, app: Application, robot: Robot, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+    ) -> None:
+        await stream_of(app)
+        peer_id = await peer_of(app)
+        asked = asyncio.Event()
+
+        async def refuse(*_asked: object) -> None:
+            asked.set()
+            raise Unsupported("there is no method signaling.bye")
+
+        monkeypatch.setattr(robot.streams, "call", refuse)
+        with caplog.at_level(logging.INFO):
+            long = {"peer_id": peer_id, "generation": 1, "sdp": "x" * (SDP_LIMIT + 1)}
+            assert await app.code("signaling.answer", **long) == "BAD_PARAMETER"
+            await asked.wait()
+            await app.settled()
+        assert "does not end a peer connection that its application cannot have" in caplog.text
 
     async def test_an_engine_speaks_for_its_own_peers_and_streams(
         self, app: Application, robot: Robot, gateway: Gateway, stack: AsyncExitStack

@@ -99,6 +99,28 @@ class TestStreamMethods:
             assert (answer["return_code"], answer["ice_servers"]) == ("OK", servers)
             assert answer["ttl"] > 0
 
+    async def test_each_end_gets_credentials_of_its_own_and_the_engine_fresh_ones_with_a_restart(
+        self, robot: Robot
+    ) -> None:
+        turn = {"turn": ("turn:turn.example.org",), "turn_secret": "an example of a secret", "turn_ttl": 60}
+        async with (
+            deployment.gateway(**turn) as gateway,
+            deployment.adapter(gateway, *robot.parts(), extension=robot.streams),
+            deployment.application(gateway) as app,
+        ):
+            await stream_of(app)
+            peer_id = await peer_of(app)
+            assert await app.code("signaling.restart", peer_id=peer_id) == "OK"
+            answer = await app.ask("signaling.ice_servers")
+        assert answer["ttl"] == 60
+        (own,) = answer["ice_servers"]
+        told = [params["ice_servers"] for _, params, _ in robot.streams.calls]
+        for (server,) in told:
+            assert server["urls"] == own["urls"] == ["turn:turn.example.org"]
+            assert server["username"].endswith(":robot")
+            assert server["credential"] != own["credential"]
+        assert len(told) == 2
+
     async def test_what_is_refused(self, app: Application, subtests: pytest.Subtests) -> None:
         nothing = {"return_code": "UNSUPPORTED", "stream_id": ""}
         for ref in ("robot/nobody", "nowhere/camera", "camera", "gateway/camera"):

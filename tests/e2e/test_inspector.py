@@ -338,6 +338,7 @@ async def test_a_gateway_that_goes_and_comes_back_takes_nothing_along(browser: B
             page = visiting(browser, gateway.url + _KETTLE, tolerated=[GATEWAY_AWAY])
             visit = await stack.enter_async_context(page)
             await visit.press("bind")
+            await _shows(visit.item("bind-state"), "Bound by this page")
             await visit.page.get_by_role("switch", name="Listen to water_boiled").click()
             await _field(visit, "target").locator("input").fill("82")
         await visit.banner("no-gateway", "The gateway does not answer")

@@ -49,12 +49,15 @@ async def test_the_tab_key_goes_everywhere_in_the_order_in_which_one_reads(guest
     assert len(reactions) >= 10
     await guest.page.keyboard.press("Shift")  # any key lets the page sound, and changes that button
     await expect(guest.item("sound-off")).to_be_visible()
+    await expect(guest.item("microphone-toggle")).to_be_visible()  # once the avatar has said what it takes
     await expect(guest.item("say-language")).to_be_visible()  # once the voice has said what it speaks
     order = [
-        *("skip", "show-avatar", "show-inspector", "help-open", "theme-toggle", "stage", "sound-off", "fullscreen"),
+        *("skip", "show-avatar", "show-inspector", "help-open", "theme-toggle", "stage"),
+        *("sound-off", "statistics-toggle", "fullscreen"),
         *("say-text", "say-language", "say-send"),
         *reactions,
         *("video-suspend", "video-disconnect", "audio-suspend", "audio-disconnect"),
+        *("microphone-toggle", "camera-toggle"),
         *("log-filter", "log-pause", "log-clear", "log"),
     ]
     assert await _tab(guest.page, len(order)) == order

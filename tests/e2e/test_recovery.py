@@ -4,7 +4,7 @@ from collections.abc import AsyncIterator
 
 import pytest
 import pytest_asyncio
-from playwright.async_api import Browser
+from playwright.async_api import Browser, expect
 
 from tests.support.browser import GATEWAY_AWAY, Visit, visiting
 from tests.support.demo import Demo
@@ -91,10 +91,26 @@ async def test_the_way_of_the_media_is_replaced_by_another_under_a_running_pictu
     await visit.status("audio", "RUNNING")
 
 
-async def test_a_page_that_is_loaded_again_plays_again(visit: Visit) -> None:
+async def test_a_page_that_is_loaded_again_shows_what_it_showed(visit: Visit) -> None:
     await visit.plays()
+    await visit.status("audio", "RUNNING")
+    await visit.press("audio-suspend")
+    await visit.status("audio", "SUSPENDED")
     video = await visit.stream_id("video")
     await visit.page.reload()
+    assert not (await visit.look()).black
     await visit.another_stream("video", than=video)
     await visit.plays()
+    assert not (await visit.look()).black
     await visit.status("video", "RUNNING")
+    await visit.status("audio", "SUSPENDED")
+
+
+async def test_the_statistics_of_the_last_minute_are_drawn_over_the_picture(visit: Visit) -> None:
+    await visit.plays()
+    await expect(visit.item("statistics")).to_be_hidden()
+    await visit.press("statistics-toggle")
+    await visit.until("document.querySelector('[data-testid=plot-rate]').dataset.value > 20")
+    await expect(visit.item("plot-resolution")).to_contain_text("640")
+    await visit.page.keyboard.press("g")
+    await expect(visit.item("statistics")).to_be_hidden()

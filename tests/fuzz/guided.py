@@ -5,15 +5,61 @@ branches, so it finds what random text does not. Seeds and a dictionary are put 
 with 77 and stands in FOLDER.
 """
 
+import asyncio
+import ipaddress
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from functools import cache
+from itertools import count
 from pathlib import Path
 
 import atheris
+from aioice import stun
 
-with atheris.instrument_imports(include=["openrois"]):
+INSTRUMENTED = (
+    "openrois",
+    "openrois_avatar",
+    "openrois_streaming.sdp",
+    "openrois_streaming.network",
+    "openrois_streaming.receiving",
+    "openrois_streaming.rtp",
+    "openrois_streaming.seams",
+    "openrois_streaming.sending",
+    "aiortc.rtp",
+)
+
+with atheris.instrument_imports(include=INSTRUMENTED):
+    from aiortc import RTCPeerConnection
+    from aiortc.rtcdtlstransport import RTCDtlsTransport
+    from aiortc.rtp import (
+        RTCP_PSFB_APP,
+        RTCP_PSFB_PLI,
+        RTCP_RTPFB_NACK,
+        RtcpPsfbPacket,
+        RtcpReceiverInfo,
+        RtcpRrPacket,
+        RtcpRtpfbPacket,
+        pack_remb_fci,
+    )
+    from openrois_avatar.link.messages import Hello, LinkError, Pause, React, VideoShape, Welcome
+    from openrois_avatar.link.protocol import Audio, Message, Parser, Sender, encode
+    from openrois_streaming.clock import SystemClock
+    from openrois_streaming.encoded import EncodedFrame
+    from openrois_streaming.errors import InvalidCandidate, InvalidDescription
+    from openrois_streaming.network.guard import Allowance, GuardFigures
+    from openrois_streaming.network.policy import CandidatePolicy
+    from openrois_streaming.receiving.assembly import BYTES_LIMIT, PACKETS_LIMIT, VideoAssembly, VideoPacket
+    from openrois_streaming.receiving.payloads import h264_piece, vp8_piece
+    from openrois_streaming.rtp.reports import ReceiverReport
+    from openrois_streaming.sdp import Answered, OfferedSection, clean_answer, read_candidate
+    from openrois_streaming.seams.ice_rehearsal import Rehearsal
+    from openrois_streaming.seams.incoming import RTCP_AT_ONCE, RTCP_PER_SECOND, Incoming
+    from openrois_streaming.seams.sending import DtlsWire, take_over
+    from openrois_streaming.sending.outlet import Outlet
+    from openrois_streaming.sending.sender import Negotiated, RtpSender
+
     from openrois.catalog.streaming import VIDEO_STREAMING
     from openrois.condition import parse_condition
     from openrois.errors import BadParameter
@@ -77,12 +123,173 @@ def profile_xml(data: bytes) -> None:
         assert again.profile == document.profile
 
 
+def link(data: bytes) -> None:
+    """One side of the engine link, cut in two: what is understood can be said again, in the same words."""
+    parser, cut = Parser((Sender.ENGINE, Sender.ADAPTER)[data[:1] > b"e"]), len(data) // 2
+    understood: list[Message] = []
+    with suppress(LinkError):
+        for part in (data[1:cut], data[cut:]):
+            understood += parser.feed(part)
+    for message in understood:
+        encode(message)
+
+
+DIRECTIONS: tuple[Answered, ...] = ("recvonly", "sendonly", "sendrecv", "inactive")
+
+
+def answer(data: bytes) -> None:
+    """One answer to an offer of a picture and a sound: it says what the application does, or is refused."""
+    number = data[0] if data else 0
+    offered = [
+        OfferedSection("0", "video", DIRECTIONS[number % 4]),
+        OfferedSection("1", "audio", DIRECTIONS[number // 4 % 4]),
+    ]
+    with suppress(InvalidDescription):
+        clean = clean_answer(data[1:].decode("utf-8", "replace"), offered)
+        assert len(clean.directions) == 2
+        assert all(
+            theirs in {ours.direction, "inactive"} or ours.direction == "sendrecv"
+            for ours, theirs in zip(offered, clean.directions, strict=True)
+        )
+
+
+def candidate(data: bytes) -> None:
+    """One candidate: it is refused, of no use, or names a public address as such."""
+    with suppress(InvalidCandidate):
+        read = read_candidate(data.decode("utf-8", "replace"), "0", CandidatePolicy(False, False))
+        if read is not None:
+            assert ipaddress.ip_address(read.ip).is_global
+            assert read.port >= 1024
+
+
+def datagram(data: bytes) -> None:
+    """One datagram at a media port, of a stranger: nothing of it passes, and nothing fails."""
+    rehearsed().protocol.datagram_received(data, ("192.0.2.1", 5000))
+    assert rehearsed().agent.waiting == 0
+    assert not rehearsed().protocol.gate.proven
+
+
+@cache
+def rehearsed() -> Rehearsal:
+    """An ICE agent without sockets that has not met anybody."""
+    loop = asyncio.new_event_loop()
+    asyncio.set_event_loop(loop)
+    return Rehearsal()
+
+
+def spoken(*messages: Message) -> bytes:
+    """Messages of the engine link as they are on the wire."""
+    return b"".join(b"".join(map(bytes, encode(message))) for message in messages)
+
+
+def answered(direction: str) -> str:
+    """An answer as browsers write it."""
+    head = "v=0\r\no=- 1 2 IN IP4 127.0.0.1\r\ns=-\r\nt=0 0\r\na=group:BUNDLE 0 1\r\n"
+    path = (
+        "a=ice-ufrag:aBcD\r\na=ice-pwd:0123456789abcdefghijklmn\r\na=setup:active\r\na=fingerprint:sha-256 "
+        + ":".join(["AB"] * 32)
+    )
+    video = "m=video 9 UDP/TLS/RTP/SAVPF 97 98\r\na=mid:0\r\na=rtpmap:97 VP8/90000\r\na=rtpmap:98 rtx/90000"
+    audio = "m=audio 9 UDP/TLS/RTP/SAVPF 96\r\na=mid:1\r\na=rtpmap:96 opus/48000/2"
+    sources = "a=ssrc-group:FID 1 2\r\na=ssrc:1 cname:x\r\na=ssrc:2 cname:x"
+    return head + "\r\n".join(
+        [video, path, f"a={direction}", sources, audio, path, f"a={direction}", "a=ssrc:3 cname:x", ""]
+    )
+
+
+def pictures(data: bytes) -> None:
+    """RTP packets of a camera: nothing is decodable before a key frame, and no more is held than may be.
+
+    The first byte is the codec. A packet is its length, its distance in sequence numbers, its picture's number with the
+    marker in the highest bit, and its payload.
+    """
+    if not data:
+        return
+    assembly = VideoAssembly(h264_piece if data[0] & 1 else vp8_piece)
+    assembly.watched = True
+    position, sequence, now, decodable = 1, 1000, 10.0, False
+    while position + 3 <= len(data):
+        length, distance, picture = data[position : position + 3]
+        sequence = max(sequence + distance - 100, 0)
+        now += 0.01
+        payload = data[position + 3 : position + 3 + length]
+        found = assembly.add(VideoPacket(sequence, 3000 * (picture & 0x7F), picture > 0x7F, payload), now)
+        found += assembly.attend(now)[0]
+        for each in found:
+            decodable |= each.key_frame
+            assert decodable or not each.decodable
+        assert len(assembly._packets) <= PACKETS_LIMIT
+        assert 0 <= assembly._bytes <= BYTES_LIMIT + 4 * len(data)
+        assert assembly._bytes == sum(len(held.piece.data) for held in assembly._packets.values() if held.piece)
+        position += 3 + length
+
+
+SSRC = 7
+
+
+class Reported:
+    """A sender whose viewer says anything at all; it hears what it says in bounded numbers."""
+
+    def __init__(self) -> None:
+        loop = asyncio.new_event_loop()
+        asyncio.set_event_loop(loop)
+        replaced = RTCPeerConnection().addTransceiver("video", direction="sendonly").sender
+        replaced._ssrc = SSRC
+        self.transport: RTCDtlsTransport = replaced.transport
+        self.transport._rtp_router.register_sender(replaced, ssrc=SSRC)
+        self.figures = GuardFigures()
+        incoming = Incoming(self.transport, lambda: None, self.figures)
+        # A second passes between two reports, so that none is too many.
+        incoming._rtcp_left = Allowance(count().__next__, RTCP_AT_ONCE, RTCP_PER_SECOND)
+        self.sender = RtpSender("video", self, Outlet.made(SystemClock(), 0.0, loop.call_later))
+        self.sender._sequence = 7
+        take_over(replaced, self.sender, DtlsWire())
+        self.sender.start(Negotiated(SSRC, 97, 8, 98, "name", "0", 1, 3), self)
+        self.sender.send(EncodedFrame(b"picture", (b"pic", b"ture"), 0, 90_000, True, 0, 0.0))
+
+    def hear(self, datagram: bytes) -> None:
+        """A packet comes, decrypted; it is taken in at once."""
+        try:
+            self.transport._handle_rtcp_data(datagram).send(None)
+        except StopIteration:
+            return
+        raise AssertionError("a report is waited for")
+
+    def send(self, packets: Sequence[bytes]) -> None:
+        assert len(packets) <= 2
+
+    def send_report(self, packet: bytes) -> None: ...
+
+    def sent(self, frame: EncodedFrame) -> None: ...
+
+    def left_out(self, frames: int, *, repair: bool) -> None: ...
+
+    def reported(self, report: ReceiverReport) -> None:
+        assert 0 <= report.fraction_lost <= 1
+
+    def estimated(self, bitrate: int) -> None:
+        assert bitrate >= 0
+
+    def key_frame_wanted(self) -> None: ...
+
+
+reported_to = cache(Reported)
+
+
+def reports(data: bytes) -> None:
+    """One RTCP packet of a viewer: what cannot be read is counted, and nothing fails."""
+    before = reported_to().figures.total()
+    reported_to().hear(data)
+    assert reported_to().figures.total() <= before + 1
+    assert not reported_to().sender.failed
+
+
 @dataclass(frozen=True)
 class Target:
     """What is tried, where it begins, and the words that its language has."""
 
     run: Callable[[bytes], None]
-    seeds: tuple[str, ...]
+    seeds: tuple[str | bytes, ...]
     words: tuple[str, ...]
 
 
@@ -115,6 +322,88 @@ TARGETS = {
             *(f"{chr(index)}{text}" for index in range(6, 10) for text in ("[1,2]", "[[1.5],[]]", '["a"]', "[true]")),
         ),
         ("true", "false", "READY", "[", "]", ",", "e", "-", ".", '\\"', "null", "1e400"),
+    ),
+    "link": Target(
+        link,
+        (
+            b"a" + spoken(Hello("e", "1", VideoShape(4, 2, 30), hears=True), Audio(1, 2, 1, b"abcd"), Pause(on=True)),
+            b"z" + spoken(Welcome("x"), React("1", "nod"), Audio(0, 0, 2, b"abcd")),
+        ),
+        ("ORL1", '"hears":', '"event":', '"pause"', '"on":', "true", "false", '"command":', '"reaction":', "null"),
+    ),
+    "candidate": Target(
+        candidate,
+        (
+            "candidate:1 1 udp 2113937151 203.0.114.7 50000 typ host generation 0",
+            "1 1 UDP 1 2606:4700::1 9999 typ relay",
+        ),
+        (
+            " typ ",
+            "host",
+            "srflx",
+            "relay",
+            " udp ",
+            " 1 ",
+            "::ffff:",
+            "64:ff9b::",
+            "127.0.0.1",
+            "raddr",
+            "rport",
+            ".local",
+        ),
+    ),
+    "datagram": Target(
+        datagram,
+        (
+            bytes(stun.Message(stun.Method.BINDING, stun.Class.REQUEST, bytes(12), {"USERNAME": "a:b", "PRIORITY": 1})),
+            bytes(stun.Message(stun.Method.BINDING, stun.Class.ERROR, bytes(12), {"ERROR-CODE": (401, "no")})),
+            b"\x16\xfe\xfd" + bytes(20),
+            b"\x80\x60" + bytes(20),
+        ),
+        ("\\x21\\x12\\xa4\\x42", "\\x00\\x01", "\\x01\\x01", "\\x00\\x06", "\\x00\\x08", "\\x00\\x20", "\\x80\\x28"),
+    ),
+    "answer": Target(
+        answer,
+        tuple(chr(number) + answered(DIRECTIONS[number % 4]) for number in (0, 5, 10, 15)),
+        (
+            "a=",
+            "m=video ",
+            "m=audio ",
+            "ssrc:",
+            "ssrc-group:FID ",
+            "sendonly",
+            "recvonly",
+            "inactive",
+            "mid:",
+            "rtpmap:",
+        ),
+    ),
+    "pictures": Target(
+        pictures,
+        (
+            b"\x00" + b"\x04\x65\x01\x10\x00ab" + b"\x03\x65\x81\x00cd" + b"\x04\x66\x82\x10\x01ef",
+            b"\x01" + b"\x08\x65\x01\x78\x00\x02\x67a\x00\x02\x68" + b"\x04\x65\x81\x7c\x85\x88b",
+        ),
+        (
+            "\\x10",
+            "\\x90\\x80",
+            "\\x7c\\x85",
+            "\\x7c\\x45",
+            "\\x78\\x00",
+            "\\x65\\x81",
+            "\\x67",
+            "\\x00\\x00\\x00\\x01",
+        ),
+    ),
+    "reports": Target(
+        reports,
+        (
+            bytes(RtcpRrPacket(1, [RtcpReceiverInfo(SSRC, 64, 3, 70_000, 5, 0, 0)])),
+            bytes(RtcpPsfbPacket(RTCP_PSFB_PLI, 1, SSRC)),
+            bytes(RtcpPsfbPacket(RTCP_PSFB_APP, 1, 0, pack_remb_fci(1_000_000, [SSRC]))),
+            bytes(RtcpRtpfbPacket(RTCP_RTPFB_NACK, 1, SSRC, [0, 7, 9])),
+        ),
+        ("REMB", "\\x00\\x00\\x00\\x07", "\\x8f\\xce", "\\x81\\xce", "\\x81\\xcd", "\\x81\\xc9", "\\x80\\xc8"),
     ),
     "profile_xml": Target(
         profile_xml,
@@ -150,7 +439,7 @@ def main() -> None:
     corpus, words = folder / "corpus", folder / "words"
     corpus.mkdir(parents=True)
     for index, seed in enumerate(target.seeds):
-        (corpus / str(index)).write_bytes(seed.encode())
+        (corpus / str(index)).write_bytes(seed.encode() if isinstance(seed, str) else seed)
     words.write_text("".join('"{}"\n'.format(word.replace('"', '\\"')) for word in target.words))
     options = [f"-dict={words}", f"-artifact_prefix={folder}/", *sys.argv[3:]]
     atheris.Setup([sys.argv[0], *options, str(corpus)], target.run)

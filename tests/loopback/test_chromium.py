@@ -8,6 +8,7 @@ import pytest
 import pytest_asyncio
 from openrois_streaming.errors import InvalidDescription, StaleGeneration
 from openrois_streaming.state import StreamStatus
+from openrois_streaming.testing import ImpairedPath, Impairments
 from playwright.async_api import Browser
 
 from tests.support import loopback
@@ -159,6 +160,20 @@ async def test_a_replacement_plays_beside_the_old_one(engine: Engine, page: Tab)
     assert [(bye.peer_id, bye.reason) for bye in engine.byes] == [("engine/p1", "it was replaced")]
     await page.plays()
     assert StreamStatus.NOT_CONNECTED not in engine.statuses("v")
+
+
+async def test_losses_are_repaired_and_a_burst_costs_few_key_frames(engine: Engine, page: Tab) -> None:
+    async with ImpairedPath(Impairments(loss=0.05, delay=0.01), Impairments(delay=0.01)) as path:
+        page.path = path
+        engine.connect("v", "video")
+        await page.plays("0", 30)
+        path.down.lose_next(40)
+        await page.plays("0", 20)
+        assert path.down.figures().lost > 40
+    stats = await engine.session.stats("v")
+    assert stats.packets_retransmitted > 0
+    assert stats.key_frames <= 3
+    assert stats.key_frame_requests <= 10
 
 
 async def test_a_closed_tab_is_noticed_within_four_seconds(engine: Engine, page: Tab) -> None:
