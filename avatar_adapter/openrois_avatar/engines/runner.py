@@ -30,7 +30,9 @@ from openrois_avatar.link.client import connect_from_environment
 from openrois_avatar.link.messages import (
     Command,
     Completed,
+    Drive,
     Event,
+    Halt,
     Hello,
     LinkError,
     Log,
@@ -41,6 +43,7 @@ from openrois_avatar.link.messages import (
     Speak,
     Stop,
     VideoShape,
+    Walk,
 )
 from openrois_avatar.link.protocol import PixelFormat
 
@@ -236,6 +239,8 @@ class Runner:
             case Stop():
                 self._sound.hush()
                 self._coming.append((self._sent, command))
+            case Walk() | Drive() | Halt():
+                pass  # its greeting does not say that it walks
             case Quit():
                 pass
             case _:

@@ -15,19 +15,28 @@ from openrois_avatar.link.messages import (
     Bye,
     Command,
     Completed,
+    Drive,
     Event,
+    Floor,
+    Halt,
     Hello,
     LinkError,
     Log,
     Look,
     Pause,
+    Place,
     Quit,
+    Reached,
     React,
     Silence,
     Speak,
     Stop,
+    Thing,
+    Things,
     VideoShape,
     Viseme,
+    Walk,
+    Waypoint,
     Welcome,
     command_from_json,
     event_from_json,
@@ -36,6 +45,7 @@ from openrois_avatar.link.messages import (
 HELLO = Hello("puppet", "1.0", VideoShape(640, 360, 29.97, "i420"), 2, ("nod", "bow"), "s3cret")
 SPEAK = Speak("7", 123_456_789_000, (Viseme(0, "PP", 0.5), Viseme(62.5, "aa", 1)), 900)
 COMMANDS: list[Command] = [React("1", "nod"), SPEAK, Silence(), Look(-1, 0.25), Stop("1"), Stop(), Quit()]
+COMMANDS += [Walk("2", (Waypoint(1.5, -2, 3.14159), Waypoint(0, 0)), 0.8), Drive(1, -0.5, 2), Halt()]
 EVENTS: list[Event] = [
     Completed("1", "OK"),
     Completed("é", "ABORT"),
@@ -43,6 +53,10 @@ EVENTS: list[Event] = [
     Log("shader compiled"),
     Pause(True),
     Pause(False),
+    Reached("2", 1),
+    Place(0.5, -1.25, -1.5708),
+    Floor(((-2, -2), (2, -2), (0, 2.5)), (((0, 0), (1, 0), (0, 1)),)),
+    Things((Thing("guest", "person", 1, 2, 0.5, "Mia"), Thing("plant", "object", -1, 0), Thing("bell", "sound", 0, 0))),
 ]
 
 json_values = st.recursive(
@@ -171,6 +185,15 @@ def speak_with(**changes: Any) -> dict[str, Any]:
         (speak_with(duration_ms=86_400_001), "duration_ms"),
         (speak_with(visemes=[[0, "aa", 1.1]]), "weight"),
         (speak_with(visemes=[[5, "aa", 1], [4, "aa", 1]]), "not in order"),
+        ({"command": "walk", "id": "1", "path": [], "speed": 1}, "path: expected at least one point"),
+        ({"command": "walk", "id": "1", "path": [[0, 0]], "speed": 1}, "path: expected arrays of 3"),
+        ({"command": "walk", "id": "1", "path": [[0, 0, 7]], "speed": 1}, "path"),
+        ({"command": "walk", "id": "1", "path": [[0, 1e5, 0]], "speed": 1}, "path"),
+        ({"command": "walk", "id": "1", "path": [[0, 0, 0]] * 1001, "speed": 1}, "path: expected an array of at most"),
+        ({"command": "walk", "id": "1", "path": [[0, 0, 0]], "speed": 0}, "speed"),
+        ({"command": "walk", "path": [[0, 0, 0]], "speed": 1}, "id"),
+        ({"command": "drive", "ahead": 11, "left": 0, "turn": 0}, "ahead"),
+        ({"command": "drive", "ahead": 1, "left": 0}, "turn"),
     ],
 )
 def test_a_bad_command_is_refused_by_name(body: dict[str, Any], named: str) -> None:
@@ -187,6 +210,17 @@ def test_a_bad_command_is_refused_by_name(body: dict[str, Any], named: str) -> N
         ({"event": "log"}, "text"),
         ({"event": "pause"}, "on: expected true or false"),
         ({"event": "pause", "on": 1}, "on"),
+        ({"event": "reached", "id": "1", "index": -1}, "index"),
+        ({"event": "place", "x": 0, "y": None, "th": 0}, "y: expected a number"),
+        ({"event": "place", "x": 0, "y": 0, "th": 6.3}, "th"),
+        ({"event": "floor", "obstacles": []}, "outline: expected an array"),
+        ({"event": "floor", "outline": [[0, 0], [1, 1]], "obstacles": []}, "outline: expected at least three corners"),
+        ({"event": "floor", "outline": [[0, 0], [1, 1], [1, 0, 0]], "obstacles": []}, "outline: expected arrays of 2"),
+        ({"event": "floor", "outline": [[0, 0], [1, 1], [1, 0]]}, "obstacles: expected an array"),
+        ({"event": "floor", "outline": [[0, 0]] * 999, "obstacles": [[[0, 0]] * 3]}, "obstacles: more than 1000"),
+        ({"event": "things", "things": ["x"]}, "things: expected an array of objects"),
+        ({"event": "things", "things": [{"id": "1", "kind": "cat", "x": 0, "y": 0}]}, "kind: expected one of person"),
+        ({"event": "things", "things": [{"id": "1", "kind": "person", "x": 0, "y": 0}] * 2}, "two with one id"),
     ],
 )
 def test_a_bad_event_is_refused_by_name(body: dict[str, Any], named: str) -> None:

@@ -1,0 +1,122 @@
+"""The greeting and the farewell of an engine and its adapter."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from openrois_avatar.link.messages.reading import MAX_NAME, MAX_TEXT, LinkError, integer, mapping, real, text, truth
+
+MAX_REACTIONS: Final = 256
+MIN_SIDE: Final = 2
+MAX_SIDE: Final = 16_384
+"""Smallest and largest width or height of a picture, in pixels."""
+MAX_CHANNELS: Final = 2
+FORMATS: Final = ("bgra", "i420", "nv12")
+"""Pixel formats as HELLO names them."""
+
+
+@dataclass(frozen=True, slots=True)
+class VideoShape:
+    """The pictures an engine is going to send; each VIDEO message says again what it carries."""
+
+    width: int
+    height: int
+    fps: float
+    format: str = "bgra"
+
+    def to_json(self) -> dict[str, Any]:
+        """The member `video` of HELLO."""
+        return {"width": self.width, "height": self.height, "fps": self.fps, "format": self.format}
+
+    @classmethod
+    def from_json(cls, body: Mapping[str, Any]) -> VideoShape:
+        """Read the member `video` of HELLO."""
+        pixel_format = text(body, "format", MAX_NAME)
+        if pixel_format not in FORMATS:
+            raise LinkError(f"format: expected one of {', '.join(FORMATS)}")
+        width, height = integer(body, "width", MIN_SIDE, MAX_SIDE), integer(body, "height", MIN_SIDE, MAX_SIDE)
+        return cls(width, height, real(body.get("fps"), "fps", 0.1, 1000), pixel_format)
+
+
+@dataclass(frozen=True, slots=True)
+class Hello:
+    """First message of an engine: who it is, that it knows the secret, and what it can do."""
+
+    name: str
+    version: str
+    video: VideoShape
+    audio_channels: int | None = None
+    """Channels of the 48 kHz sound it sends, None if it sends none."""
+    reactions: tuple[str, ...] = ()
+    secret: str = field(default="", repr=False)
+    hears: bool = False
+    """Whether it wants AUDIO: the sound of the operator's microphone."""
+    walks: bool = False
+    """Whether its figure can be sent about: it takes `Walk`, `Drive` and `Halt`, and tells its `Place`."""
+
+    def to_json(self) -> dict[str, Any]:
+        """The body of HELLO."""
+        return {
+            "name": self.name,
+            "version": self.version,
+            "secret": self.secret,
+            "video": self.video.to_json(),
+            "audio": None if self.audio_channels is None else {"channels": self.audio_channels},
+            "reactions": list(self.reactions),
+            "hears": self.hears,
+            "walks": self.walks,
+        }
+
+    @classmethod
+    def from_json(cls, body: Mapping[str, Any]) -> Hello:
+        """Read the body of HELLO."""
+        channels = None
+        if body.get("audio") is not None:
+            channels = integer(mapping(body, "audio"), "channels", 1, MAX_CHANNELS)
+        names = body.get("reactions")
+        if not isinstance(names, list) or len(names) > MAX_REACTIONS:
+            raise LinkError(f"reactions: expected an array of at most {MAX_REACTIONS} strings")
+        return cls(
+            name=text(body, "name", MAX_NAME),
+            version=text(body, "version", MAX_NAME),
+            video=VideoShape.from_json(mapping(body, "video")),
+            audio_channels=channels,
+            reactions=tuple(text({"reactions": name}, "reactions", MAX_NAME) for name in names),
+            secret=text(body, "secret", MAX_NAME),
+            hears="hears" in body and truth(body, "hears"),
+            walks="walks" in body and truth(body, "walks"),
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Welcome:
+    """The adapter accepts the engine."""
+
+    name: str
+
+    def to_json(self) -> dict[str, Any]:
+        """The body of WELCOME."""
+        return {"name": self.name}
+
+    @classmethod
+    def from_json(cls, body: Mapping[str, Any]) -> Welcome:
+        """Read the body of WELCOME."""
+        return cls(text(body, "name", MAX_NAME))
+
+
+@dataclass(frozen=True, slots=True)
+class Bye:
+    """The sender closes the connection, for this reason."""
+
+    reason: str
+
+    def to_json(self) -> dict[str, Any]:
+        """The body of BYE; a reason that is too long is cut."""
+        return {"reason": self.reason[:MAX_TEXT]}
+
+    @classmethod
+    def from_json(cls, body: Mapping[str, Any]) -> Bye:
+        """Read the body of BYE."""
+        return cls(text(body, "reason", MAX_TEXT))
