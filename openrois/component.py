@@ -148,6 +148,9 @@ class Component:
         """
         return changes
 
+    def subscribers_changed(self, event_type: str, number: int) -> None:
+        """Take note of how many subscribe to an event now: what nobody hears needs no work. Must not block or raise."""
+
     # What a registry and an adapter need.
 
     @property

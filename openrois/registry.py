@@ -136,18 +136,25 @@ class LocalRegistry:
         require_usable(component_ref, component.status)
         subscribe_id = new_id(self.engine_id)
         self._subscriptions[subscribe_id] = _Subscription(component_ref, event_type, sink)
+        component.subscribers_changed(event_type, len(self._sinks(component_ref, event_type)))
         return subscribe_id
 
     async def unsubscribe(self, subscribe_id: str) -> None:
         """Stop listening."""
-        self._subscriptions.pop(subscribe_id, None)
+        ended = self._subscriptions.pop(subscribe_id, None)
+        if ended is not None:
+            left = len(self._sinks(ended.component_ref, ended.event_type))
+            self._component(ended.component_ref).subscribers_changed(ended.event_type, left)
 
-    def _emit(self, component_ref: str, event_type: str, results: tuple[Result, ...]) -> None:
-        sinks = [
+    def _sinks(self, component_ref: str, event_type: str) -> list[Sink]:
+        return [
             subscription.sink
             for subscription in self._subscriptions.values()
             if subscription.component_ref == component_ref and subscription.event_type == event_type
         ]
+
+    def _emit(self, component_ref: str, event_type: str, results: tuple[Result, ...]) -> None:
+        sinks = self._sinks(component_ref, event_type)
         if sinks:
             expire = date_time(self._wall_clock() + EVENT_LIFETIME)
             event = Event(new_id(self.engine_id), event_type, component_ref, expire, results)

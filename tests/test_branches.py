@@ -38,6 +38,7 @@ TESTS = (
     ),
     "tests/avatar/doctor/test_finding.py",
     "tests/avatar/test_engine_sound.py",
+    "tests/avatar/sensing",
     "tests/avatar/test_health.py",
     "tests/avatar/test_sound_lag.py",
     "tests/signaling",

@@ -58,6 +58,30 @@ async def test_one_emission_is_one_event_for_all_who_listen_to_it() -> None:
     assert len({item.event_id for _, item in heard if isinstance(item, Event)}) == 2
 
 
+class Owl(Bell):
+    """A bell that takes note of who listens."""
+
+    def __init__(self) -> None:
+        super().__init__("owl")
+        self.told: list[tuple[str, int]] = []
+
+    def subscribers_changed(self, event_type: str, number: int) -> None:
+        self.told.append((event_type, number))
+
+
+async def test_a_component_is_told_how_many_listen() -> None:
+    owl, bell = Owl(), Bell("bell")
+    registry = LocalRegistry("robot", [owl, bell])
+    await registry.subscribe("robot/bell", "rang", lambda _item: None)
+    first = await registry.subscribe("robot/owl", "rang", lambda _item: None)
+    second = await registry.subscribe("robot/owl", "rang", lambda _item: None)
+    with pytest.raises(Unsupported):
+        await registry.subscribe("robot/owl", "sang", lambda _item: None)
+    for subscribe_id in (first, first, "robot/unknown", second):
+        await registry.unsubscribe(subscribe_id)
+    assert owl.told == [("rang", 1), ("rang", 2), ("rang", 1), ("rang", 0)]
+
+
 async def test_only_declared_events_can_be_listened_to() -> None:
     registry = LocalRegistry("robot", [Lamp()])
     with pytest.raises(Unsupported):

@@ -1,0 +1,67 @@
+"""What the sensing components have in common, on a small one."""
+
+from collections.abc import Mapping
+
+import pytest
+from openrois_avatar.components.sensing import Localizing, Sense
+from openrois_avatar.sensing.changes import Place
+
+from openrois.adapter import components
+from openrois.component import Component
+from openrois.errors import BadParameter
+from openrois.registry import LocalRegistry
+from openrois.testing import ComponentContract
+from openrois.types.messages import Argument
+
+
+class Detection(Sense, components.FaceDetection):
+    def __init__(self) -> None:
+        super().__init__("FaceDetection")
+
+
+class Localization(Localizing, components.FaceLocalization):
+    def __init__(self) -> None:
+        super().__init__("FaceLocalization")
+
+
+class TestDetection(ComponentContract):
+    async def component(self) -> Component:
+        return Detection()
+
+
+class TestLocalization(ComponentContract):
+    parameters: Mapping[str, str] = {"detection_threshold": "50"}
+
+    async def component(self) -> Component:
+        return Localization()
+
+
+async def test_a_sense_works_for_who_listens_and_when_it_is_told_to() -> None:
+    sense = Detection()
+    registry = LocalRegistry("avatar", [sense])
+    works: list[bool] = []
+    sense.activity.changed.add(works.append)
+    subscribe_id = await registry.subscribe("avatar/FaceDetection", "face_detected", lambda _item: None)
+    for command in ("suspend", "resume", "start"):
+        await registry.invoke("avatar/FaceDetection", command)
+    await registry.unsubscribe(subscribe_id)
+    await registry.invoke("avatar/FaceDetection", "stop")
+    assert works == [True, False, True, False]
+    assert [each.name for each in sense.profile.command_profiles] == ["start", "stop", "suspend", "resume"]
+
+
+async def test_places_are_told_as_the_parameters_say() -> None:
+    sense = Localization()
+    registry = LocalRegistry("avatar", [sense])
+
+    async def set_parameter(name: str, value: str) -> None:
+        argument = Argument(name=name, data_type_ref="int", value=value)
+        await registry.invoke("avatar/FaceLocalization", "set_parameter", (argument,))
+
+    await set_parameter("detection_threshold", "100")
+    await set_parameter("minimum_interval", "1000")
+    for name in ("detection_threshold", "minimum_interval"):
+        with pytest.raises(BadParameter):
+            await set_parameter(name, "-1")
+    places = [({"a": Place(x, 1.0, 0.0)}, now) for x, now in ((0.0, 0.0), (0.05, 2.0), (0.2, 2.5), (0.4, 3.0))]
+    assert [sense.tells(each, now) for each, now in places] == [True, False, True, False]
