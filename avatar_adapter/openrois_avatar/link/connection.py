@@ -14,8 +14,8 @@ from openrois_streaming.clock import MediaClock
 from openrois_streaming.source import RawAudio
 
 from openrois_avatar.link.inlet import MAX_AHEAD, EngineVideo, believed
-from openrois_avatar.link.messages import Bye, Command, Completed, Event, Hello, LinkError, Log, Pause, Welcome
-from openrois_avatar.link.protocol import Audio, Bytes, Message, Parser, Sender, Video, encode
+from openrois_avatar.link.messages import Bye, Command, Event, Hello, LinkError, Welcome
+from openrois_avatar.link.protocol import Audio, Bytes, Doorbell, Message, Parser, Sender, Video, encode
 from openrois_avatar.link.unheard import Unheard
 
 FAREWELL_TIMEOUT: Final = 0.5
@@ -171,16 +171,18 @@ class EngineConnection(asyncio.BufferedProtocol):
         match message:
             case Video():
                 self._receivers.video.put(message)
+            case Doorbell():
+                raise LinkError("RING: no ring was given")
             case Audio():
                 self._take_audio(message)
-            case Completed() | Log() | Pause():
-                tell(self._receivers.on_event, message)
             case Hello():
                 self._greet(message)
-            case _:
-                assert isinstance(message, Bye), "the parser lets an engine say nothing else"
+            case Bye():
                 self._reason = message.reason
                 self._shut()
+            case _:
+                assert isinstance(message, Event), "the parser lets an engine say nothing else"
+                tell(self._receivers.on_event, message)
 
     def _take_audio(self, audio: Audio) -> None:
         samples = np.frombuffer(audio.samples, dtype="<i2").reshape(-1, audio.channels)

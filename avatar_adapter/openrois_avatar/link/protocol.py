@@ -3,12 +3,8 @@
 Every message is a header of 16 bytes and a payload, all integers little-endian:
 
     header   magic `ORL1`, type u8, version u8 (1), flags u16 (0), length u32 (payload bytes), reserved u32 (0)
-    VIDEO    seq u64, timestamp_ns u64, width u32, height u32, stride u32, format u32, flags u32, reserved u32, pixels
-    AUDIO    seq u64, timestamp_ns u64, channels u32, reserved u32, s16 samples at 48 kHz, channels interleaved
-    others   one JSON object in UTF-8
 
-`timestamp_ns` is CLOCK_MONOTONIC, which the processes of one machine share. Pixels are `height` rows of `stride` bytes;
-I420 and NV12 add their chroma planes without a gap, rows of `stride / 2` (I420, U then V) or `stride` bytes (NV12).
+The payloads of VIDEO, RING and AUDIO are those of `media`; all others are one JSON object in UTF-8.
 """
 
 from __future__ import annotations
@@ -16,41 +12,63 @@ from __future__ import annotations
 import json
 import struct
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from enum import Enum, IntEnum
 from typing import Any, Final, NamedTuple, TypeAlias
 
+from openrois_avatar.link.media import (
+    AUDIO_HEADER,
+    MAX_AUDIO,
+    MAX_VIDEO,
+    RING_SIZE,
+    SAMPLE_RATE,
+    VIDEO_HEADER,
+    Audio,
+    Bytes,
+    Doorbell,
+    PixelFormat,
+    Video,
+    media_header,
+    read_audio,
+    read_doorbell,
+    read_video,
+)
 from openrois_avatar.link.messages import (
-    MAX_CHANNELS,
-    MAX_SIDE,
-    MIN_SIDE,
     Bye,
     Command,
-    Completed,
     Event,
     Hello,
     LinkError,
-    Log,
-    Pause,
     Welcome,
     command_from_json,
     event_from_json,
 )
 
+__all__ = [
+    "AUDIO_HEADER",
+    "HEADER",
+    "MAGIC",
+    "MAX_AUDIO",
+    "MAX_JSON",
+    "MAX_VIDEO",
+    "SAMPLE_RATE",
+    "VERSION",
+    "VIDEO_HEADER",
+    "Audio",
+    "Bytes",
+    "Doorbell",
+    "Message",
+    "MessageType",
+    "Parser",
+    "PixelFormat",
+    "Sender",
+    "Video",
+    "encode",
+]
+
 MAGIC: Final = b"ORL1"
 VERSION: Final = 1
-SAMPLE_RATE: Final = 48_000
 MAX_JSON: Final = 64 * 1024
-MAX_AUDIO: Final = 64 * 1024
-MAX_VIDEO: Final = 64 * 1024 * 1024
-
 HEADER: Final = struct.Struct("<4sBBHII")
-VIDEO_HEADER: Final = struct.Struct("<QQIIIIII")
-AUDIO_HEADER: Final = struct.Struct("<QQII")
-_BOTTOM_UP: Final = 1
-_UINT64: Final = 2**64 - 1
-
-Bytes: TypeAlias = bytes | bytearray | memoryview
 
 
 class MessageType(IntEnum):
@@ -63,14 +81,7 @@ class MessageType(IntEnum):
     COMMAND = 5
     EVENT = 6
     BYE = 7
-
-
-class PixelFormat(IntEnum):
-    """The format word of a VIDEO payload; the names in HELLO are the same in lower case."""
-
-    BGRA = 1
-    I420 = 2
-    NV12 = 3
+    RING = 8
 
 
 class Sender(Enum):
@@ -80,74 +91,24 @@ class Sender(Enum):
     ADAPTER = "adapter"
 
 
-@dataclass(frozen=True, slots=True)
-class Video:
-    """One picture. `pixels` may be a view into the buffer it was received in; the view keeps that buffer alive."""
-
-    sequence: int
-    timestamp_ns: int
-    width: int
-    height: int
-    stride: int
-    format: PixelFormat
-    pixels: Bytes
-    bottom_up: bool = False
-
-    def __post_init__(self) -> None:
-        """Raise `LinkError` when the numbers do not describe the pixels."""
-        check_picture(self.width, self.height, self.stride, self.format, len(memoryview(self.pixels).cast("B")))
-
-
-@dataclass(frozen=True, slots=True)
-class Audio:
-    """A block of 48 kHz sound: `samples` are s16le, interleaved; `timestamp_ns` is when its first sample was made."""
-
-    sequence: int
-    timestamp_ns: int
-    channels: int
-    samples: Bytes
-
-    def __post_init__(self) -> None:
-        """Raise `LinkError` when the samples are not whole."""
-        if not 1 <= self.channels <= MAX_CHANNELS:
-            raise LinkError(f"AUDIO: channels from 1 to {MAX_CHANNELS} expected")
-        if len(self.samples) > MAX_AUDIO - AUDIO_HEADER.size:
-            raise LinkError(f"AUDIO: over the limit of {MAX_AUDIO} bytes")
-        if len(self.samples) % (2 * self.channels):
-            raise LinkError("AUDIO: the last sample is not whole")
-
-
-Message: TypeAlias = Hello | Welcome | Video | Audio | Command | Event | Bye
+Message: TypeAlias = Hello | Welcome | Video | Doorbell | Audio | Command | Event | Bye
 
 _LIMITS: Final[Mapping[MessageType, int]] = {
     **dict.fromkeys(MessageType, MAX_JSON),
     MessageType.AUDIO: MAX_AUDIO,
     MessageType.VIDEO: MAX_VIDEO,
+    MessageType.RING: RING_SIZE,
 }
 _FIRST: Final[Mapping[Sender, frozenset[MessageType]]] = {
     Sender.ENGINE: frozenset({MessageType.HELLO, MessageType.BYE}),
     Sender.ADAPTER: frozenset({MessageType.WELCOME, MessageType.BYE}),
 }
 _LATER: Final[Mapping[Sender, frozenset[MessageType]]] = {
-    Sender.ENGINE: frozenset({MessageType.VIDEO, MessageType.AUDIO, MessageType.EVENT, MessageType.BYE}),
+    Sender.ENGINE: frozenset(
+        {MessageType.VIDEO, MessageType.RING, MessageType.AUDIO, MessageType.EVENT, MessageType.BYE}
+    ),
     Sender.ADAPTER: frozenset({MessageType.COMMAND, MessageType.AUDIO, MessageType.BYE}),
 }
-
-
-def check_picture(width: int, height: int, stride: int, pixel_format: PixelFormat, size: int) -> None:
-    """Raise `LinkError` unless `size` bytes are exactly a picture of this shape."""
-    if not (MIN_SIDE <= width <= MAX_SIDE and MIN_SIDE <= height <= MAX_SIDE):
-        raise LinkError(f"VIDEO: width and height from {MIN_SIDE} to {MAX_SIDE} expected")
-    planar = pixel_format is not PixelFormat.BGRA
-    if planar and (width % 2 or height % 2 or stride % 2):
-        raise LinkError("VIDEO: width, height and stride must be even in I420 and NV12")
-    if stride < (width if planar else 4 * width):
-        raise LinkError("VIDEO: stride shorter than a row")
-    expected = stride * height * 3 // 2 if planar else stride * height
-    if size > MAX_VIDEO - VIDEO_HEADER.size:
-        raise LinkError(f"VIDEO: over the limit of {MAX_VIDEO} bytes")
-    if size != expected:
-        raise LinkError(f"VIDEO: {expected} bytes of pixels expected, {size} found")
 
 
 def _refuse_constant(name: str) -> None:
@@ -164,33 +125,12 @@ def _json_object(payload: memoryview) -> Mapping[str, Any]:
     return body
 
 
-def _video(payload: memoryview) -> Video:
-    if len(payload) < VIDEO_HEADER.size:
-        raise LinkError("VIDEO: shorter than its header")
-    fields = VIDEO_HEADER.unpack_from(payload)
-    sequence, timestamp_ns, width, height, stride, number, flags, reserved = fields
-    if flags & ~_BOTTOM_UP or reserved:
-        raise LinkError("VIDEO: unknown flags")
-    if number not in PixelFormat.__members__.values():
-        raise LinkError("VIDEO: unknown pixel format")
-    pixels = payload[VIDEO_HEADER.size :]
-    return Video(sequence, timestamp_ns, width, height, stride, PixelFormat(number), pixels, bool(flags))
-
-
-def _audio(payload: memoryview) -> Audio:
-    if len(payload) < AUDIO_HEADER.size:
-        raise LinkError("AUDIO: shorter than its header")
-    sequence, timestamp_ns, channels, reserved = AUDIO_HEADER.unpack_from(payload)
-    if reserved:
-        raise LinkError("AUDIO: unknown flags")
-    return Audio(sequence, timestamp_ns, channels, payload[AUDIO_HEADER.size :])
-
-
 _READERS: Final[Mapping[MessageType, Callable[[memoryview], Message]]] = {
     MessageType.HELLO: lambda payload: Hello.from_json(_json_object(payload)),
     MessageType.WELCOME: lambda payload: Welcome.from_json(_json_object(payload)),
-    MessageType.VIDEO: _video,
-    MessageType.AUDIO: _audio,
+    MessageType.VIDEO: read_video,
+    MessageType.RING: read_doorbell,
+    MessageType.AUDIO: read_audio,
     MessageType.COMMAND: lambda payload: command_from_json(_json_object(payload)),
     MessageType.EVENT: lambda payload: event_from_json(_json_object(payload)),
     MessageType.BYE: lambda payload: Bye.from_json(_json_object(payload)),
@@ -300,18 +240,16 @@ class Parser:
         return message
 
 
-def _kind(message: Message) -> MessageType:
+def _kind(message: Hello | Welcome | Command | Event | Bye) -> MessageType:
     match message:
         case Hello():
             return MessageType.HELLO
         case Welcome():
             return MessageType.WELCOME
-        case Completed() | Log() | Pause():
-            return MessageType.EVENT
         case Bye():
             return MessageType.BYE
         case _:
-            return MessageType.COMMAND
+            return MessageType.EVENT if isinstance(message, Event) else MessageType.COMMAND
 
 
 def encode(message: Message) -> tuple[Bytes, ...]:
@@ -320,16 +258,16 @@ def encode(message: Message) -> tuple[Bytes, ...]:
     Raises:
         LinkError: the message is too long for the link, or a number does not fit its field.
     """
-    payload: Bytes
+    head, payload = b"", memoryview(b"")
     match message:
         case Video():
-            kind, payload = MessageType.VIDEO, memoryview(message.pixels).cast("B")
-            head = _video_header(message)
+            kind, head, payload = MessageType.VIDEO, media_header(message), memoryview(message.pixels).cast("B")
+        case Doorbell():
+            kind, head = MessageType.RING, media_header(message)
         case Audio():
-            kind, payload = MessageType.AUDIO, memoryview(message.samples).cast("B")
-            head = _pack(AUDIO_HEADER, message.sequence, message.timestamp_ns, message.channels, 0)
+            kind, head, payload = MessageType.AUDIO, media_header(message), memoryview(message.samples).cast("B")
         case _:
-            kind, payload, head = _kind(message), _json_bytes(message.to_json()), b""
+            kind, payload = _kind(message), memoryview(_json_bytes(message.to_json()))
     length = len(head) + len(payload)
     if length > _LIMITS[kind]:
         raise LinkError(f"{kind.name} of {length} bytes is over the limit of {_LIMITS[kind]}")
@@ -341,15 +279,3 @@ def _json_bytes(body: Mapping[str, Any]) -> bytes:
         return json.dumps(body, separators=(",", ":"), allow_nan=False).encode()
     except ValueError as error:
         raise LinkError(str(error)) from error
-
-
-def _video_header(video: Video) -> bytes:
-    flags = _BOTTOM_UP if video.bottom_up else 0
-    shape = video.width, video.height, video.stride, video.format
-    return _pack(VIDEO_HEADER, video.sequence, video.timestamp_ns, *shape, flags, 0)
-
-
-def _pack(layout: struct.Struct, sequence: int, timestamp_ns: int, *rest: int) -> bytes:
-    if not 0 <= timestamp_ns <= _UINT64:
-        raise LinkError("timestamp_ns does not fit 64 bits")
-    return layout.pack(sequence & _UINT64, timestamp_ns, *rest)

@@ -11,18 +11,27 @@ from openrois_avatar.link.messages import (
     MAX_VISEMES,
     Bye,
     Completed,
+    Drive,
+    Floor,
+    Halt,
     Hello,
     LinkError,
     Log,
     Look,
     Pause,
+    Place,
     Quit,
+    Reached,
     React,
     Silence,
     Speak,
     Stop,
+    Thing,
+    Things,
     VideoShape,
     Viseme,
+    Walk,
+    Waypoint,
     Welcome,
 )
 from openrois_avatar.link.protocol import (
@@ -33,6 +42,7 @@ from openrois_avatar.link.protocol import (
     MAX_VIDEO,
     VIDEO_HEADER,
     Audio,
+    Doorbell,
     Message,
     MessageType,
     Parser,
@@ -46,9 +56,25 @@ HELLO = Hello("puppet", "1.0", VideoShape(4, 2, 30), 1, ("nod",), "secret")
 BGRA = Video(1, 2, 4, 2, 16, PixelFormat.BGRA, bytes(range(32)), bottom_up=True)
 I420 = Video(2, 3, 4, 2, 6, PixelFormat.I420, bytes(18))
 NV12 = Video(2**64 - 1, 2**64 - 1, 2, 2, 2, PixelFormat.NV12, bytes(6))
+BELL = Doorbell(5, 6, 4, 2, 6, PixelFormat.I420, 3, bottom_up=True)
 SOUND = Audio(3, 4, 2, bytes(3840))
 SPEAK = Speak("2", 5, (Viseme(0.0, "PP", 1.0),), 100)
-FROM_ENGINE: list[Message] = [HELLO, BGRA, I420, NV12, SOUND, Completed("1", "OK"), Log("ä"), Pause(True), Bye("end")]
+FROM_ENGINE: list[Message] = [
+    HELLO,
+    BGRA,
+    I420,
+    BELL,
+    NV12,
+    SOUND,
+    Completed("1", "OK"),
+    Log("ä"),
+    Pause(True),
+    Reached("1", 0),
+    Place(1.0, 2.0, 0.0),
+    Floor(((0.0, 0.0), (1.0, 0.0), (1.0, 1.0)), ()),
+    Things((Thing("1", "person", 0.0, 1.0, name="Ann"),)),
+    Bye("end"),
+]
 FROM_ADAPTER: list[Message] = [
     Welcome("x"),
     React("1", "nod"),
@@ -57,6 +83,9 @@ FROM_ADAPTER: list[Message] = [
     Look(0.0, 1.0),
     SOUND,
     Stop(),
+    Walk("3", (Waypoint(1.0, 2.0), Waypoint(0.0, 0.0, 1.0)), 1.0),
+    Drive(1.0, 0.0, 0.0),
+    Halt(),
     Quit(),
     Bye(""),
 ]
@@ -197,7 +226,7 @@ def test_the_header_is_not_overwritten_by_what_follows_an_empty_payload() -> Non
         (raw(6, flags=1), "unknown flags in the header"),
         (raw(6, reserved=1), "unknown flags in the header"),
         (raw(0), "unknown message type 0"),
-        (raw(8), "unknown message type 8"),
+        (raw(9), "unknown message type 9"),
         (raw(1), "HELLO is not expected here"),
         (raw(2), "WELCOME is not expected here"),
         (raw(5), "COMMAND is not expected here"),
@@ -225,6 +254,11 @@ def test_the_header_is_not_overwritten_by_what_follows_an_empty_payload() -> Non
         (raw(3, video_payload(18, 1, 1, 4, 3, 4, 2, 0, 0)), "must be even"),
         (raw(3, video_payload(15, 1, 1, 4, 2, 5, 3, 0, 0)), "must be even"),
         (raw(3, video_payload(6, 1, 1, 4, 2, 2, 3, 0, 0)), "stride shorter than a row"),
+        (raw(8, length=49), "RING of 49 bytes is over the limit of 48"),
+        (raw(8, bytes(47)), "bad RING: RING: 48 bytes expected, 47 found"),
+        (raw(8, video_payload(8, 1, 1, 4, 2, 16, 4, 0, 0)), "unknown pixel format"),
+        (raw(8, video_payload(8, 1, 1, 4, 2, 15, 1, 0, 0)), "stride shorter than a row"),
+        (raw(8, video_payload(7, 1, 1, 4, 2, 16, 1, 0, 0) + b"x"), "RING: unknown flags"),
         (raw(4, bytes(23)), "AUDIO: shorter than its header"),
         (raw(4, AUDIO_HEADER.pack(1, 1, 1, 1)), "AUDIO: unknown flags"),
         (raw(4, AUDIO_HEADER.pack(1, 1, 0, 0)), "AUDIO: channels"),

@@ -16,11 +16,16 @@ from openrois_avatar.link.messages import (
     Bye,
     Completed,
     Event,
+    Floor,
     Hello,
     LinkError,
     Log,
     Look,
+    Pause,
+    Place,
+    Reached,
     React,
+    Things,
     Welcome,
 )
 from openrois_avatar.link.protocol import Audio, Message, Parser, Sender
@@ -223,6 +228,20 @@ async def test_malformed_input_closes_that_connection_only(world: World, caplog:
     assert "bad magic" in await connection.closed()
     assert not connection.connected
     assert world.server.video.received == 0
+
+
+async def test_every_event_arrives(world: World) -> None:
+    engine = await world.join()
+    events = [
+        Reached("1", 0),
+        Place(0.0, 0.0, 1.0),
+        Floor(((0.0, 0.0), (1.0, 0.0), (1.0, 1.0)), ()),
+        Things(()),
+        Pause(True),
+    ]
+    engine.send(*events, Bye("end"))
+    await (await world.server.accept(5)).closed()
+    assert world.events == events
 
 
 async def test_an_engine_that_comes_and_goes_is_not_accepted(world: World) -> None:
