@@ -17,6 +17,7 @@ from openrois.contract import Client, Fault
 from openrois.engine import Engine
 from openrois.error_log import ErrorLog
 from openrois.event_log import EventLog
+from openrois.holders import tell_holder
 from openrois.jsonrpc.protocol import Peer, RequestId
 from openrois.lost_streams import lost_streams
 from openrois.ordering import ReplyFirst
@@ -27,7 +28,12 @@ from openrois.types.codes import CompletedStatus, ErrorType, StreamStatus
 from openrois.types.messages import Completed, ErrorNotification
 from openrois.types.reasons import ReasonNotification, sentence
 from openrois.types.references import engine_of
-from openrois.types.streams import EventsDroppedNotification, StreamStatusNotification, subject_of
+from openrois.types.streams import (
+    EventsDroppedNotification,
+    HolderNotification,
+    StreamStatusNotification,
+    subject_of,
+)
 
 __all__ = ["ApplicationSession", "EngineHost"]
 
@@ -119,6 +125,24 @@ class ApplicationSession:
     def is_barred_from(self, component_ref: str) -> bool:
         """Tell whether another session has the component now; one that nobody has is open to what was accepted."""
         return not self.trusted and self.host.reservations.is_held_by_another(component_ref, self)
+
+    def reserve(self, component_ref: str) -> None:
+        """Reserve a component for this session; its adapter is told, also when the session has it already.
+
+        Raises:
+            OutOfResources: another session holds it.
+        """
+        epoch = self.host.reservations.bind(component_ref, self)
+        self._tell_holder(HolderNotification(component_ref=component_ref, holds=True, epoch=epoch))
+
+    def give_back(self, component_ref: str) -> None:
+        """End the session's reservation of a component, if it has one; its adapter is told."""
+        epoch = self.host.reservations.release(component_ref, self)
+        if epoch is not None:
+            self._tell_holder(HolderNotification(component_ref=component_ref, holds=False, epoch=epoch))
+
+    def _tell_holder(self, told: HolderNotification) -> None:
+        self.host.tasks.start(tell_holder(self.engine, told, self.client))
 
     def explain(self, request_id: RequestId, reason: object) -> None:
         """Tell the application why the reply that comes right behind is a refusal, if it would understand that."""

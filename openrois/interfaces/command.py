@@ -75,7 +75,7 @@ class _Commands:
 
     def _bind(self, component_ref: str) -> None:
         if self._profile(component_ref).function is ComponentFunction.ACTUATION:
-            self._app.host.reservations.bind(component_ref, self._app)
+            self._app.reserve(component_ref)
         self._app.bound.add(component_ref)
 
     async def bind_any(self, params: ConditionParams) -> ReferenceResult:
@@ -92,7 +92,7 @@ class _Commands:
 
     async def release(self, params: ComponentParams) -> ReturnResult:
         self._profile(params.component_ref)
-        self._app.host.reservations.release(params.component_ref, self._app)
+        self._app.give_back(params.component_ref)
         self._app.bound.discard(params.component_ref)
         return ReturnResult()
 

@@ -9,7 +9,7 @@ from openrois.contract import Client
 from openrois.errors import ComponentFailed
 from openrois.jsonrpc.session import NotificationHandler
 from openrois.logs import Tally
-from openrois.types.streams import STREAM_METHODS
+from openrois.types.streams import STREAM_METHODS, HolderNotification
 
 __all__ = ["CLIENT_GONE", "EXTENSION_METHODS", "EXTENSION_NOTIFICATIONS", "RemoteExtension"]
 
@@ -80,17 +80,35 @@ class RemoteExtension:
         self._engines = frozenset(engines)
 
     async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
-        """Ask for an application; from its first connect_stream on it is told what the other side says to it."""
+        """Ask for an application; from its first connect_stream on it is told what the other side says to it.
+
+        Whether it holds a component is told, not asked.
+        """
+        if method == HolderNotification.method:
+            self._tell_holder(params, client)
+            return {}
         client_id = self._ids.get(client) or self._free_id(client)
         if method == _CONNECT:
-            self._clients[client_id] = client
-            self._ids[client] = client_id
+            self._note(client, client_id)
         result = await self._ask(
             method, {**params, "client_id": client_id}, lambda late: self._end_late_stream(late, client_id)
         )
         if not isinstance(result, dict):
             raise ComponentFailed(f"the engine's answer to {method} is not an object")
         return result
+
+    def _tell_holder(self, params: Mapping[str, Any], client: Client) -> None:
+        """Tell whether a client holds a component; from then on the other side is told of its end, too."""
+        client_id = self._ids.get(client)
+        if client_id is None and params["holds"]:
+            client_id = self._free_id(client)
+            self._note(client, client_id)
+        if client_id is not None:
+            self._notify(HolderNotification.method, {**params, "client_id": client_id})
+
+    def _note(self, client: Client, client_id: str) -> None:
+        self._clients[client_id] = client
+        self._ids[client] = client_id
 
     def _free_id(self, client: Client) -> str:
         return secrets.token_hex(16) if client.client_id in self._clients else client.client_id

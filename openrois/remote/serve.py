@@ -5,8 +5,9 @@ from typing import Any, Final
 
 from openrois.application import ApplicationSession, EngineHost
 from openrois.contract import Client
-from openrois.engine import leads_to
+from openrois.engine import Engine, leads_to
 from openrois.errors import Aborted, EngineUnreachable, RoISError
+from openrois.holders import tell_holder
 from openrois.interfaces import base_methods
 from openrois.jsonrpc.session import Handler, InvalidParams, NotificationHandler, Reply, RpcSession, method
 from openrois.lost_streams import lost_streams
@@ -20,6 +21,7 @@ from openrois.types.streams import (
     STREAM_METHODS,
     HelloParams,
     HelloResult,
+    HolderNotification,
     StreamStatusNotification,
     subject_of,
 )
@@ -67,6 +69,7 @@ class _ServedExtension:
         self._order = ReplyFirst()
         self._clients: dict[str, Client] = {}
         self._streams: dict[str, tuple[str, str]] = {}
+        self._holders = _Holders(host.engine)
         self._stop_listening = host.engine.on_change(self._tree_changed)
 
     def methods(self) -> dict[str, Handler]:
@@ -87,11 +90,24 @@ class _ServedExtension:
             if client is not None:
                 await self._host.engine.extension.forget(client)
 
+        def holder(params: dict[str, Any]) -> None:
+            client_id = str(params.pop("client_id", ""))
+            told = HolderNotification.model_validate(params)
+            self._host.tasks.start(self._take_holder(told, client_id))
+
         def client_gone(params: dict[str, Any]) -> None:
             # In a task, as requests are: what the application asked just before has to be begun first.
             self._host.tasks.start(forget(str(params.get("client_id"))))
 
-        return {CLIENT_GONE: client_gone}
+        return {CLIENT_GONE: client_gone, HolderNotification.method: holder}
+
+    async def _take_holder(self, told: HolderNotification, client_id: str) -> None:
+        if client_id and told.component_ref in self._host.engine.directory.component_profiles:
+            client = self._clients.get(client_id)
+            if client is None and told.holds:
+                client = self._clients[client_id] = Client(client_id, self._notifying(client_id))
+            if client is not None:
+                await self._holders.take(told, client)
 
     def _calling(self, name: str) -> Handler:
         async def call(params: dict[str, Any]) -> Reply:
@@ -151,13 +167,43 @@ class _ServedExtension:
     def _forget(self, client_id: str) -> Client | None:
         """Drop what is noted of an application and return it, if it was known."""
         self._streams = {key: owned for key, owned in self._streams.items() if owned[0] != client_id}
-        return self._clients.pop(client_id, None)
+        client = self._clients.pop(client_id, None)
+        if client is not None:
+            self._holders.forget(client)
+        return client
 
     async def close(self) -> None:
-        """End the streams of every application of the parent, after the grace."""
+        """End what applications of the parent hold, at once, and the streams of all of them after the grace."""
         self._stop_listening()
+        await self._holders.clear()
         await self._host.sleep(STREAM_GRACE)
         clients, self._clients = tuple(self._clients.values()), {}
         self._streams.clear()
         for client in clients:
             await self._host.engine.extension.forget(client)
+
+
+class _Holders:
+    """Which applications of the parent hold what: nobody can end it for them when the connection is gone."""
+
+    def __init__(self, engine: Engine) -> None:
+        self._engine = engine
+        self._held: dict[str, tuple[HolderNotification, Client]] = {}
+
+    async def take(self, told: HolderNotification, client: Client) -> None:
+        """Note what the parent tells, and pass it on to the engine of the component."""
+        if told.holds:
+            self._held[told.component_ref] = told, client
+        elif self._held.get(told.component_ref, (None, None))[1] is client:
+            del self._held[told.component_ref]
+        await tell_holder(self._engine, told, client)
+
+    def forget(self, client: Client) -> None:
+        """Drop what a client held that is gone; the engines hear of its end anyway."""
+        self._held = {ref: held for ref, held in self._held.items() if held[1] is not client}
+
+    async def clear(self) -> None:
+        """End all of it."""
+        held, self._held = self._held, {}
+        for told, client in held.values():
+            await tell_holder(self._engine, told.model_copy(update={"holds": False}), client)

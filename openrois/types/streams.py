@@ -1,4 +1,4 @@
-"""Params and results of the extensions: `openrois.hello` and `rois.stream.*`.
+"""Params and results of the extensions: `openrois.hello`, `openrois.holder` and `rois.stream.*`.
 
 The streaming verbs are the Streaming Interface (clause 8.2.2.5, table 8.6) as methods of their own. Between an engine
 and its sub-engine they carry `client_id` as well, because there one connection speaks for many applications.
@@ -22,6 +22,7 @@ __all__ = [
     "EventsDroppedNotification",
     "HelloParams",
     "HelloResult",
+    "HolderNotification",
     "StreamParams",
     "StreamStatusNotification",
     "StreamStatusResult",
@@ -108,6 +109,20 @@ class EventsDroppedNotification(Model):
     method: ClassVar[str] = "openrois.events_dropped"
 
     count: Annotated[int, Field(gt=0)]
+
+
+class HolderNotification(Model):
+    """Params of the notification `openrois.holder`, which a gateway sends to an adapter with `client_id` beside them.
+
+    The application holds the component from now on, or not any more. `epoch` grows with each new holder; it is the same
+    in the notification that begins it, in those that repeat it, and in the one that ends it.
+    """
+
+    method: ClassVar[str] = "openrois.holder"
+
+    component_ref: str
+    holds: bool
+    epoch: Annotated[int, Field(gt=0)]
 
 
 def subject_of(params: Mapping[str, Any]) -> str:

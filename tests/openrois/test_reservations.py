@@ -64,3 +64,14 @@ def test_components_that_are_gone(ann: Holder) -> None:
     held.bind(BELL, ann)
     held.keep_only({BELL, "r/new"})
     assert (held.is_held(LAMP, ann), held.is_held(BELL, ann)) == (False, True)
+
+
+def test_each_holder_has_an_epoch_of_its_own(ann: Holder, bob: Holder) -> None:
+    held = Reservations()
+    assert (held.bind(LAMP, ann), held.bind(LAMP, ann), held.bind(BELL, ann)) == (1, 1, 2)
+    assert (held.release(LAMP, bob), held.release(LAMP, ann), held.release(LAMP, ann)) == (None, 1, None)
+    assert held.bind(LAMP, bob) == 3
+    held.release_all(ann)
+    assert held.bind(BELL, bob) == 4
+    held.keep_only({BELL})
+    assert (held.bind(LAMP, ann), held.bind(BELL, bob)) == (5, 4)

@@ -149,3 +149,20 @@ async def test_a_stream_that_comes_too_late_is_ended(other: OtherSide, result: A
     assert other.posted == [
         ("rois.stream.disconnect_stream", {"stream_id": stream_id, "client_id": "ann"}) for stream_id in ended
     ]
+
+
+async def test_who_holds_a_component_is_told_and_named_again_in_the_end(other: OtherSide) -> None:
+    ann = Heard().client("ann")
+    held = {"component_ref": "robot/lamp", "holds": True, "epoch": 3}
+    await other.extension.call("openrois.holder", {**held, "holds": False}, ann)
+    assert other.told == []
+    await other.extension.call("openrois.holder", held, ann)
+    await other.extension.call(SUSPEND, {}, ann)
+    await other.extension.call("openrois.holder", {**held, "holds": False}, ann)
+    await other.extension.forget(ann)
+    assert [params["client_id"] for _, params in other.asked] == ["ann"]
+    assert other.told == [
+        ("openrois.holder", {**held, "client_id": "ann"}),
+        ("openrois.holder", {**held, "holds": False, "client_id": "ann"}),
+        ("openrois.client_gone", {"client_id": "ann"}),
+    ]

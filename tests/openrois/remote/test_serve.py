@@ -19,6 +19,7 @@ from tests.support.components import Bell, Lamp
 from tests.support.streams import Camera, FakeStreams
 
 CAMERA = "robot/camera"
+LAMP = "robot/lamp"
 
 
 class Parent:
@@ -197,6 +198,42 @@ class TestClientGone:
         await parent.tell("openrois.client_gone", client_id="ann")
         await settle()
         assert child.streams.forgotten == []
+
+
+class TestHolder:
+    @staticmethod
+    async def tell(parent: Parent, client_id: str, *, holds: bool, component_ref: str = CAMERA, epoch: int = 1) -> None:
+        await parent.tell("openrois.holder", component_ref=component_ref, holds=holds, epoch=epoch, client_id=client_id)
+        await settle()
+
+    async def test_it_is_passed_on(self, child: Child, parent: Parent) -> None:
+        await self.tell(parent, "ann", holds=True)
+        await self.tell(parent, "bob", holds=False)
+        await self.tell(parent, "ann", holds=False)
+        await self.tell(parent, "ann", holds=False)
+        held = {"component_ref": CAMERA, "holds": True, "epoch": 1}
+        assert child.streams.calls == [
+            ("openrois.holder", held, "ann"),
+            ("openrois.holder", {**held, "holds": False}, "ann"),
+            ("openrois.holder", {**held, "holds": False}, "ann"),
+        ]
+
+    async def test_what_is_malformed_or_about_nothing_is_passed_over(self, child: Child, parent: Parent) -> None:
+        await self.tell(parent, "ann", holds=True, epoch=0)
+        await self.tell(parent, "ann", holds=True, component_ref="robot/nothing")
+        await self.tell(parent, "", holds=True)
+        assert child.streams.calls == []
+
+    async def test_when_the_connection_ends_so_does_all_that_is_held(self, child: Child, parent: Parent) -> None:
+        await self.tell(parent, "ann", holds=True)
+        await self.tell(parent, "bob", holds=True, component_ref=LAMP, epoch=2)
+        await parent.tell("openrois.client_gone", client_id="bob")
+        await settle()
+        await parent.stream.close()
+        await settle()
+        assert [call for call in child.streams.calls if not call[1]["holds"]] == [
+            ("openrois.holder", {"component_ref": CAMERA, "holds": False, "epoch": 1}, "ann")
+        ]
 
 
 class TestLostBelow:
