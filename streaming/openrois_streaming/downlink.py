@@ -101,7 +101,10 @@ class Downlink:
         """Decide anew what is sent."""
         self._notice_stall(now)
         self._ticked = now
-        if self._codec is None or self.adaptation.path.doubtful(now):
+        if self._codec is None:
+            return
+        if self._feed.rendition is not None and self.adaptation.path.doubtful(now):
+            # What is played goes on until it is known whether to believe it; who has nothing yet does not wait.
             return
         try:
             self._decide(self._codec, now)
@@ -120,14 +123,18 @@ class Downlink:
         self.adaptation.path.sent(len(frame.data), self._clock.now())
 
     def reported(self, report: ReceiverReport) -> None:
-        """The viewer reported on what it received."""
+        """The viewer reported on what it received; while nothing is sent, that says nothing of its path."""
+        if not self.is_open:
+            return
         now = self._clock.now()
         self._notice_stall(now)
         self.adaptation.path.reported(report, report.latest_round_trip, now)
         self._see_to_doubt(now)
 
     def estimated(self, bitrate: int) -> None:
-        """The viewer estimated what its path carries, in bit/s."""
+        """The viewer estimated what its path carries, in bit/s; while nothing is sent, that says nothing."""
+        if not self.is_open:
+            return
         now = self._clock.now()
         self._notice_stall(now)
         self.adaptation.path.estimated(bitrate, now)

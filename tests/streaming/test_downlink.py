@@ -178,6 +178,41 @@ def report_delay(way: Way) -> None:
     way.downlink.reported(ReceiverReport(2, 0.0, 0, 0, 0.5, 0.5))
 
 
+async def test_a_stream_that_is_resumed_waits_for_no_doubt(way: Way) -> None:
+    way.silent = True
+    way.downlink.open("video/VP8")
+    await settle()
+    await way.rendition.show(keyframe=True)
+    way.downlink.sent(frame(1, data=bytes(50_000)))
+    way.downlink.reported(ReceiverReport(1, 0.0, 0, 0, 0.03))
+    way.downlink.estimated(500_000)
+    way.downlink.estimated(60_000)
+    assert way.downlink.adaptation.path.doubtful(way.clock.now())
+    way.downlink.close()
+    await settle()
+    assert way.rendition.readers == 0
+    way.downlink.open("video/VP8")
+    await settle()
+    assert way.rendition.readers == 1
+
+
+async def test_what_the_viewer_says_of_a_stream_that_is_not_sent_says_nothing_of_the_path(way: Way) -> None:
+    way.downlink.open("video/VP8")
+    await settle()
+    await way.rendition.show(keyframe=True)
+    way.downlink.sent(frame(1, data=bytes(50_000)))
+    way.downlink.reported(ReceiverReport(1, 0.0, 0, 0, 0.03, 0.03))
+    way.downlink.estimated(2_000_000)
+    before = way.downlink.adaptation.path.budget
+    way.downlink.close()
+    way.downlink.estimated(60_000)
+    report_delay(way)
+    way.downlink.open("video/VP8")
+    await settle()
+    assert way.downlink.adaptation.path.budget == before
+    assert way.rendition.demanded == before * VIDEO_SHARE
+
+
 async def test_what_waited_while_this_process_stood_still_is_no_complaint(way: Way) -> None:
     way.silent = True
     way.downlink.open("video/VP8")
