@@ -41,6 +41,7 @@ TESTS = (
     "tests/avatar/sensing",
     "tests/avatar/test_health.py",
     "tests/avatar/test_sound_lag.py",
+    "tests/avatar/test_world.py",
     "tests/signaling",
     "tests/fuzz",
 )

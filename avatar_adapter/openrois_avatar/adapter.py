@@ -69,7 +69,8 @@ async def run_avatar(settings: AvatarSettings) -> AsyncIterator[Avatar]:
             name, missing = choose_game_engine(settings.engine)
             if missing:
                 _log.warning("%s", missing)
-            scene = await stack.enter_async_context(embedded_scene(f"openrois_avatar.engines.{name}", clock))
+            module = f"openrois_avatar.engines.{name}"
+            scene = await stack.enter_async_context(embedded_scene(settings.engine_id, module, clock))
         caps = Caps(max_bitrate=settings.max_viewer_bitrate)
         yield await stack.enter_async_context(
             serve_scene(settings.engine_id, scene, clock, settings.network, lambda _: caps)

@@ -16,12 +16,14 @@ from openrois_avatar.components.gaze import Gaze
 from openrois_avatar.components.reaction import Reaction
 from openrois_avatar.components.speech_synthesis import SpeechSynthesis
 from openrois_avatar.health import Health, Observed
+from openrois_avatar.legs import Legs
 from openrois_avatar.link.embedded import EmbeddedEngine
 from openrois_avatar.link.messages import Event
 from openrois_avatar.pauses import Pauses
 from openrois_avatar.sound import AvatarSound
 from openrois_avatar.speech.synthesizer import Synthesizer
 from openrois_avatar.voice import Voice
+from openrois_avatar.world import World
 
 __all__ = ["Scene", "embedded_scene", "synthetic_scene"]
 
@@ -34,7 +36,8 @@ class Scene:
 
     `frame_rate` and `size` (width and height) are of its pictures, as far as is known before there are any.
     `observe` says what is seen of it now, for who keeps `engine` up to date; `pauses` whether its
-    pictures are not to be shown now. `hear` lets it hear the operator.
+    pictures are not to be shown now. `hear` lets it hear the operator. `world` is what is known of the scene, `legs`
+    move the figure in it; None where there is no figure.
     """
 
     video: MediaSource[RawVideo]
@@ -46,6 +49,8 @@ class Scene:
     observe: Callable[[], Observed]
     pauses: Pauses
     hear: Callable[[RawAudio], None]
+    world: World | None = None
+    legs: Legs | None = None
 
     def status(self) -> ComponentStatus:
         """How the thing that renders the scene fares."""
@@ -78,10 +83,11 @@ def synthetic_scene(clock: MediaClock, width: int = 640, height: int = 360, fps:
 
 
 @asynccontextmanager
-async def embedded_scene(module: str, clock: MediaClock) -> AsyncIterator[Scene]:
+async def embedded_scene(engine_id: str, module: str, clock: MediaClock) -> AsyncIterator[Scene]:
     """Show the avatar of an embedded game engine for as long as the block runs.
 
     Args:
+        engine_id: leads the refs of what is in the scene.
         module: the game engine's module; it runs as a child process and is started again when it dies.
         clock: the media clock.
 
@@ -95,18 +101,24 @@ async def embedded_scene(module: str, clock: MediaClock) -> AsyncIterator[Scene]
 
         # The body speaks through the engine and hears from it: it is made first and finds the engine when it is there.
         body = Body(lambda command: engine.send(command))
+        world = World(engine_id)
+        legs = Legs(lambda command: engine.send(command), lambda: walks(), lambda: world.place, clock)
 
         pauses = Pauses()
 
         def told(event: Event) -> None:
             pauses.take(event)
             body.take(event)
+            world.take(event)
+            legs.take(event)
 
         def lost(reason: str) -> None:
             nonlocal last_words
             last_words = f"the game engine is gone: {reason}"
             _log.warning("%s", last_words)
             body.lost()
+            legs.lost()
+            world.clear()
             pauses.clear()
 
         engine = EmbeddedEngine(module, on_audio=sound.feed, on_event=told, on_lost=lost, clock=clock)
@@ -122,6 +134,9 @@ async def embedded_scene(module: str, clock: MediaClock) -> AsyncIterator[Scene]
         def status() -> ComponentStatus:
             return health.status if engine.hello is not None else ComponentStatus.ERROR
 
+        def walks() -> bool:
+            return engine.hello is not None and engine.hello.walks
+
         def reactions() -> tuple[str, ...]:
             return engine.hello.reactions if engine.hello is not None else ()
 
@@ -132,4 +147,4 @@ async def embedded_scene(module: str, clock: MediaClock) -> AsyncIterator[Scene]
         )
         shape = greeting.video
         size = (shape.width, shape.height)
-        yield Scene(engine.video, sound, shape.fps, size, components, health, observe, pauses, engine.hear)
+        yield Scene(engine.video, sound, shape.fps, size, components, health, observe, pauses, engine.hear, world, legs)
