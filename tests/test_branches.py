@@ -37,6 +37,10 @@ TESTS = (
         if "csharp" not in path.name
     ),
     "tests/avatar/doctor/test_finding.py",
+    *(
+        f"tests/avatar/hearing/test_{part}.py"
+        for part in ("bearing", "downsample", "noise_floor", "presence", "voice_activity", "voice_frames")
+    ),
     "tests/avatar/test_engine_sound.py",
     "tests/avatar/sensing",
     "tests/avatar/test_health.py",
