@@ -43,6 +43,7 @@ TESTS = (
     ),
     "tests/avatar/test_engine_sound.py",
     "tests/avatar/sensing",
+    "tests/avatar/motion",
     "tests/avatar/test_health.py",
     "tests/avatar/test_sound_lag.py",
     "tests/avatar/test_world.py",

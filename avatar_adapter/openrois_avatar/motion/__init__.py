@@ -1,0 +1,1 @@
+"""Where the avatar goes: ways round obstacles, targets as applications write them, and lines and curves. Pure."""
