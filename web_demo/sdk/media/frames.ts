@@ -5,6 +5,9 @@ import { CELLS, readStamp, stampRows, stampWallTime, stripBits } from "./stamp.t
 import type { Stamp } from "./stamp.ts";
 import { wallNow } from "./clock_offset.ts";
 
+/** Milliseconds that a frame takes to the screen at most, after the browser has told of it. */
+const SOON = 50;
+
 export interface PresentedFrame {
   /** On the clock of `performance.now`, in milliseconds: when the frame is expected to be visible. */
   readonly visibleAt: number;
@@ -46,7 +49,8 @@ export class FrameWatch {
       this.#tells ||= received;
       if (this.#tells && !received) return;
       this.#lastAt = now;
-      const visibleAt = Math.max(now, metadata.expectedDisplayTime);
+      // After a pause Chromium may tell a time of its smoothing, 250 ms later; but what it calls for is nearly on the screen.
+      const visibleAt = Math.max(now, Math.min(metadata.expectedDisplayTime, now + SOON));
       this.#events.emit("frame", { visibleAt, presented: metadata.presentedFrames });
     });
   }

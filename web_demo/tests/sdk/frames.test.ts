@@ -112,3 +112,11 @@ it("believes a browser that never tells where frames come from", () => {
   other.present(MADE_HERE);
   expect(counted).toHaveBeenCalledOnce();
 });
+
+it("believes no time of display that is far behind the frame", () => {
+  const seen: number[] = [];
+  frames.onFrame(({ visibleAt }) => seen.push(visibleAt));
+  video.present({ ...REAL, expectedDisplayTime: 16 });
+  video.present({ ...REAL, expectedDisplayTime: 280 });
+  expect(seen).toEqual([16, 50]);
+});
