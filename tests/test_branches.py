@@ -47,6 +47,8 @@ TESTS = (
     "tests/avatar/test_health.py",
     "tests/avatar/test_sound_lag.py",
     "tests/avatar/test_world.py",
+    "tests/avatar/speech/test_markup.py",
+    "tests/avatar/speech/test_words.py",
     "tests/signaling",
     "tests/fuzz",
 )

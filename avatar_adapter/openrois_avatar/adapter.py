@@ -16,9 +16,11 @@ from openrois_streaming.sessions import StreamSessions
 from openrois.adapter.running import hosted
 from openrois.application import EngineHost
 from openrois.contract import Client
+from openrois.listeners import Listeners
 from openrois.tasks import TaskScope
 from openrois.types.references import reference
 from openrois_avatar.components.operator import Operator
+from openrois_avatar.components.speech_progress import SpeechProgress
 from openrois_avatar.components.speech_synthesis import SpeechSynthesis
 from openrois_avatar.components.streaming import AudioStreaming, VideoStreaming
 from openrois_avatar.components.system_information import SystemInformation
@@ -106,7 +108,9 @@ async def serve_scene(
     showing = VideoStreaming(_codecs("video/"), pictures.directions, lambda: worst(scene.status(), picture.status))
     sounding = AudioStreaming(_codecs("audio/"), sounds.directions, lambda: voice.status)
     information, operator = SystemInformation(engine_id, scene.status), Operator(microphone, camera)
-    components = (information, showing, sounding, operator, *scene.components)
+    speech_began: Listeners[()] = Listeners()
+    progress = () if scene.voice is None else (SpeechProgress(scene.voice, speech_began),)
+    components = (information, showing, sounding, operator, *progress, *scene.components)
     # A voice is heard also while nothing moves.
     moving = tuple(each for each in scene.components if not isinstance(each, SpeechSynthesis))
     sources = {
@@ -117,6 +121,8 @@ async def serve_scene(
     async with AsyncExitStack() as stack:
         streams = AvatarStreams(engine_id, published, clock, network, cap)
         await stack.enter_async_context(streams.sessions)
+        if scene.voice is not None:
+            scene.voice.audience.gather(streams.sessions, reference(engine_id, AUDIO))
         host = await stack.enter_async_context(hosted(engine_id, *components, extension=streams))
         tasks = await stack.enter_async_context(TaskScope())
         tasks.start(supervise(tuple(sources.values()), clock))

@@ -37,6 +37,8 @@ class Body:
     def __init__(self, send: Callable[[Command], None]) -> None:
         self._send = send
         self._reactions: dict[str, asyncio.Future[Completed]] = {}
+        self._movements: dict[str, tuple[Speak, ...]] = {}
+        """Of the mouth, for the speeches that are not over."""
 
     async def react(self, reaction: str) -> None:
         """Play a reaction to its end; cancelling it stops the avatar.
@@ -61,14 +63,29 @@ class Body:
         if completed.status == "ERROR":
             raise ComponentFailed(f"the game engine could not play {reaction}")
 
-    def speak(self, movements: Iterable[Speak]) -> None:
-        """Move the mouth; without a game engine nothing moves, and the voice is heard all the same."""
-        for movement in movements:
+    def speak(self, speech_id: str, movements: Iterable[Speak]) -> None:
+        """Move the mouth, until it has `spoken` or is to be in `silence`; a game engine that comes later moves it too.
+
+        Without a game engine nothing moves, and the voice is heard all the same.
+        """
+        self._movements[speech_id] = tuple(movements)
+        for movement in self._movements[speech_id]:
             self._tell_if_there(movement)
 
+    def spoken(self, speech_id: str) -> None:
+        """Know that a speech is over."""
+        self._movements.pop(speech_id, None)
+
     def silence(self) -> None:
-        """Close the mouth now."""
+        """Close the mouth now, whatever it was to say."""
+        self._movements.clear()
         self._tell_if_there(Silence())
+
+    def back(self) -> None:
+        """A game engine is there again: its mouth goes on with what is being said."""
+        for movements in tuple(self._movements.values()):
+            for movement in movements:
+                self._tell_if_there(movement)
 
     def look(self, x: float, y: float) -> None:
         """Turn the eyes: x from -1 (the viewer's left) to 1, y from -1 (down) to 1.

@@ -37,7 +37,7 @@ class Scene:
     `frame_rate` and `size` (width and height) are of its pictures, as far as is known before there are any.
     `observe` says what is seen of it now, for who keeps `engine` up to date; `pauses` whether its
     pictures are not to be shown now. `hear` lets it hear the operator. `world` is what is known of the scene, `legs`
-    move the figure in it; None where there is no figure.
+    move the figure in it, `voice` is what it speaks with; None where there is no figure.
     """
 
     video: MediaSource[RawVideo]
@@ -51,6 +51,7 @@ class Scene:
     hear: Callable[[RawAudio], None]
     world: World | None = None
     legs: Legs | None = None
+    voice: Voice | None = None
 
     def status(self) -> ComponentStatus:
         """How the thing that renders the scene fares."""
@@ -121,7 +122,9 @@ async def embedded_scene(engine_id: str, module: str, clock: MediaClock) -> Asyn
             world.clear()
             pauses.clear()
 
-        engine = EmbeddedEngine(module, on_audio=sound.feed, on_event=told, on_lost=lost, clock=clock)
+        engine = EmbeddedEngine(
+            module, on_audio=sound.feed, on_event=told, on_lost=lost, on_back=lambda _hello: body.back(), clock=clock
+        )
         await stack.enter_async_context(engine)
         synthesizer = await stack.enter_async_context(Synthesizer(clock))
         greeting = engine.hello
@@ -140,11 +143,25 @@ async def embedded_scene(engine_id: str, module: str, clock: MediaClock) -> Asyn
         def reactions() -> tuple[str, ...]:
             return engine.hello.reactions if engine.hello is not None else ()
 
+        voice = Voice(synthesizer, sound, body)
         components = (
-            SpeechSynthesis(Voice(synthesizer, sound, body)),
+            SpeechSynthesis(voice),
             Reaction(body, reactions, status),
             Gaze(body, status),
         )
         shape = greeting.video
         size = (shape.width, shape.height)
-        yield Scene(engine.video, sound, shape.fps, size, components, health, observe, pauses, engine.hear, world, legs)
+        yield Scene(
+            engine.video,
+            sound,
+            shape.fps,
+            size,
+            components,
+            health,
+            observe,
+            pauses,
+            engine.hear,
+            world,
+            legs,
+            voice,
+        )

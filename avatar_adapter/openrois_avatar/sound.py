@@ -69,14 +69,19 @@ class Playback:
             return end
         return min(end, self._cut + SEAM) if self._cut > self._first else self._first
 
-    async def ended(self) -> bool:
-        """Wait until the last sample has been due, or it is stopped; any number of tasks may wait.
+    @property
+    def heard(self) -> int:
+        """How many of its samples are heard, as far as it is stopped; those that fade out do not count."""
+        return len(self._samples) if self._cut is None else max(0, self._cut - self._first)
+
+    async def reach(self, moment: float) -> bool:
+        """Wait until a moment of the media clock, or until it is stopped; any number of tasks may wait.
 
         Returns:
-            True if it was played to its end, False if it was stopped.
+            True if the moment came, False if it was stopped.
         """
         clock = self._sound.clock
-        waiting = asyncio.create_task(clock.sleep_until(self.end)), asyncio.create_task(self._stopped.wait())
+        waiting = asyncio.create_task(clock.sleep_until(moment)), asyncio.create_task(self._stopped.wait())
         try:
             await asyncio.wait(waiting, return_when=asyncio.FIRST_COMPLETED)
         finally:
@@ -89,7 +94,7 @@ class Playback:
         cut = self._sound.next_sample()
         if cut < self.last and self._cut is None:
             self._cut = cut
-            self._stopped.set()
+        self._stopped.set()
 
     def mix_into(self, mixed: NDArray[np.int32], begin: int) -> None:
         """Add what sounds from sample `begin` on to `mixed`, shape (n, channels)."""
@@ -127,6 +132,11 @@ class AvatarSound:
         self._playbacks: deque[Playback] = deque()
         self._next_block: int | None = None
 
+    @property
+    def lag(self) -> float:
+        """Seconds after its moment that a sample is given out now, because the engine's own sound comes late."""
+        return self._lag.seconds
+
     @asynccontextmanager
     async def open(self) -> AsyncIterator[AsyncIterator[RawAudio]]:
         """Yield the blocks from now on; they do not end."""
@@ -159,11 +169,6 @@ class AvatarSound:
         playback = Playback(self, samples, max([earliest, *(before.last for before in self._playbacks)]))
         self._playbacks.append(playback)
         return playback
-
-    def stop(self) -> None:
-        """Stop every speech: what sounds fades out within 5 ms, what waits is not said."""
-        for playback in self._playbacks:
-            playback.stop()
 
     def next_sample(self) -> int:
         """The number, since the clock's zero, of the first sample that is not handed out yet."""

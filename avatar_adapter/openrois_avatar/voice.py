@@ -1,13 +1,15 @@
 """The avatar's voice: a text becomes sound, and the mouth moves with the sound."""
 
-import secrets
 from collections.abc import Sequence
 from typing import Protocol
 
-from openrois.errors import Aborted, BadParameter, ComponentFailed, OutOfResources
+from openrois.errors import BadParameter, ComponentFailed, OutOfResources
+from openrois.listeners import Listeners
+from openrois_avatar.audience import Audience
 from openrois_avatar.body import Body
 from openrois_avatar.sound import AvatarSound, SoundBusy
 from openrois_avatar.speech.synthesizer import Speech, SpeechRefused, SpeechUnavailable
+from openrois_avatar.utterance import Progress, Utterance
 
 __all__ = ["DEFAULT_CHARACTER", "Synthesis", "Voice"]
 
@@ -44,12 +46,20 @@ class Voice:
         synthesizer: makes speech of text.
         sound: what is heard of the avatar.
         body: whose mouth moves.
+        audience: those who hear it; nobody unless given.
     """
 
-    def __init__(self, synthesizer: Synthesis, sound: AvatarSound, body: Body) -> None:
+    def __init__(
+        self, synthesizer: Synthesis, sound: AvatarSound, body: Body, audience: Audience | None = None
+    ) -> None:
+        self.audience = audience or Audience()
+        """Those who hear it."""
+        self.progress: Listeners[Progress] = Listeners()
+        """Are told each word when it is heard, each mark, and how a speech ended."""
         self._synthesizer = synthesizer
         self._sound = sound
         self._body = body
+        self._utterances: list[Utterance] = []
 
     def available(self) -> tuple[bool, str]:
         """Return whether speech can be made here, and if not, what to install."""
@@ -78,7 +88,7 @@ class Voice:
             raise ComponentFailed(str(error)) from error
 
     async def say(self, text: str, *, ssml: bool, language: str, character: str, volume: int) -> None:
-        """Speak a text to its last sample; cancelling it cuts voice and mouth within a block of sound (20 ms).
+        """Speak a text until its last sample was heard; cancelling it cuts voice and mouth within 20 ms.
 
         Args:
             text: what to say, at most 4,000 characters.
@@ -88,30 +98,47 @@ class Voice:
             volume: 0 to 100.
 
         Raises:
+            Aborted: it was interrupted; the sentence says why, and at which word.
             BadParameter: this text, language or character cannot be spoken.
             ComponentFailed: nothing can be spoken now.
             OutOfResources: too much waits to be spoken already.
         """
         voice = None if character == DEFAULT_CHARACTER else character
+        utterance = Utterance(self._sound, self._body, self.audience, self.progress.tell)
+        self._utterances.append(utterance)
         try:
             speech = await self._synthesizer.synthesize(text, language=language, voice=voice, volume=volume, ssml=ssml)
-            await self._play(speech)
+            await utterance.play(speech)
         except SpeechRefused as error:
             raise BadParameter(str(error)) from error
         except SpeechUnavailable as error:
             raise ComponentFailed(str(error)) from error
         except SoundBusy as error:
             raise OutOfResources(str(error)) from error
-
-    async def _play(self, speech: Speech) -> None:
-        playback = self._sound.play(speech.samples)
-        self._body.speak(speech.mouth(secrets.token_hex(8), playback.start_ns))
-        played = False
-        try:
-            played = await playback.ended()
         finally:
-            if not played:
-                playback.stop()
-                self._body.silence()
-        if not played:
-            raise Aborted("the speech was cut off")
+            self._utterances.remove(utterance)
+
+    def interrupt(self, why: str) -> None:
+        """Break off all that is said and is to be said: voice and mouth are cut within a block of sound (20 ms).
+
+        Args:
+            why: how the sentence begins that `say` fails with; what follows says at which word.
+        """
+        for utterance in self._utterances:
+            utterance.cut(why)
+
+    async def silent(self) -> None:
+        """Wait until `say` has ended for all that was begun; after `interrupt` that takes no time."""
+        for utterance in tuple(self._utterances):
+            if utterance.begun:
+                await utterance.over.wait()
+
+    def pause(self) -> None:
+        """Fall silent within a block of sound, until `go_on`."""
+        for utterance in self._utterances:
+            utterance.pause()
+
+    def go_on(self) -> None:
+        """Go on where it was paused, in the middle of a word too."""
+        for utterance in self._utterances:
+            utterance.go_on()

@@ -80,12 +80,25 @@ async def test_without_an_engine_a_reaction_fails_and_speech_goes_on_without_a_m
         await body.react("nod")
     with pytest.raises(ComponentFailed, match="gone"):
         body.look(0.0, 0.0)
-    body.speak([Speak("s", 0, (), 0)])
+    body.speak("s", [Speak("s", 0, (), 0)])
     body.silence()
 
 
 def test_speech_silence_and_looks_are_passed_on(body: Body, engine: Engine) -> None:
-    body.speak([Speak("s", 17, (), 250)])
+    body.speak("s", [Speak("s", 17, (), 250)])
     body.silence()
     body.look(0.5, -0.25)
     assert engine.told == [Speak("s", 17, (), 250), Silence(), Look(0.5, -0.25)]
+
+
+def test_an_engine_that_is_there_again_is_told_what_is_being_said(body: Body, engine: Engine) -> None:
+    said = [Speak("a", 17, (), 250), Speak("a", 267, (), 250)]
+    body.speak("a", said)
+    body.speak("b", [Speak("b", 900, (), 250)])
+    body.spoken("b")
+    engine.told.clear()
+    body.back()
+    assert engine.told == said
+    body.silence()
+    body.back()
+    assert engine.told == [*said, Silence()]

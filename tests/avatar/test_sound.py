@@ -72,7 +72,7 @@ async def test_speech_starts_when_it_said_and_ends_with_its_last_sample(clock: V
         assert playback.start == pytest.approx(1000.06)
         assert playback.start_ns == 1_000_060_000_000
         assert playback.end == pytest.approx(1000.06 + 4810 / 48_000)
-        ended = asyncio.create_task(playback.ended())
+        ended = asyncio.create_task(playback.reach(playback.end))
         await clock.advance(playback.end - START - 0.0001)
         assert not ended.done()
         await clock.advance(0.0001)
@@ -104,7 +104,7 @@ async def test_speeches_follow_each_other_without_a_gap(clock: VirtualClock) -> 
 async def test_speech_passes_by_the_clock_when_nobody_listens(clock: VirtualClock) -> None:
     sound = AvatarSound(clock)
     playback = sound.play(constant(100, 48_000))
-    ended = asyncio.create_task(playback.ended())
+    ended = asyncio.create_task(playback.reach(playback.end))
     await clock.advance(0.5)
     async with sound.open() as blocks:
         listener = Listener(blocks)
@@ -112,7 +112,7 @@ async def test_speech_passes_by_the_clock_when_nobody_listens(clock: VirtualCloc
         assert (listener.sound == 100).sum() == pytest.approx((playback.end - 1000.52) * 48_000)
         await listener.stop()
     assert await ended
-    assert await playback.ended()
+    assert await playback.reach(playback.end)
 
 
 async def test_stopping_fades_within_five_milliseconds(clock: VirtualClock) -> None:
@@ -120,13 +120,15 @@ async def test_stopping_fades_within_five_milliseconds(clock: VirtualClock) -> N
     async with sound.open() as blocks:
         listener = Listener(blocks)
         playback, queued = sound.play(constant(10_000, 48_000)), sound.play(constant(7, 48_000))
-        endings = asyncio.gather(playback.ended(), queued.ended())
+        endings = asyncio.gather(playback.reach(playback.end), queued.reach(queued.end))
         await clock.advance(0.2)
-        sound.stop()
+        playback.stop()
+        queued.stop()
         assert list(await endings) == [False, False]
+        assert (playback.heard, queued.heard) == (round((1000.22 - playback.start) * 48_000), 0)
         cut = 1000.22
         assert playback.end == pytest.approx(cut + 0.005)
-        sound.stop()
+        playback.stop()
         await clock.advance(1.0)
         assert listener.value_at(cut - 1 / 48_000) == 10_000
         assert 4_500 < listener.value_at(cut + 0.0025) < 5_500
@@ -142,7 +144,8 @@ async def test_what_is_over_cannot_be_stopped(clock: VirtualClock) -> None:
     playback = sound.play(constant(1, 480))
     await clock.advance(1)
     playback.stop()
-    assert await playback.ended()
+    assert playback.heard == 480
+    assert playback.end == pytest.approx(1000.07)
 
 
 async def test_what_has_not_begun_is_never_heard(clock: VirtualClock) -> None:
@@ -152,10 +155,10 @@ async def test_what_has_not_begun_is_never_heard(clock: VirtualClock) -> None:
         short, following = sound.play(constant(100, 2 * BLOCK + 100)), sound.play(constant(7, 1000))
         await clock.advance(short.start - START + 0.021)
         following.stop()
-        assert not await following.ended()
+        assert not await following.reach(following.end)
         await clock.advance(1)
         assert set(listener.sound) == {0, 100}
-        assert await short.ended()
+        assert await short.reach(short.end)
         await listener.stop()
 
 
@@ -163,7 +166,7 @@ async def test_an_empty_speech_ends_at_once(clock: VirtualClock) -> None:
     sound = AvatarSound(clock)
     playback = sound.play(constant(0, 0))
     await clock.advance(0.06)
-    assert await playback.ended()
+    assert await playback.reach(playback.end)
     assert sound.play(constant(0, 10)).start > playback.end
 
 
@@ -216,6 +219,7 @@ async def test_the_engine_is_heard_at_the_moments_it_says(clock: VirtualClock, l
         await clock.advance(1.0)
         for moment in (1000.2, 1000.5, 1000.9):
             assert listener.value_at(moment + 0.01) == round(moment * 50) % 100 + 1
+        assert sound.lag == pytest.approx(lag)
         # The last one that is there: as soon as it can be, with the time that it is of.
         newest = listener.blocks[-1].captured_at
         assert newest == pytest.approx(np.floor((clock.now() - lag) * 50) / 50)
@@ -288,7 +292,7 @@ async def test_stopping_cuts_where_a_late_reader_is(clock: VirtualClock) -> None
             await clock.advance(0.02)
             got = await taking
         clock.jump(0.1)
-        sound.stop()
+        playback.stop()
         assert got.samples[-1, 0] == 100
         assert playback.end == pytest.approx(got.captured_at + 0.02 + 0.005)
         following = await anext(blocks)

@@ -13,7 +13,7 @@ Speech = Annotated[str, Field(max_length=4000)]
 
 
 class SpeechSynthesis(components.SpeechSynthesis):
-    """Speaks `speech_text` or `ssml_text`, whichever was set last; `completed` comes at the last sample.
+    """Speaks `speech_text` or `ssml_text`, whichever was set last; `completed` comes when the last sample was heard.
 
     Args:
         voice: what speaks.
@@ -64,4 +64,14 @@ class SpeechSynthesis(components.SpeechSynthesis):
         )
 
     async def stop(self) -> None:
-        """Fall silent."""
+        """Fall silent; why `start` ends says at which word."""
+        self._voice.interrupt("the speech was stopped")
+        await self._voice.silent()
+
+    async def suspend(self) -> None:
+        """Fall silent until `resume`, in the middle of a word too; `start` goes on to run."""
+        self._voice.pause()
+
+    async def resume(self) -> None:
+        """Go on where it was suspended."""
+        self._voice.go_on()

@@ -5,8 +5,9 @@ It reads requests from stdin and answers each on stdout (`framing`), until stdin
     {"do": "voices"}
         -> {"languages": [BCP 47 tags], "voices": [names]}
     {"do": "speak", "text", "ssml": bool, "language", "voice": name or null, "volume": 0-100, "rate": words a minute}
-        -> {"words": [[ms, start, length]], "phonemes": [[ms, ipa]], "text"} and s16 mono sound at 48 kHz;
-           `start` and `length` are characters of the `text` that is given back, for SSML the one that was spoken
+        -> {"words": [[ms, start, length]], "marks": [[ms, name]], "phonemes": [[ms, ipa]], "text"} and s16 mono sound
+           at 48 kHz; `start` and `length` are characters of the text or SSML that was asked for, and of the `text` that
+           is given back, which is the same without control characters
     what cannot be done
         -> {"refused": reason}
 
@@ -28,6 +29,7 @@ import numpy as np
 from openrois_avatar.speech.framing import HEADER, FramingError, decode_body, decode_header, encode
 from openrois_avatar.speech.markup import MarkupError, plain_text, safe_ssml
 from openrois_avatar.speech.resample import SOURCE_RATE, to_48k
+from openrois_avatar.speech.words import Place, words
 
 MAX_SECONDS: Final = 600
 """Longest speech; SSML can ask for pauses without end."""
@@ -40,11 +42,11 @@ _SSML: Final = 0x10
 _BY_CHARACTER: Final = 1
 _RATE: Final = 1
 _VARIANT: Final = "!v/"
-_LAST_EVENT, _WORD, _PHONEME = 0, 1, 7
+_LAST_EVENT, _WORD, _MARK, _PHONEME = 0, 1, 3, 7
 
 
 class _EventId(Union):
-    _fields_ = (("number", c_int), ("name", c_char_p), ("string", c_char * 8))
+    _fields_ = (("number", c_int), ("name", c_void_p), ("string", c_char * 8))
 
 
 class _Event(Structure):
@@ -104,7 +106,8 @@ class Espeak:
         variant = _Voice(languages=ctypes.cast(c_char_p(b"variant"), c_void_p))
         self._voices = {identifier.removeprefix(_VARIANT) for identifier, _ in self._list(variant)}
         self._sound = bytearray()
-        self._words: list[tuple[float, int, int]] = []
+        self._words: list[Place] = []
+        self._marks: list[tuple[float, int]] = []
         self._phonemes: list[tuple[float, str]] = []
 
     def voices(self, _request: Mapping[str, Any]) -> tuple[dict[str, Any], bytes]:
@@ -114,11 +117,11 @@ class Espeak:
     def speak(self, request: Mapping[str, Any]) -> tuple[dict[str, Any], bytes]:
         """Answer the request `speak`."""
         ssml = bool(request["ssml"])
-        text = (safe_ssml if ssml else plain_text)(str(request["text"]))
+        script = (safe_ssml if ssml else plain_text)(str(request["text"]))
         self._select(str(request["language"]), request["voice"])
         self._library.espeak_SetParameter(_RATE, min(450, max(80, int(request["rate"]))), 0)
-        self._sound, self._words, self._phonemes = bytearray(), [], []
-        encoded = text.encode() + b"\0"
+        self._sound, self._words, self._marks, self._phonemes = bytearray(), [], [], []
+        encoded = script.spoken.encode() + b"\0"
         flags = _UTF8 | (_SSML if ssml else 0)
         status = self._library.espeak_Synth(encoded, len(encoded), 0, _BY_CHARACTER, 0, flags, None, None)
         if status != 0:
@@ -128,7 +131,13 @@ class Espeak:
         sound = to_48k(np.frombuffer(self._sound, np.int16))
         volume = min(100, max(0, int(request["volume"])))
         loud = np.rint(sound * np.float32(volume / 100)).astype("<i2")
-        return {"words": self._words, "phonemes": self._phonemes, "text": text}, loud.tobytes()
+        told = {
+            "words": words(self._words, script.spoken, script.origins),
+            "marks": [(offset, script.marks[number]) for offset, number in self._marks],
+            "phonemes": self._phonemes,
+            "text": script.source,
+        }
+        return told, loud.tobytes()
 
     def _select(self, language: str, voice: object) -> None:
         identifier = self._languages.get(_known(language, self._languages))
@@ -150,7 +159,9 @@ class Espeak:
                 break
             offset = round(event.sample * 1000 / SOURCE_RATE, 1)
             if event.type == _WORD:
-                self._words.append((offset, event.text_position - 1, event.length))
+                self._words.append(Place(offset, event.text_position - 1, event.length))
+            elif event.type == _MARK:
+                self._marks.append((offset, int(ctypes.string_at(event.id.name))))
             elif event.type == _PHONEME:
                 self._phonemes.append((offset, event.id.string.decode(errors="ignore")))
         return int(self._is_too_long())

@@ -7,7 +7,9 @@ size. So SSML is parsed here and written anew: known elements with known attribu
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import accumulate
 from typing import Final
 from xml.parsers import expat
 from xml.sax.saxutils import escape, quoteattr
@@ -15,6 +17,8 @@ from xml.sax.saxutils import escape, quoteattr
 MAX_TEXT: Final = 4_000
 """Longest text or SSML document, in characters."""
 MAX_DEPTH: Final = 8
+MAX_MARK: Final = 100
+"""Characters of a mark's name that are kept."""
 _ELEMENTS: Final[Mapping[str, tuple[str, ...]]] = {
     "speak": ("xml:lang",),
     "p": ("xml:lang",),
@@ -24,7 +28,6 @@ _ELEMENTS: Final[Mapping[str, tuple[str, ...]]] = {
     "emphasis": ("level",),
     "break": ("time", "strength"),
     "say-as": ("interpret-as", "format"),
-    "sub": ("alias",),
 }
 _CONTROL: Final = re.compile(r"[\x00-\x08\x0b-\x1f\x7f\u0080-\u009f\ud800-\udfff\ufffe\uffff]")
 _VALUE: Final = re.compile(r"[\w .,+%:'-]{1,100}")
@@ -34,64 +37,144 @@ class MarkupError(ValueError):
     """The text cannot be spoken; the message says why."""
 
 
-def plain_text(text: str) -> str:
+@dataclass(frozen=True, slots=True)
+class Script:
+    """What espeak is to say.
+
+    Attributes:
+        spoken: what it is given: plain text or SSML.
+        source: the application's text, without control characters; as long as that is.
+        origins: for each character of `spoken`, from which to which character of `source` it stands for.
+        marks: the names of the marks in it; `spoken` has their numbers, from 0 on.
+    """
+
+    spoken: str
+    source: str
+    origins: Sequence[tuple[int, int]]
+    marks: tuple[str, ...] = ()
+
+
+def plain_text(text: str) -> Script:
     """The text without control characters.
 
     Raises:
         MarkupError: it is too long.
     """
+    clean = _clean(text)
+    return Script(clean, clean, _each(0, len(clean)))
+
+
+def safe_ssml(document: str) -> Script:
+    """The document with nothing but harmless elements; a fragment gets a `speak` around it.
+
+    What `sub` gives in the place of its text stands there as text, since espeak tells wrong places behind a `sub`.
+
+    Raises:
+        MarkupError: it is too long, not well-formed, too deep, or declares a document type.
+    """
+    return _Rebuild(_clean(document)).run()
+
+
+def _clean(text: str) -> str:
     if len(text) > MAX_TEXT:
         raise MarkupError(f"a text has at most {MAX_TEXT} characters")
     return _CONTROL.sub(" ", text)
 
 
-def safe_ssml(document: str) -> str:
-    """The document with nothing but harmless elements; a fragment gets a `speak` around it.
-
-    Raises:
-        MarkupError: it is too long, not well-formed, too deep, or declares a document type.
-    """
-    document = plain_text(document).strip()
-    if not document.startswith(("<speak", "<?xml")):
-        document = f"<speak>{document}</speak>"
-    return _Rebuild().run(document)
+def _each(first: int, count: int) -> list[tuple[int, int]]:
+    """The origins of characters that stand as they stood, from the character `first` on."""
+    return [(place, place + 1) for place in range(first, first + count)]
 
 
 class _Rebuild:
-    def __init__(self) -> None:
+    def __init__(self, source: str) -> None:
+        self._source = source
+        stripped = source.strip()
+        wrapped = not stripped.startswith(("<speak", "<?xml"))
+        self._document = f"<speak>{stripped}</speak>" if wrapped else stripped
+        self._moved = source.find(stripped) - len("<speak>") * wrapped
+        # The parser counts bytes.
+        begins = accumulate((len(character.encode()) for character in self._document), initial=0)
+        self._places = {byte: place for place, byte in enumerate(begins)}
         self._parts: list[str] = []
+        self._origins: list[tuple[int, int]] = []
+        self._marks: list[str] = []
         self._depth = 0
+        self._literal = False
+        self._alias: str | None = None
+        self._replaced: tuple[int, int] | None = None
+        self._alias_depth = 0
 
-    def run(self, document: str) -> str:
-        parser = expat.ParserCreate(encoding="utf-8")
+    def run(self) -> Script:
+        parser = self._parser = expat.ParserCreate(encoding="utf-8")
         parser.StartElementHandler = self._start
         parser.EndElementHandler = self._end
         parser.CharacterDataHandler = self._text
+        parser.StartCdataSectionHandler = lambda: self._take_literally(True)
+        parser.EndCdataSectionHandler = lambda: self._take_literally(False)
         parser.StartDoctypeDeclHandler = self._refuse
         try:
-            parser.Parse(document.encode(), True)
+            parser.Parse(self._document.encode(), True)
         except expat.ExpatError as error:
             raise MarkupError(f"the SSML is not well-formed: {error}") from error
-        return "".join(self._parts)
+        return Script("".join(self._parts), self._source, self._origins, tuple(self._marks))
+
+    def _put(self, text: str, first: int, last: int) -> None:
+        """Write a text, all of which stands for the same part of the document."""
+        self._parts.append(text)
+        place = max(0, first + self._moved), max(0, last + self._moved)
+        self._origins += [place] * len(text)
+
+    def _put_tag(self, tag: str) -> None:
+        here = self._here()
+        self._put(tag, here, here)
+
+    def _here(self) -> int:
+        return self._places[self._parser.CurrentByteIndex]
 
     def _start(self, name: str, attributes: Mapping[str, str]) -> None:
         self._depth += 1
         if self._depth > MAX_DEPTH:
             raise MarkupError(f"the SSML has more than {MAX_DEPTH} elements inside each other")
-        allowed = _ELEMENTS.get(name)
-        if allowed is not None:
+        if self._alias is not None:
+            return
+        if name == "mark" and attributes.get("name"):
+            self._put_tag(f'<mark name="{len(self._marks)}"/>')
+            self._marks.append(attributes["name"][:MAX_MARK])
+        elif name == "sub" and attributes.get("alias"):
+            self._alias, self._alias_depth, self._replaced = attributes["alias"], self._depth, None
+        elif name in _ELEMENTS:
             kept = (
-                f" {key}={quoteattr(value)}" for key, value in attributes.items() if key in allowed and _fits(value)
+                f" {key}={quoteattr(value)}"
+                for key, value in attributes.items()
+                if key in _ELEMENTS[name] and _fits(value)
             )
-            self._parts.append(f"<{name}{''.join(kept)}>")
+            self._put_tag(f"<{name}{''.join(kept)}>")
 
     def _end(self, name: str) -> None:
-        self._depth -= 1
-        if name in _ELEMENTS:
-            self._parts.append(f"</{name}>")
+        depth, self._depth = self._depth, self._depth - 1
+        if self._alias is None:
+            if name in _ELEMENTS:
+                self._put_tag(f"</{name}>")
+        elif depth == self._alias_depth:
+            here = self._here()
+            self._put(escape(self._alias), *(self._replaced or (here, here)))
+            self._alias = None
 
     def _text(self, text: str) -> None:
-        self._parts.append(escape(text))
+        first = self._here()
+        is_reference = not self._literal and self._document.startswith("&", first)
+        last = self._document.index(";", first) + 1 if is_reference else first + len(text)
+        if self._alias is not None:
+            self._replaced = (self._replaced or (first, last))[0], last
+        elif is_reference:
+            self._put(escape(text), first, last)
+        else:
+            for place, character in enumerate(text, first):
+                self._put(escape(character), place, place + 1)
+
+    def _take_literally(self, on: bool) -> None:
+        self._literal = on
 
     def _refuse(self, *_: object) -> None:
         raise MarkupError("the SSML declares a document type")

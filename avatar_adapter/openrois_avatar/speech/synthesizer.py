@@ -18,6 +18,7 @@ from openrois_streaming.clock import MediaClock, SystemClock
 from openrois_streaming.source import SAMPLE_RATE
 
 from openrois_avatar.child import Output, child_process
+from openrois_avatar.engine_sound import SEAM
 from openrois_avatar.link.messages import MAX_VISEMES, Speak, Viseme
 from openrois_avatar.speech.framing import HEADER, FramingError, decode_body, decode_header, encode
 from openrois_avatar.speech.visemes import Phoneme, visemes
@@ -42,27 +43,62 @@ class SpeechRefused(ValueError):
 
 
 class Word(NamedTuple):
-    """A word and when it begins."""
+    """A word: when it begins, what it is, and from which character of the text on it stands there."""
 
     offset_ms: float
     text: str
+    position: int
+
+
+class NamedMark(NamedTuple):
+    """A mark of SSML and when it is reached."""
+
+    offset_ms: float
+    name: str
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Speech:
     """A text as sound and movement.
 
-    `samples` is mono at 48 kHz, `visemes` are in order of time and end with the mouth closed.
+    `samples` is mono at 48 kHz; all else is in order of time, and `visemes` end with the mouth closed.
     """
 
     samples: NDArray[np.int16]
     words: tuple[Word, ...]
     visemes: tuple[Viseme, ...]
+    marks: tuple[NamedMark, ...] = ()
 
     @property
     def duration(self) -> float:
         """Seconds."""
         return len(self.samples) / SAMPLE_RATE
+
+    @property
+    def moments(self) -> tuple[Word | NamedMark, ...]:
+        """Its words and marks in order of time."""
+        return tuple(sorted((*self.marks, *self.words), key=lambda moment: moment.offset_ms))
+
+    def after(self, samples: int) -> Speech:
+        """What is left when so many samples of it were heard; it fades in within 5 ms."""
+        gone = samples * 1000 / SAMPLE_RATE
+        left = self.samples[samples:].copy()
+        seam = min(SEAM, len(left))
+        left[:seam] = left[:seam] * (np.arange(seam) + 0.5) / SEAM
+        shape = [viseme for viseme in self.visemes if viseme.offset_ms <= gone][-1:]
+        return Speech(
+            left,
+            tuple(word._replace(offset_ms=word.offset_ms - gone) for word in self.words if word.offset_ms >= gone),
+            (
+                *(Viseme(0.0, viseme.shape, viseme.weight) for viseme in shape),
+                *(
+                    Viseme(viseme.offset_ms - gone, viseme.shape, viseme.weight)
+                    for viseme in self.visemes
+                    if viseme.offset_ms > gone
+                ),
+            ),
+            tuple(mark._replace(offset_ms=mark.offset_ms - gone) for mark in self.marks if mark.offset_ms >= gone),
+        )
 
     def mouth(self, speech_id: str, start_ns: int) -> Iterator[Speak]:
         """The commands that move an engine's mouth to this speech when it starts at `start_ns` of CLOCK_MONOTONIC.
@@ -137,7 +173,8 @@ class Synthesizer:
 
         Args:
             text: at most 4,000 characters; an SSML document or a fragment of one if `ssml`. Elements other than speak,
-                p, s, voice, prosody, emphasis, break, say-as and sub count as their content.
+                p, s, voice, prosody, emphasis, break, say-as, sub and mark count as their content. The places of words
+                are characters (Unicode code points) of it.
             language: a BCP 47 tag; of `de-AT` as much as is spoken, here `de`.
             voice: one of `voices()`; None for the language's own.
             volume: 0 (silent) to 100 (as loud as it goes without distortion).
@@ -213,7 +250,7 @@ async def _converse(process: Process, request: dict[str, Any]) -> tuple[dict[str
 def _speech(answer: dict[str, Any], sound: bytes) -> Speech:
     samples = np.frombuffer(sound, dtype="<i2")
     text = answer["text"]
-    named = (Word(offset, text[start : start + length]) for offset, start, length in answer["words"])
-    words = tuple(word for word in named if any(letter.isalnum() for letter in word.text))  # SSML counts its signs
+    words = tuple(Word(offset, text[start : start + length], start) for offset, start, length in answer["words"])
     phonemes = (Phoneme(offset, ipa) for offset, ipa in answer["phonemes"])
-    return Speech(samples, words, visemes(phonemes, len(samples) * 1000 / SAMPLE_RATE))
+    marks = tuple(NamedMark(offset, name) for offset, name in answer["marks"])
+    return Speech(samples, words, visemes(phonemes, len(samples) * 1000 / SAMPLE_RATE), marks)

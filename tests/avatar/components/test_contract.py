@@ -6,6 +6,7 @@ from openrois_avatar.body import Body
 from openrois_avatar.components.gaze import Gaze
 from openrois_avatar.components.operator import Operator
 from openrois_avatar.components.reaction import Reaction, reaction_ref
+from openrois_avatar.components.speech_progress import SpeechProgress
 from openrois_avatar.components.speech_synthesis import SpeechSynthesis
 from openrois_avatar.components.streaming import AudioStreaming, VideoStreaming
 from openrois_avatar.components.system_information import SystemInformation
@@ -14,6 +15,7 @@ from openrois_avatar.sound import AvatarSound
 from openrois_avatar.voice import Voice
 
 from openrois.component import Component
+from openrois.listeners import Listeners
 from openrois.testing import ComponentContract
 from openrois.types.codes import ComponentStatus
 from tests.support.streaming import VirtualClock
@@ -35,6 +37,12 @@ class TestSpeechSynthesis(ComponentContract):
     async def component(self) -> Component:
         clock = VirtualClock()
         return SpeechSynthesis(Voice(ScriptedSynthesizer(), AvatarSound(clock), Body(lambda _command: None)))
+
+
+class TestSpeechProgress(ComponentContract):
+    async def component(self) -> Component:
+        voice = Voice(ScriptedSynthesizer(), AvatarSound(VirtualClock()), Body(lambda _command: None))
+        return SpeechProgress(voice, Listeners[()]())
 
 
 class TestReaction(ComponentContract):

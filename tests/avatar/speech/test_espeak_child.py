@@ -115,6 +115,30 @@ async def test_ssml_is_obeyed(synthesizer: Synthesizer) -> None:
     assert [word.text for word in paused.words] == ["one", "two"]
 
 
+@pytest.mark.parametrize(
+    ("text", "ssml", "spoken"),
+    [
+        ("It costs 1234 euros; 🙂 I don't know.", False, ["It", "costs", "1234", "euros", "I", "don't", "know"]),
+        ("  Tom &amp; Jerry <sub alias='go home'>gh</sub> now", True, ["Tom", "Jerry", "gh", "now"]),
+        ("<![CDATA[a <]]> na\u00efve &#x41;bc", True, ["a", "naïve", "&#x41;bc"]),
+        ("こんにちは世界、私", False, ["こんにちは世界", "私"]),
+    ],
+)
+async def test_words_are_those_of_the_text(synthesizer: Synthesizer, text: str, ssml: bool, spoken: list[str]) -> None:
+    language = "ja" if text.startswith("こ") else "en"
+    said = (await synthesizer.synthesize(text, language=language, ssml=ssml)).words
+    assert [word.text for word in said] == spoken
+    assert all(text[word.position :].startswith(word.text) for word in said)
+    assert [word.offset_ms for word in said] == sorted({word.offset_ms for word in said})
+
+
+async def test_marks_are_told_with_their_names(synthesizer: Synthesizer) -> None:
+    said = await synthesizer.synthesize("one <mark name='here &amp; now'/> two<mark name='end'/>", ssml=True)
+    assert [mark.name for mark in said.marks] == ["here & now", "end"]
+    assert said.marks[0].offset_ms == pytest.approx(said.words[1].offset_ms, abs=100)
+    assert said.words[1].offset_ms < said.marks[1].offset_ms <= said.duration * 1000
+
+
 async def test_a_speech_without_end_is_refused(synthesizer: Synthesizer) -> None:
     pause = "<break time='280s'/>"
     assert (await synthesizer.synthesize(pause, ssml=True)).duration == pytest.approx(280, abs=1)

@@ -7,7 +7,14 @@ import numpy as np
 import pytest
 from openrois_avatar.link.messages import MAX_VISEMES, Speak, Viseme
 from openrois_avatar.speech import synthesizer as module
-from openrois_avatar.speech.synthesizer import Speech, SpeechRefused, SpeechUnavailable, Synthesizer
+from openrois_avatar.speech.synthesizer import (
+    NamedMark,
+    Speech,
+    SpeechRefused,
+    SpeechUnavailable,
+    Synthesizer,
+    Word,
+)
 
 
 def speech(count: int, seconds: float) -> Speech:
@@ -27,6 +34,25 @@ def test_a_very_long_speech_is_several() -> None:
     first, second = spoken.mouth("7", 1_000_000_000)
     assert first == Speak("7", 1_000_000_000, spoken.visemes[:MAX_VISEMES], MAX_VISEMES)
     assert second == Speak("7", 3_000_000_000, (Viseme(0.0, "PP", 1.0), Viseme(1.0, "aa", 1.0)), 1_000)
+
+
+def test_what_is_left_of_a_speech_goes_on_where_it_was() -> None:
+    samples = np.full(4800, 1000, np.int16)
+    words = (Word(0.0, "a", 0), Word(50.0, "b", 2), Word(80.0, "c", 4))
+    shapes = (Viseme(0.0, "aa", 0.5), Viseme(40.0, "PP", 1.0), Viseme(60.0, "sil", 1.0))
+    whole = Speech(samples, words, shapes, (NamedMark(20.0, "x"), NamedMark(80.0, "y")))
+    rest = whole.after(2400)
+    assert rest.duration == 0.05
+    assert rest.words == (Word(0.0, "b", 2), Word(30.0, "c", 4))
+    assert rest.marks == (NamedMark(30.0, "y"),)
+    assert rest.visemes == (Viseme(0.0, "PP", 1.0), Viseme(10.0, "sil", 1.0))
+    assert rest.samples[0] < 10
+    assert set(rest.samples[240:]) == {1000}
+    assert whole.samples[2400] == 1000
+    assert whole.moments == (words[0], NamedMark(20.0, "x"), words[1], NamedMark(80.0, "y"), words[2])
+    nothing = whole.after(4800)
+    assert (len(nothing.samples), nothing.words) == (0, ())
+    assert nothing.visemes == (Viseme(0.0, "sil", 1.0),)
 
 
 async def test_without_the_library_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -125,6 +151,7 @@ async def test_a_sentence_becomes_sound_words_and_movement() -> None:
     assert spoken.samples.dtype == np.int16
     assert 1.2 < spoken.duration < 2.5
     assert [word.text for word in spoken.words] == ["Hello", "world", "I", "your", "avatar"]
+    assert [word.position for word in spoken.words] == [0, 6, 13, 18, 23]
     assert [word.offset_ms for word in spoken.words] == sorted(word.offset_ms for word in spoken.words)
     assert spoken.visemes[-1].shape == "sil"
     assert len({viseme.shape for viseme in spoken.visemes}) > 6

@@ -1,0 +1,53 @@
+"""How much later than it sounds the avatar is heard by those who listen: the way to them, and their buffers."""
+
+from typing import Final
+
+from openrois_streaming.errors import UnknownStream
+from openrois_streaming.sessions import StreamSessions
+from openrois_streaming.state import StreamStatus
+from openrois_streaming.stats import StreamStats
+
+__all__ = ["LONGEST", "PLAYOUT", "Audience", "way"]
+
+PLAYOUT: Final = 0.1
+"""Seconds from the arrival of a packet to its sound in a viewer's ear: buffer, decoder, device.
+
+An estimate for a path without jitter, as no report of a viewer says it; `docs/avatar.md` has what was measured."""
+JITTERS: Final = 3.0
+"""How many times the reported jitter a viewer's buffer grows with it."""
+LONGEST: Final = 1.0
+"""Seconds; a viewer that is farther away is not waited for."""
+
+
+def way(round_trip_time: float | None, jitter: float | None) -> float:
+    """Seconds from the sending of a sound to its being heard, from what a viewer reports."""
+    return min((round_trip_time or 0.0) / 2 + PLAYOUT + JITTERS * (jitter or 0.0), LONGEST)
+
+
+class Audience:
+    """The viewers that hear the avatar now. Nobody does until `gather` has said where they are."""
+
+    def __init__(self) -> None:
+        self._sessions: StreamSessions | None = None
+        self._component_ref = ""
+
+    def gather(self, sessions: StreamSessions, component_ref: str) -> None:
+        """Count those who play the sound of a component."""
+        self._sessions, self._component_ref = sessions, component_ref
+
+    async def lateness(self) -> float:
+        """Seconds from the sending of a sound until the last of them has heard it; without any, a near one would."""
+        ways = [way(stream.round_trip_time, stream.jitter) for stream in await self._listening()]
+        return max(ways, default=way(None, None))
+
+    async def _listening(self) -> list[StreamStats]:
+        found = []
+        for session in self._sessions or ():
+            for stream_id in session.stream_ids:
+                try:
+                    stream = await session.stats(stream_id)
+                except UnknownStream:  # it ended while the others were asked
+                    continue
+                if stream.component_ref == self._component_ref and stream.status is StreamStatus.RUNNING:
+                    found.append(stream)
+        return found

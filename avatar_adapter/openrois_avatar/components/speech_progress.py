@@ -1,0 +1,95 @@
+"""SpeechProgress: what the avatar is heard to say, word by word, and whether it lets itself be interrupted."""
+
+from datetime import UTC, datetime
+from typing import TypeVarTuple
+
+from openrois.adapter import Component, ComponentStatus, event, parameter
+from openrois.listeners import Listeners
+from openrois.types.codes import CompletedStatus
+from openrois_avatar.utterance import MarkReached, Progress, SpeechEnded, WordSpoken
+from openrois_avatar.voice import Voice
+
+__all__ = ["SpeechProgress"]
+
+What = TypeVarTuple("What")
+
+
+class SpeechProgress(Component, authority="OpenRoIS", function="actuation"):
+    """Tells how far SpeechSynthesis has come. A component of our own: the standard's has no events.
+
+    An actuation, so that `barge_in` is set only by who has bound it; its events are for everybody.
+
+    Args:
+        voice: what speaks.
+        speech_began: tells when somebody begins to speak to the avatar.
+    """
+
+    barge_in: bool = parameter(False, description="whether the avatar stops speaking when somebody speaks to it")
+
+    def __init__(self, voice: Voice, speech_began: Listeners[*What]) -> None:
+        super().__init__("SpeechProgress")
+        self._voice = voice
+        voice.progress.add(self._progressed)
+        speech_began.add(self._spoken_to)
+
+    def condition(self) -> ComponentStatus:
+        """READY where speech synthesis is installed, else ERROR."""
+        return ComponentStatus.READY if self._voice.available()[0] else ComponentStatus.ERROR
+
+    @event
+    def word_spoken(self, speech_id: str, word: str, position: int, length: int, spoken_at: datetime) -> None:
+        """The viewers hear a word. Words that are said in one breath may be told as the first of them.
+
+        Args:
+            speech_id: of the text that is spoken, the same in all events about it
+            word: as it stands in the text
+            position: of its first character in speech_text or ssml_text, from 0 on, in Unicode code points
+            length: of the word, likewise
+            spoken_at: when they hear it
+        """
+
+    @event
+    def mark_reached(self, speech_id: str, mark: str, reached_at: datetime) -> None:
+        """The viewers hear what follows a mark of the SSML.
+
+        Args:
+            speech_id: of the text that is spoken
+            mark: its name
+            reached_at: when they hear it
+        """
+
+    @event
+    def speech_ended(
+        self,
+        speech_id: str,
+        status: CompletedStatus,
+        ended_at: datetime,
+        reason: str | None = None,
+        word: str | None = None,
+        position: int | None = None,
+    ) -> None:
+        """Nothing more of a text is heard.
+
+        Args:
+            speech_id: of the text
+            status: OK, or ABORT if it was stopped or interrupted
+            ended_at: when it ended
+            reason: why it did not come to its end
+            word: the last one that was begun
+            position: of that word
+        """
+
+    def _spoken_to(self, *_: *What) -> None:
+        if self.barge_in:
+            self._voice.interrupt("somebody spoke, and the avatar stopped")
+
+    def _progressed(self, progress: Progress) -> None:
+        at = datetime.fromtimestamp(progress.at, UTC)
+        match progress:
+            case WordSpoken(speech_id, word, position):
+                self.word_spoken(speech_id, word, position, len(word), at)
+            case MarkReached(speech_id, mark):
+                self.mark_reached(speech_id, mark, at)
+            case SpeechEnded(speech_id, status, reason, last):
+                at_word, since = (last.text, last.position) if last else (None, None)
+                self.speech_ended(speech_id, status, at, reason or None, at_word, since)

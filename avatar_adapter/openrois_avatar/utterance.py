@@ -1,0 +1,170 @@
+"""One text on its way to those who hear it: it is told word by word, can be broken off, and paused in mid-word."""
+
+import asyncio
+import secrets
+from collections import deque
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from openrois_streaming.clock import wall_at
+from openrois_streaming.source import SAMPLE_RATE
+
+from openrois.errors import Aborted
+from openrois.types.codes import CompletedStatus
+from openrois_avatar.audience import Audience
+from openrois_avatar.body import Body
+from openrois_avatar.sound import AvatarSound, Playback, SoundBusy
+from openrois_avatar.speech.synthesizer import NamedMark, Speech, Word
+
+__all__ = ["MarkReached", "Progress", "SpeechEnded", "Utterance", "WordSpoken"]
+
+
+@dataclass(frozen=True, slots=True)
+class WordSpoken:
+    """A word is heard: it stands from character `position` of the text on. `at` is epoch seconds, as everywhere."""
+
+    speech_id: str
+    word: str
+    position: int
+    at: float
+
+
+@dataclass(frozen=True, slots=True)
+class MarkReached:
+    """A mark of SSML is reached."""
+
+    speech_id: str
+    mark: str
+    at: float
+
+
+@dataclass(frozen=True, slots=True)
+class SpeechEnded:
+    """Nothing more is heard; `last` is the last word that was begun, if one was."""
+
+    speech_id: str
+    status: CompletedStatus
+    reason: str
+    last: Word | None
+    at: float
+
+
+Progress = WordSpoken | MarkReached | SpeechEnded
+
+
+class Utterance:
+    """Says a speech through the avatar's sound and mouth, after all that was to be said before.
+
+    Args:
+        sound: what is heard of the avatar.
+        body: whose mouth moves.
+        audience: those who hear it.
+        tell: is told how it goes on, in order; must not raise.
+    """
+
+    def __init__(self, sound: AvatarSound, body: Body, audience: Audience, tell: Callable[[Progress], None]) -> None:
+        self.speech_id = secrets.token_hex(8)
+        self.begun = False
+        """Whether `play` was called."""
+        self.over = asyncio.Event()
+        """Set when `play` has returned or raised."""
+        self._sound = sound
+        self._body = body
+        self._audience = audience
+        self._tell = tell
+        self._playback: Playback | None = None
+        self._late = 0.0
+        self._last: Word | None = None
+        self._cut_off = ""
+        self._going_on = asyncio.Event()
+        self._going_on.set()
+
+    async def play(self, speech: Speech) -> None:
+        """Say it, until all of it was heard. Cancelling this breaks it off.
+
+        Raises:
+            Aborted: it was broken off; the sentence has the reason and the word.
+            SoundBusy: too much is to be said before it.
+        """
+        self.begun = True
+        rest: Speech | None = speech
+        try:
+            while rest is not None:
+                await self._going_on.wait()
+                if self._cut_off:
+                    raise Aborted(f"{self._cut_off} {self._where()}")
+                rest = await self._play(rest)
+        except asyncio.CancelledError:
+            self._end(CompletedStatus.ABORT, f"the speech was stopped {self._where()}")
+            raise
+        except Aborted as error:
+            self._end(CompletedStatus.ABORT, str(error))
+            raise
+        except SoundBusy as error:
+            self._end(CompletedStatus.OUT_OF_RESOURCES, str(error))
+            raise
+        finally:
+            self.over.set()
+        self._end(CompletedStatus.OK, "")
+
+    def cut(self, why: str) -> None:
+        """Break it off within a block of sound (20 ms); `why` is how the sentence of `Aborted` begins."""
+        self._cut_off = why
+        self._fall_silent()
+        self._going_on.set()
+
+    def pause(self) -> None:
+        """Fall silent within a block of sound, in the middle of a word too."""
+        self._going_on.clear()
+        self._fall_silent()
+
+    def go_on(self) -> None:
+        """Go on where it was paused."""
+        self._going_on.set()
+
+    def _fall_silent(self) -> None:
+        if self._playback is not None:
+            self._playback.stop()
+
+    async def _play(self, speech: Speech) -> Speech | None:
+        """Say a speech; returns what is left of it when that is stopped, None when all of it was heard."""
+        playback = self._playback = self._sound.play(speech.samples)
+        self._body.speak(self.speech_id, speech.mouth(self.speech_id, playback.start_ns))
+        coming = deque(speech.moments)
+        played = False
+        try:
+            while coming and await self._heard(playback, playback.start + coming[0].offset_ms / 1000):
+                self._reached(coming.popleft(), playback)
+            played = not coming and await self._heard(playback, playback.end)
+        finally:
+            self._playback = None
+            if played:
+                self._body.spoken(self.speech_id)
+            else:
+                playback.stop()
+                self._body.silence()
+            # What was begun before it stopped is on its way to those who listen.
+            while coming and coming[0].offset_ms * SAMPLE_RATE < playback.heard * 1000:
+                self._reached(coming.popleft(), playback)
+        return None if played else speech.after(playback.heard)
+
+    async def _heard(self, playback: Playback, moment: float) -> bool:
+        """Wait until a moment of the media clock is heard; False if the speech is stopped before."""
+        self._late = self._sound.lag + await self._audience.lateness()
+        return await playback.reach(moment + self._late)
+
+    def _reached(self, moment: Word | NamedMark, playback: Playback) -> None:
+        at = wall_at(self._sound.clock, playback.start + moment.offset_ms / 1000 + self._late)
+        if isinstance(moment, Word):
+            self._last = moment
+            self._tell(WordSpoken(self.speech_id, moment.text, moment.position, at))
+        else:
+            self._tell(MarkReached(self.speech_id, moment.name, at))
+
+    def _where(self) -> str:
+        if self._last is None:
+            return "before the first word"
+        return f"at the word {self._last.text!r} (character {self._last.position})"
+
+    def _end(self, status: CompletedStatus, reason: str) -> None:
+        self._tell(SpeechEnded(self.speech_id, status, reason, self._last, self._sound.clock.wall()))

@@ -1,0 +1,159 @@
+"""SpeechProgress as an engine sees it, beside SpeechSynthesis."""
+
+import asyncio
+
+import pytest
+from openrois_avatar.body import Body
+from openrois_avatar.components.speech_progress import SpeechProgress
+from openrois_avatar.components.speech_synthesis import SpeechSynthesis
+from openrois_avatar.link.messages import Command, Silence
+from openrois_avatar.sound import AvatarSound
+from openrois_avatar.voice import Voice
+
+from openrois.contract import Event
+from openrois.errors import Aborted
+from openrois.listeners import Listeners
+from openrois.registry import LocalRegistry
+from openrois.types.codes import ComponentFunction
+from openrois.types.messages import Argument, Result
+from tests.support.streaming import VirtualClock, settle
+from tests.support.voice import ScriptedSynthesizer
+
+PROGRESS, SYNTHESIS = "avatar/SpeechProgress", "avatar/SpeechSynthesis"
+
+
+class Stage:
+    def __init__(self) -> None:
+        self.clock = VirtualClock()
+        self.synthesizer = ScriptedSynthesizer()
+        self.speech_began: Listeners[()] = Listeners()
+        self.commands: list[Command] = []
+        voice = Voice(self.synthesizer, AvatarSound(self.clock), Body(self.commands.append))
+        self.component = SpeechProgress(voice, self.speech_began)
+        self.registry = LocalRegistry("avatar", [SpeechSynthesis(voice), self.component])
+        self.events: list[tuple[str, dict[str, str]]] = []
+
+    async def subscribe(self) -> None:
+        for event_type in ("word_spoken", "mark_reached", "speech_ended"):
+            await self.registry.subscribe(PROGRESS, event_type, self._take)
+
+    def _take(self, event: Event) -> None:
+        self.events.append((event.event_type, {result.name: result.value for result in event.results}))
+
+    async def set(self, component_ref: str, **values: str) -> None:
+        arguments = tuple(Argument(name=name, data_type_ref="string", value=value) for name, value in values.items())
+        await self.registry.invoke(component_ref, "set_parameter", arguments)
+
+    async def start(self, text: str) -> "asyncio.Future[tuple[Result, ...]]":
+        await self.set(SYNTHESIS, speech_text=text)
+        starting = asyncio.ensure_future(self.registry.invoke(SYNTHESIS, "start"))
+        await settle()
+        return starting
+
+
+@pytest.fixture
+async def stage() -> Stage:
+    stage = Stage()
+    await stage.subscribe()
+    return stage
+
+
+async def test_each_word_is_an_event_with_its_place_and_its_time(stage: Stage) -> None:
+    speaking = await stage.start("one <here> two")
+    await stage.clock.advance(1.3)
+    await speaking
+    kinds, values = zip(*stage.events, strict=True)
+    assert kinds == ("word_spoken", "mark_reached", "word_spoken", "speech_ended")
+    speech_id = values[0]["speech_id"]
+    assert values[0] | {"spoken_at": ""} == {
+        "speech_id": speech_id,
+        "word": "one",
+        "position": "0",
+        "length": "3",
+        "spoken_at": "",
+    }
+    assert values[0]["spoken_at"].startswith("2027-01-15T08:00:00.1")
+    assert (values[1]["mark"], values[2]["word"], values[2]["position"]) == ("here", "two", "11")
+    assert values[3] | {"ended_at": ""} == {
+        "speech_id": speech_id,
+        "status": "OK",
+        "word": "two",
+        "position": "11",
+        "ended_at": "",
+    }
+
+
+async def test_stop_says_at_which_word(stage: Stage) -> None:
+    speaking = await stage.start("one two")
+    await stage.clock.advance(0.7)
+    await stage.registry.invoke(SYNTHESIS, "stop")
+    sentence = "the speech was stopped at the word 'two' (character 4)"
+    with pytest.raises(Aborted) as stopped:
+        await speaking
+    assert str(stopped.value) == sentence
+    kind, values = stage.events[-1]
+    assert (kind, values["status"], values["word"], values["reason"]) == ("speech_ended", "ABORT", "two", sentence)
+
+
+async def test_another_start_ends_a_text_too(stage: Stage) -> None:
+    first = await stage.start("one two")
+    await stage.clock.advance(0.3)
+    second = await stage.start("three")
+    with pytest.raises(Aborted):
+        await first
+    assert stage.events[-1][1]["reason"] == "the speech was stopped at the word 'one' (character 0)"
+    await stage.clock.advance(1.3)
+    assert await second == ()
+
+
+async def test_suspended_it_is_silent_until_it_is_resumed(stage: Stage) -> None:
+    speaking = await stage.start("one two")
+    await stage.clock.advance(0.3)
+    await stage.registry.invoke(SYNTHESIS, "suspend")
+    await settle()
+    assert stage.commands[-1] == Silence()
+    await stage.clock.advance(10)
+    assert not speaking.done()
+    assert (await stage.registry.query(SYNTHESIS, "component_status"))[0].value == "BUSY"
+    await stage.registry.invoke(SYNTHESIS, "resume")
+    await stage.clock.advance(1.1)
+    assert await speaking == ()
+    assert [values["word"] for kind, values in stage.events if kind == "word_spoken"] == ["one", "two"]
+
+
+async def test_whoever_speaks_is_not_heeded_unless_that_is_wanted(stage: Stage) -> None:
+    speaking = await stage.start("one two")
+    await stage.clock.advance(0.3)
+    stage.speech_began.tell()
+    await stage.clock.advance(1.0)
+    assert await speaking == ()
+
+
+async def test_who_barges_in_is_let_speak(stage: Stage) -> None:
+    await stage.set(PROGRESS, barge_in="true")
+    speaking = await stage.start("one two")
+    await stage.clock.advance(0.3)
+    stage.speech_began.tell()
+    await settle()
+    assert stage.commands[-1] == Silence()
+    with pytest.raises(Aborted, match=r"somebody spoke, and the avatar stopped at the word 'one' \(character 0\)"):
+        await speaking
+    stage.speech_began.tell()
+    assert len([kind for kind, _ in stage.events if kind == "speech_ended"]) == 1
+
+
+async def test_only_who_has_bound_it_lets_others_barge_in(stage: Stage) -> None:
+    assert stage.component.profile.function is ComponentFunction.ACTUATION
+
+
+async def test_the_standards_component_stays_the_standards(stage: Stage) -> None:
+    directory = await stage.registry.discover()
+    profile = directory.component_profiles[SYNTHESIS]
+    assert profile.event_profiles == ()
+    assert {parameter.name for parameter in profile.parameter_profiles} == {
+        "speech_text",
+        "ssml_text",
+        "volume",
+        "language",
+        "character",
+    }

@@ -1,0 +1,76 @@
+"""Those who hear the avatar: how late they do, from what they report."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import pytest
+from openrois_avatar.audience import LONGEST, PLAYOUT, Audience, way
+from openrois_streaming.errors import UnknownStream
+from openrois_streaming.state import StreamStatus
+
+REF = "avatar/AudioStreaming"
+
+
+@dataclass
+class Stats:
+    round_trip_time: float | None
+    jitter: float | None
+    component_ref: str = REF
+    status: StreamStatus = StreamStatus.RUNNING
+
+
+class Session:
+    """A session as far as it is asked for figures; a stream without any has ended meanwhile."""
+
+    def __init__(self, **streams: Stats | None) -> None:
+        self._streams = streams
+        self.stream_ids = tuple(streams)
+
+    async def stats(self, stream_id: str) -> Stats:
+        found = self._streams[stream_id]
+        if found is None:
+            raise UnknownStream("there is no such stream")
+        return found
+
+
+class Sessions:
+    def __init__(self, *sessions: Session) -> None:
+        self._sessions = sessions
+
+    def __iter__(self) -> Iterator[Session]:
+        return iter(self._sessions)
+
+
+async def lateness(*sessions: Session) -> float:
+    audience = Audience()
+    audience.gather(Sessions(*sessions), REF)  # type: ignore[arg-type]
+    return await audience.lateness()
+
+
+def test_a_way_is_half_a_round_trip_and_a_buffer_that_grows_with_the_jitter() -> None:
+    assert way(None, None) == PLAYOUT
+    assert way(0.05, 0.01) == pytest.approx(PLAYOUT + 0.025 + 0.03)
+    assert way(5.0, 0.0) == LONGEST
+
+
+async def test_it_is_waited_for_the_last_of_those_who_listen() -> None:
+    near, far = Stats(0.01, 0.0), Stats(0.2, 0.0)
+    assert await lateness(Session(near=near), Session(far=far)) == pytest.approx(PLAYOUT + 0.1)
+
+
+@pytest.mark.parametrize(
+    "stream",
+    [
+        None,
+        Stats(0.2, 0.0, component_ref="avatar/VideoStreaming"),
+        Stats(0.2, 0.0, status=StreamStatus.SUSPENDED),
+        Stats(0.2, 0.0, status=StreamStatus.NOT_RUNNING),
+    ],
+)
+async def test_who_does_not_listen_is_not_waited_for(stream: Stats | None) -> None:
+    assert await lateness(Session(a=stream)) == PLAYOUT
+
+
+async def test_nobody_is_as_near_as_can_be() -> None:
+    assert await lateness() == PLAYOUT
+    assert await Audience().lateness() == PLAYOUT
