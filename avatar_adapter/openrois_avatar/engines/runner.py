@@ -76,6 +76,7 @@ def main(name: str, available: Available, factory: Factory, arguments: Sequence[
         audio_channels=1,
         reactions=tuple(REACTIONS),
         hears=True,
+        ring=True,
     )
     renderer = factory(picture)
     try:

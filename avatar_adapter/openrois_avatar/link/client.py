@@ -16,11 +16,11 @@ import contextlib
 import os
 import selectors
 import socket
-import threading
 import time
 from collections import deque
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import count
 from types import TracebackType
 from typing import Any, Final, Self
 
@@ -28,9 +28,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrois_avatar.link.address import ADDRESS_VARIABLE, SECRET_VARIABLE, connect_socket, parse_address
-from openrois_avatar.link.messages import Bye, Command, Event, Hello, LinkError, Welcome
+from openrois_avatar.link.media import Doorbell, check_picture
+from openrois_avatar.link.messages import Bye, Command, Event, Hello, LinkError, Log, RingPlace, Welcome
 from openrois_avatar.link.outbox import MAX_AUDIO_BLOCKS, Outbox
-from openrois_avatar.link.protocol import Audio, Message, Parser, PixelFormat, Sender, Video, encode
+from openrois_avatar.link.protocol import Audio, Message, Parser, PixelFormat, Sender, Video
+from openrois_avatar.link.ring_writer import RingWriter
+from openrois_avatar.link.writer import Writer, send
 
 STALL_TIMEOUT: Final = 10.0
 """Seconds after which an adapter that reads nothing counts as gone."""
@@ -51,9 +54,11 @@ class LinkClient:
         self._selector = selectors.DefaultSelector()
         self._selector.register(stream, selectors.EVENT_READ)
         self._outbox = Outbox()
+        self._numbers = count()
+        self._ring: RingWriter | None = None
         self._reason: str | None = None
         self._failure: str | None = None
-        self._writer = threading.Thread(target=self._write, name="engine-link", daemon=True)
+        self._writer = Writer(stream, self._outbox, self._fail)
 
     @classmethod
     def connect(cls, address: str, hello: Hello, timeout: float = 5.0) -> Self:
@@ -64,6 +69,9 @@ class LinkClient:
         """
         deadline = time.monotonic() + timeout
         stream = connect_socket(parse_address(address), timeout)
+        if stream.family == socket.AF_UNIX:
+            # One write takes a whole picture then, and the adapter wakes once for it. TCP finds its size by itself.
+            stream.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, hello.video.width * hello.video.height * 4)
         client = cls(stream)
         try:
             client._greet(hello, deadline)
@@ -71,7 +79,7 @@ class LinkClient:
             client._release()
             raise LinkError(str(error)) from error
         stream.settimeout(STALL_TIMEOUT)
-        client._writer.start()
+        client._writer.thread.start()
         return client
 
     def __enter__(self) -> Self:
@@ -112,15 +120,25 @@ class LinkClient:
     ) -> None:
         """Send a picture captured at `timestamp_ns` (CLOCK_MONOTONIC); it replaces one that still waits.
 
+        If HELLO asked for a ring and the adapter has given one, the pixels go there, but for pictures that are larger
+        than its slots.
+
         `pixels` is any C-contiguous buffer. `bytes` are kept as they are, anything else is copied, so that the caller
         may draw the next picture into the same buffer at once.
 
         Raises:
             LinkError: the numbers do not describe the pixels.
         """
-        own = pixels if isinstance(pixels, bytes) else bytes(memoryview(pixels).cast("B"))
-        picture = Video(0, timestamp_ns, width, height, stride, format, own, bottom_up)
-        self._outbox.put_video(lambda sequence: replace(picture, sequence=sequence))
+        view = memoryview(pixels).cast("B")
+        check_picture(width, height, stride, format, len(view))
+        sequence = next(self._numbers)
+        shape = sequence, timestamp_ns, width, height, stride, format
+        slot = None if self._ring is None else self._ring.write(sequence, view)
+        if slot is not None:
+            self._writer.ring(Doorbell(*shape, slot, bottom_up))
+        else:
+            own = pixels if isinstance(pixels, bytes) else bytes(view)
+            self._outbox.put_video(Video(*shape, own, bottom_up))
 
     def send_audio(self, samples: NDArray[np.int16], timestamp_ns: int) -> None:
         """Send a block of 48 kHz sound, shape (n, channels), whose first sample was made at `timestamp_ns`.
@@ -164,16 +182,16 @@ class LinkClient:
     def close(self, reason: str = "the engine ends") -> None:
         """Send the events that wait and a goodbye, and release everything; half a second at most. May be repeated."""
         self._outbox.finish(Bye(reason))
-        self._writer.join(FAREWELL_TIMEOUT)
+        self._writer.thread.join(FAREWELL_TIMEOUT)
         self._end(reason)
-        self._writer.join()  # returns at once: the socket is shut down and the outbox aborted
+        self._writer.thread.join()  # returns at once: the socket is shut down and the outbox aborted
         self._release()
 
     def _patience(self, deadline: float) -> float:
         return 0.0 if self._commands else max(0.0, deadline - time.monotonic())
 
     def _greet(self, hello: Hello, deadline: float) -> None:
-        _send(self._stream, hello)
+        send(self._stream, hello)
         messages: list[Message] = []
         while not messages:
             self._stream.settimeout(max(0.001, deadline - time.monotonic()))
@@ -181,8 +199,16 @@ class LinkClient:
         first, *later = messages
         if not isinstance(first, Welcome):
             raise LinkError(f"refused: {first.reason}" if isinstance(first, Bye) else "refused")
+        self._open_ring(first.ring)
         for message in later:
             self._take(message)
+
+    def _open_ring(self, place: RingPlace | None) -> None:
+        if place is not None:
+            try:
+                self._ring = RingWriter(place)
+            except LinkError as error:
+                self.send_event(Log(f"{error}; pictures go through the socket"))
 
     def _receive(self) -> None:
         for message in self._read():
@@ -202,15 +228,6 @@ class LinkClient:
         else:
             assert isinstance(message, Command), "the parser lets an adapter say nothing else"
             self._commands.append(message)
-
-    def _write(self) -> None:
-        try:
-            while (message := self._outbox.take()) is not None:
-                _send(self._stream, message)
-        except TimeoutError:
-            self._fail("the adapter does not read")
-        except (OSError, LinkError) as error:
-            self._fail(str(error))
 
     def _fail(self, failure: str) -> None:
         """Hang up from either thread. The adapter's goodbye may still be there to be read: it says more."""
@@ -241,9 +258,3 @@ def connect_from_environment(
     except KeyError as missing:
         raise LinkError(f"{missing.args[0]} is not set: start the engine from the adapter") from missing
     return LinkClient.connect(address, replace(hello, secret=secret), timeout)
-
-
-def _send(stream: socket.socket, message: Message) -> None:
-    header, payload = encode(message)
-    stream.sendall(header)
-    stream.sendall(payload)

@@ -6,16 +6,14 @@ import asyncio
 import hmac
 import logging
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Final, Protocol, TypeVar, cast
+from typing import Final, Protocol, cast
 
 import numpy as np
-from openrois_streaming.clock import MediaClock
 from openrois_streaming.source import RawAudio
 
-from openrois_avatar.link.inlet import MAX_AHEAD, EngineVideo, believed
 from openrois_avatar.link.messages import Bye, Command, Event, Hello, LinkError, Welcome
 from openrois_avatar.link.protocol import Audio, Bytes, Doorbell, Message, Parser, Sender, Video, encode
+from openrois_avatar.link.receivers import Arrivals, Receivers
 from openrois_avatar.link.unheard import Unheard
 
 FAREWELL_TIMEOUT: Final = 0.5
@@ -25,8 +23,6 @@ MAX_UNREAD: Final = 256 * 1024
 _CONGESTED: Final = 16 * 1024
 """Bytes that the engine has not read yet above which sound waits: 90 ms of it."""
 _NAME: Final = "openrois-avatar"
-
-_Item = TypeVar("_Item")
 
 _log = logging.getLogger(__name__)
 
@@ -47,16 +43,6 @@ class Host(Protocol):
         ...
 
 
-@dataclass(frozen=True, slots=True)
-class Receivers:
-    """Where what an engine sends goes. The callbacks are called on the event loop and must not block."""
-
-    clock: MediaClock
-    video: EngineVideo
-    on_audio: Callable[[RawAudio], None] | None = None
-    on_event: Callable[[Event], None] | None = None
-
-
 class EngineConnection(asyncio.BufferedProtocol):
     """A connected engine. Its pictures are received straight into the memory they stay in."""
 
@@ -65,7 +51,7 @@ class EngineConnection(asyncio.BufferedProtocol):
     def __init__(self, host: Host, secret: str, receivers: Receivers, greeting_timeout: float) -> None:
         self._host = host
         self._secret = secret
-        self._receivers = receivers
+        self._arrivals = Arrivals(receivers)
         self._parser = Parser(Sender.ENGINE, _uninitialised)
         self._hello: Hello | None = None
         self._reason: str | None = None
@@ -164,30 +150,22 @@ class EngineConnection(asyncio.BufferedProtocol):
         self._stop_waiting()
         if self._reason is None:
             self._reason = f"the connection broke: {exc}" if exc else "the engine closed the connection"
+        self._arrivals.end()
         self._host.ended(self)
         self._closed.set_result(self._reason)
 
     def _take(self, message: Message) -> None:
         match message:
-            case Video():
-                self._receivers.video.put(message)
-            case Doorbell():
-                raise LinkError("RING: no ring was given")
-            case Audio():
-                self._take_audio(message)
             case Hello():
                 self._greet(message)
             case Bye():
                 self._reason = message.reason
                 self._shut()
             case _:
-                assert isinstance(message, Event), "the parser lets an engine say nothing else"
-                tell(self._receivers.on_event, message)
-
-    def _take_audio(self, audio: Audio) -> None:
-        samples = np.frombuffer(audio.samples, dtype="<i2").reshape(-1, audio.channels)
-        moment = believed(audio.timestamp_ns, self._receivers.clock.now(), MAX_AHEAD)
-        tell(self._receivers.on_audio, RawAudio(samples, moment))
+                assert isinstance(message, Video | Doorbell | Audio | Event), (
+                    "the parser lets an engine say nothing else"
+                )
+                self._arrivals.take(message)
 
     def _greet(self, hello: Hello) -> None:
         if not hmac.compare_digest(hello.secret.encode(), self._secret.encode()):
@@ -197,8 +175,7 @@ class EngineConnection(asyncio.BufferedProtocol):
             raise LinkError(refusal)
         self._hello = hello
         self._stop_waiting()
-        self._receivers.video.begin()
-        self._send(encode(Welcome(_NAME)))
+        self._send(encode(Welcome(_NAME, self._arrivals.begin(hello))))
         _log.info("engine link: %s %s is connected", hello.name, hello.version)
 
     def _send(self, parts: tuple[Bytes, ...]) -> None:
@@ -216,16 +193,6 @@ class EngineConnection(asyncio.BufferedProtocol):
     def _stop_waiting(self) -> None:
         if self._timer is not None:
             self._timer.cancel()
-
-
-def tell(callback: Callable[[_Item], None] | None, item: _Item) -> None:
-    """Call a receiver if there is one; if it fails that is logged, and whoever told it goes on."""
-    if callback is None:
-        return
-    try:
-        callback(item)
-    except Exception:
-        _log.exception("engine link: a receiver failed")
 
 
 def _uninitialised(size: int) -> memoryview:

@@ -17,9 +17,10 @@ from openrois_streaming.supervision import HUNG, LOOK_INTERVAL, SourceWatch
 from openrois.backoff import Backoff
 from openrois_avatar.child import Output, child_process, ended_within
 from openrois_avatar.link.address import ADDRESS_VARIABLE, SECRET_VARIABLE
-from openrois_avatar.link.connection import EngineConnection, tell
+from openrois_avatar.link.connection import EngineConnection
 from openrois_avatar.link.inlet import EngineVideo
 from openrois_avatar.link.messages import Command, Event, Hello, LinkError, Pause, Quit
+from openrois_avatar.link.receivers import tell
 from openrois_avatar.link.server import LinkServer
 
 START_TIMEOUT: Final = 20.0

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
-from typing import Final
+from typing import Final, NamedTuple
 
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.source import RawVideo
@@ -43,13 +43,23 @@ class Timestamps:
         return self._last
 
 
+class _Waiting(NamedTuple):
+    """A picture that nobody has read yet."""
+
+    video: Video
+    sequence: int
+    captured_at: float
+    is_whole: Callable[[], bool] | None
+
+
 class EngineVideo:
     """The pictures of whichever engine is connected, as a `MediaSource`; the newest replaces one that still waits.
 
     While no engine is connected there are no pictures, and when one comes back they go on: to a reader that is a gap,
     never an end. While nobody has it open pictures are received and forgotten.
 
-    `received` counts the pictures that arrived, `dropped` those that a newer one replaced before they were read.
+    `received` counts the pictures that arrived, `dropped` those that a newer one replaced before they were read, and
+    those of a ring that were overwritten before, or while they were.
     `last_at` is when the last one came from the engine that is connected now, in seconds of the media clock.
     """
 
@@ -61,7 +71,7 @@ class EngineVideo:
         self._timestamps = Timestamps(clock)
         self._first_sequence = 0
         self._next_sequence = 0
-        self._waiting: tuple[Video, int, float] | None = None
+        self._waiting: _Waiting | None = None
         self._arrived = asyncio.Event()
         self._open = False
 
@@ -70,8 +80,17 @@ class EngineVideo:
         self._first_sequence = self._next_sequence
         self.last_at = None
 
-    def put(self, video: Video) -> None:
-        """Take a picture from the link; never waits."""
+    def lost(self) -> None:
+        """A picture has come that is not there any more: a later one has its place in the ring."""
+        self.received += 1
+        self.last_at = self._clock.now()
+        self.dropped += self._open
+
+    def put(self, video: Video, is_whole: Callable[[], bool] | None = None) -> None:
+        """Take a picture from the link; never waits.
+
+        Pixels that others may write into are copied when the picture is read; `is_whole` then tells if nobody did.
+        """
         self.received += 1
         self.last_at = self._clock.now()
         sequence = self._first_sequence + video.sequence
@@ -79,7 +98,7 @@ class EngineVideo:
         captured_at = self._timestamps.captured_at(video.timestamp_ns)
         if self._open:
             self.dropped += self._waiting is not None
-            self._waiting = video, sequence, captured_at
+            self._waiting = _Waiting(video, sequence, captured_at, is_whole)
             self._arrived.set()
 
     @asynccontextmanager
@@ -96,5 +115,9 @@ class EngineVideo:
             await self._arrived.wait()
             self._arrived.clear()
             if self._waiting is not None:
-                (video, sequence, captured_at), self._waiting = self._waiting, None
-                yield raw_video(video, sequence, captured_at)
+                (video, sequence, captured_at, is_whole), self._waiting = self._waiting, None
+                picture = raw_video(video, sequence, captured_at, lent=is_whole is not None)
+                if is_whole is None or is_whole():
+                    yield picture
+                else:
+                    self.dropped += 1

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Final, Generic, TypeVar
 
 from openrois_avatar.link.messages import Bye, Event
-from openrois_avatar.link.protocol import Audio, Message, Video
+from openrois_avatar.link.protocol import Audio, Doorbell, Message, Video
 
 MAX_AUDIO_BLOCKS: Final = 25
 """Half a second of 20 ms blocks."""
@@ -18,20 +18,26 @@ _Item = TypeVar("_Item")
 
 
 class Outbox:
-    """Filled by the render loop and emptied by one writer thread: events first, then sound, then the newest picture."""
+    """Filled by the render loop and emptied by one writer thread: events first, then sound, then the newest picture.
+
+    The render loop may `claim` the socket for a moment, to save a small message the way through the other thread.
+    """
 
     def __init__(self) -> None:
         self._changed = threading.Condition()
         self._events: deque[Event | Bye] = deque()
         self._audio = _Lossy[Audio](MAX_AUDIO_BLOCKS)
-        self._video = _Lossy[Video](1)
+        self._video: Video | Doorbell | None = None
+        self._dropped_video = 0
         self._open = True
         self._aborted = False
+        self._writing = False
+        """Whether somebody is at the socket: the writer with what it took, or who has claimed it."""
 
     @property
     def dropped_video(self) -> int:
         """Pictures that a newer one replaced."""
-        return self._video.dropped
+        return self._dropped_video
 
     @property
     def dropped_audio(self) -> int:
@@ -53,27 +59,45 @@ class Outbox:
             self._audio.put(block)
             self._changed.notify()
 
-    def put_video(self, picture: Callable[[int], Video]) -> None:
-        """Put the picture that `picture` makes of its sequence number into the mailbox."""
+    def put_video(self, picture: Video | Doorbell) -> None:
+        """Put a picture into the mailbox; one that still waits there gives way."""
         with self._changed:
-            self._video.put(picture)
+            self._dropped_video += self._video is not None
+            self._video = picture
             self._changed.notify()
 
     def take(self) -> Message | None:
         """The next message, as soon as there is one; None when there will be none any more."""
         with self._changed:
+            self._writing = False
             while True:
-                message = None if self._aborted else self._next()
-                if message is not None or not self._open:
+                message = None if self._aborted or self._writing else self._next()
+                if message is not None or (not self._open and not self._writing):
+                    self._writing = message is not None
                     return message
                 self._changed.wait()
+
+    def claim(self) -> bool:
+        """Have the socket, if nothing waits and nobody else has it; `unclaim` gives it back."""
+        with self._changed:
+            waiting = self._events or self._audio.queue or self._video
+            if self._writing or waiting or not self._open:
+                return False
+            self._writing = True
+            return True
+
+    def unclaim(self) -> None:
+        """Give the socket back."""
+        with self._changed:
+            self._writing = False
+            self._changed.notify()
 
     def finish(self, farewell: Bye) -> None:
         """End after the events that wait, and `farewell`; sound and pictures are left out."""
         with self._changed:
             if self._open:
                 self._audio.queue.clear()
-                self._video.queue.clear()
+                self._video = None
                 self._events.append(farewell)
             self._open = False
             self._changed.notify()
@@ -86,8 +110,12 @@ class Outbox:
             self._changed.notify()
 
     def _next(self) -> Message | None:
-        queues = (self._events, self._audio.queue, self._video.queue)
-        return next((queue.popleft() for queue in queues if queue), None)
+        if self._events:
+            return self._events.popleft()
+        if self._audio.queue:
+            return self._audio.queue.popleft()
+        picture, self._video = self._video, None
+        return picture
 
 
 class _Lossy(Generic[_Item]):

@@ -22,10 +22,11 @@ from openrois_streaming.clock import MediaClock, SystemClock
 from openrois_streaming.source import RawAudio
 
 from openrois_avatar.link.address import Address, TcpAddress, UnixAddress, parse_address
-from openrois_avatar.link.connection import FAREWELL_TIMEOUT, EngineConnection, Receivers
+from openrois_avatar.link.connection import FAREWELL_TIMEOUT, EngineConnection
 from openrois_avatar.link.inlet import EngineVideo
 from openrois_avatar.link.messages import Event, LinkError
 from openrois_avatar.link.private import private_path
+from openrois_avatar.link.receivers import Receivers
 
 GREETING_TIMEOUT: Final = 5.0
 """Seconds from the connection to its HELLO."""

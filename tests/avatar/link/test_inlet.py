@@ -1,5 +1,6 @@
 import asyncio
 from collections.abc import AsyncIterator
+from dataclasses import replace
 
 import pytest
 from openrois_avatar.link.inlet import MAX_AHEAD, EngineVideo, Timestamps, believed
@@ -87,3 +88,20 @@ async def test_the_next_engine_continues_the_count() -> None:
         video.begin()
         video.put(picture(0))
         assert (await next_of(pictures)).sequence == 8
+
+
+async def test_lent_pixels_are_copied_when_they_are_read_and_torn_ones_not_shown() -> None:
+    video = EngineVideo(VirtualClock())
+    pixels = bytearray(32)
+    async with video.open() as pictures:
+        video.put(replace(picture(0), pixels=memoryview(pixels)), lambda: False)
+        waiting = asyncio.ensure_future(next_of(pictures))
+        await settle()
+        assert not waiting.done()
+        video.lost()
+        pixels[:] = bytes([7] * 32)
+        video.put(replace(picture(2), pixels=memoryview(pixels)), lambda: True)
+        shown = await waiting
+        pixels[:] = bytes(32)
+    assert (shown.sequence, set(shown.data.flat)) == (2, {7})
+    assert (video.received, video.dropped) == (3, 2)

@@ -28,6 +28,7 @@ from openrois_avatar.link.messages import (
     Quit,
     Reached,
     React,
+    RingPlace,
     Silence,
     Speak,
     Stop,
@@ -86,6 +87,38 @@ def test_an_engine_of_an_earlier_revision_hears_nothing() -> None:
     del body["hears"]
     assert not Hello.from_json(on_the_wire(body)).hears
     assert Hello.from_json(on_the_wire({**body, "hears": True})).hears
+
+
+@pytest.mark.parametrize("member", ["hears", "walks", "ring"])
+def test_what_an_engine_does_not_say_it_cannot(member: str) -> None:
+    said = Hello.from_json(on_the_wire({**HELLO.to_json(), member: True}))
+    assert getattr(said, member)
+    assert not getattr(
+        Hello.from_json({name: value for name, value in said.to_json().items() if name != member}), member
+    )
+    with pytest.raises(LinkError, match=f"{member}: expected true or false"):
+        Hello.from_json({**HELLO.to_json(), member: 1})
+
+
+@pytest.mark.parametrize(
+    ("change", "named"),
+    [
+        ({"slots": 1}, "slots: expected an integer from 2 to 64"),
+        ({"slots": 65}, "slots"),
+        ({"slot_bytes": 0}, "slot_bytes: expected an integer"),
+        ({"slot_bytes": 100}, "slot_bytes: expected a multiple of 64"),
+        ({"slot_bytes": 2**26 + 64}, "slot_bytes"),
+        ({"path": None}, "path: expected a string"),
+    ],
+)
+def test_a_ring_is_described_so_that_it_can_be_mapped(change: dict[str, Any], named: str) -> None:
+    welcome = Welcome("openrois", RingPlace("dev/shm/x", 4, 4096))
+    assert Welcome.from_json(on_the_wire(welcome.to_json())) == welcome
+    assert Welcome.from_json({"name": "of an earlier revision"}).ring is None
+    with pytest.raises(LinkError, match=named):
+        Welcome.from_json({"name": "x", "ring": {"path": "x", "slots": 4, "slot_bytes": 4096, **change}})
+    with pytest.raises(LinkError, match="ring: expected an object"):
+        Welcome.from_json({"name": "x", "ring": True})
 
 
 def test_the_secret_is_never_printed() -> None:

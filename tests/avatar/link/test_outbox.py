@@ -15,7 +15,7 @@ def block(sequence: int) -> Audio:
 
 def test_events_go_first_then_sound_then_the_picture() -> None:
     outbox = Outbox()
-    outbox.put_video(picture)
+    outbox.put_video(picture(0))
     outbox.put_audio(block)
     outbox.put_event(Log("a"))
     outbox.put_event(Log("b"))
@@ -24,8 +24,8 @@ def test_events_go_first_then_sound_then_the_picture() -> None:
 
 def test_the_newest_picture_replaces_the_one_that_waits_and_the_gap_shows() -> None:
     outbox = Outbox()
-    for _ in range(3):
-        outbox.put_video(picture)
+    for number in range(3):
+        outbox.put_video(picture(number))
     assert outbox.take() == picture(2)
     assert outbox.dropped_video == 2
 
@@ -47,7 +47,7 @@ def test_events_are_bounded_and_never_lost_silently() -> None:
 
 def test_finishing_sends_the_events_and_the_farewell() -> None:
     outbox = Outbox()
-    outbox.put_video(picture)
+    outbox.put_video(picture(0))
     outbox.put_audio(block)
     outbox.put_event(Log("last"))
     outbox.finish(Bye("end"))

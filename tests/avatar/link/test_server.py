@@ -28,7 +28,7 @@ from openrois_avatar.link.messages import (
     Things,
     Welcome,
 )
-from openrois_avatar.link.protocol import Audio, Message, Parser, Sender
+from openrois_avatar.link.protocol import Audio, Doorbell, Message, Parser, PixelFormat, Sender
 from openrois_avatar.link.server import MAX_STRANGERS, LinkServer
 from openrois_avatar.link.unheard import MAX_UNHEARD
 from openrois_streaming.source import RawAudio
@@ -230,9 +230,31 @@ async def test_malformed_input_closes_that_connection_only(world: World, caplog:
     assert world.server.video.received == 0
 
 
+async def test_a_doorbell_without_a_ring_is_a_fault(world: World) -> None:
+    engine = await world.join()
+    engine.send(Doorbell(0, 0, 4, 2, 16, PixelFormat.BGRA, 0))
+    assert [await engine.read(), await engine.read()] == [Bye("RING: no ring was given"), None]
+
+
+async def test_a_doorbell_that_lies_closes_that_connection_only(world: World) -> None:
+    for slot, named in ((9, "slot 9 of 4"), (0, "picture 0 is not in slot 0")):
+        engine = await world.dial()
+        engine.send(replace(world.hello, ring=True))
+        welcome = await engine.read()
+        assert isinstance(welcome, Welcome)
+        assert welcome.ring is not None
+        engine.send(Doorbell(0, 0, 4, 2, 16, PixelFormat.BGRA, slot))
+        bye = await engine.read()
+        assert isinstance(bye, Bye)
+        assert named in bye.reason
+        assert await engine.read() is None
+        assert world.server.engine is None
+        assert file_type(welcome.ring.path) is None
+
+
 async def test_every_event_arrives(world: World) -> None:
     engine = await world.join()
-    events = [
+    events: list[Event] = [
         Reached("1", 0),
         Place(0.0, 0.0, 1.0),
         Floor(((0.0, 0.0), (1.0, 0.0), (1.0, 1.0)), ()),

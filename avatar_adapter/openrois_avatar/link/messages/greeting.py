@@ -13,6 +13,11 @@ MIN_SIDE: Final = 2
 MAX_SIDE: Final = 16_384
 """Smallest and largest width or height of a picture, in pixels."""
 MAX_CHANNELS: Final = 2
+MAX_SLOTS: Final = 64
+MAX_SLOT: Final = 64 * 1024 * 1024
+"""Most slots of a ring, and bytes of each."""
+SLOT_HEAD: Final = 64
+"""Bytes of a slot before its pixels: the lock word, and nothing after it."""
 FORMATS: Final = ("bgra", "i420", "nv12")
 """Pixel formats as HELLO names them."""
 
@@ -55,6 +60,8 @@ class Hello:
     """Whether it wants AUDIO: the sound of the operator's microphone."""
     walks: bool = False
     """Whether its figure can be sent about: it takes `Walk`, `Drive` and `Halt`, and tells its `Place`."""
+    ring: bool = False
+    """Whether it wants a ring for its pictures: memory that it shares with the adapter."""
 
     def to_json(self) -> dict[str, Any]:
         """The body of HELLO."""
@@ -67,6 +74,7 @@ class Hello:
             "reactions": list(self.reactions),
             "hears": self.hears,
             "walks": self.walks,
+            "ring": self.ring,
         }
 
     @classmethod
@@ -87,23 +95,47 @@ class Hello:
             secret=text(body, "secret", MAX_NAME),
             hears="hears" in body and truth(body, "hears"),
             walks="walks" in body and truth(body, "walks"),
+            ring="ring" in body and truth(body, "ring"),
         )
 
 
 @dataclass(frozen=True, slots=True)
+class RingPlace:
+    """Where the ring of an engine's pictures is: a file of `slots` times `slot_bytes` bytes, to be mapped."""
+
+    path: str
+    slots: int
+    slot_bytes: int
+
+    def to_json(self) -> dict[str, Any]:
+        """The member `ring` of WELCOME."""
+        return {"path": self.path, "slots": self.slots, "slot_bytes": self.slot_bytes}
+
+    @classmethod
+    def from_json(cls, body: Mapping[str, Any]) -> RingPlace:
+        """Read the member `ring` of WELCOME."""
+        slots, slot_bytes = integer(body, "slots", 2, MAX_SLOTS), integer(body, "slot_bytes", SLOT_HEAD, MAX_SLOT)
+        if slot_bytes % SLOT_HEAD:
+            raise LinkError(f"slot_bytes: expected a multiple of {SLOT_HEAD}")
+        return cls(text(body, "path", MAX_TEXT), slots, slot_bytes)
+
+
+@dataclass(frozen=True, slots=True)
 class Welcome:
-    """The adapter accepts the engine."""
+    """The adapter accepts the engine, and gives it a ring if it asked for one and there is one."""
 
     name: str
+    ring: RingPlace | None = None
 
     def to_json(self) -> dict[str, Any]:
         """The body of WELCOME."""
-        return {"name": self.name}
+        return {"name": self.name, "ring": None if self.ring is None else self.ring.to_json()}
 
     @classmethod
     def from_json(cls, body: Mapping[str, Any]) -> Welcome:
         """Read the body of WELCOME."""
-        return cls(text(body, "name", MAX_NAME))
+        ring = None if body.get("ring") is None else RingPlace.from_json(mapping(body, "ring"))
+        return cls(text(body, "name", MAX_NAME), ring)
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,0 +1,51 @@
+"""The ring of pictures as an engine has it: slots in memory that it shares with the adapter, written in turn."""
+
+from __future__ import annotations
+
+import mmap
+import os
+import threading
+from typing import Final
+
+from openrois_avatar.link.messages import SLOT_HEAD, LinkError, RingPlace
+
+_UINT64: Final = 2**64 - 1
+
+
+class RingWriter:
+    """Writes pictures into the ring of a WELCOME, for one thread."""
+
+    def __init__(self, place: RingPlace) -> None:
+        """Open the ring.
+
+        Raises:
+            LinkError: it cannot be opened from here, or is not as large as was said.
+        """
+        self._place = place
+        try:
+            file = os.open(place.path, os.O_RDWR | os.O_CLOEXEC)
+            try:
+                self._memory = memoryview(mmap.mmap(file, place.slots * place.slot_bytes))
+            finally:
+                os.close(file)
+        except (OSError, ValueError) as error:
+            raise LinkError(f"the ring cannot be opened: {error}") from error
+        self._locks = self._memory.cast("Q")
+        self._barrier = threading.Lock()
+        self._next = 0
+
+    def write(self, sequence: int, pixels: memoryview) -> int | None:
+        """Write a picture into the next slot and give its number; None if it is too large for one."""
+        if len(pixels) > self._place.slot_bytes - SLOT_HEAD:
+            return None
+        slot, self._next = self._next, (self._next + 1) % self._place.slots
+        start = slot * self._place.slot_bytes
+        self._locks[start // 8] = (2 * sequence + 1) & _UINT64
+        # A round through a lock is the only barrier that Python has: the pixels change after the lock word says so.
+        with self._barrier:
+            pass
+        self._memory[start + SLOT_HEAD : start + SLOT_HEAD + len(pixels)] = pixels
+        with self._barrier:
+            pass
+        self._locks[start // 8] = (2 * sequence + 2) & _UINT64
+        return slot
