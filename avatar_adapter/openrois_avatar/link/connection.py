@@ -51,6 +51,7 @@ class EngineConnection(asyncio.BufferedProtocol):
     def __init__(self, host: Host, secret: str, receivers: Receivers, greeting_timeout: float) -> None:
         self._host = host
         self._secret = secret
+        self._clock = receivers.clock
         self._arrivals = Arrivals(receivers)
         self._parser = Parser(Sender.ENGINE, _uninitialised)
         self._hello: Hello | None = None
@@ -175,7 +176,8 @@ class EngineConnection(asyncio.BufferedProtocol):
             raise LinkError(refusal)
         self._hello = hello
         self._stop_waiting()
-        self._send(encode(Welcome(_NAME, self._arrivals.begin(hello))))
+        ring, now_ns = self._arrivals.begin(hello), round(self._clock.now() * 1e9)
+        self._send(encode(Welcome(_NAME, ring, now_ns)))
         _log.info("engine link: %s %s is connected", hello.name, hello.version)
 
     def _send(self, parts: tuple[Bytes, ...]) -> None:

@@ -136,8 +136,15 @@ def test_events_travel_whole(event: Event) -> None:
 
 
 def test_greeting_and_farewell_travel_whole() -> None:
-    assert Welcome.from_json(on_the_wire(Welcome("openrois").to_json())) == Welcome("openrois")
+    for welcome in (Welcome("openrois"), Welcome("openrois", now_ns=987_654_321_987_654)):
+        assert Welcome.from_json(on_the_wire(welcome.to_json())) == welcome
     assert Bye.from_json(on_the_wire(Bye("drain").to_json())) == Bye("drain")
+
+
+@pytest.mark.parametrize("now_ns", [-1, 1.5, True, "now", None])
+def test_a_welcome_tells_a_time_or_none(now_ns: object) -> None:
+    with pytest.raises(LinkError, match="now_ns"):
+        Welcome.from_json({"name": "x", "now_ns": now_ns})
 
 
 def test_unknown_members_are_ignored() -> None:

@@ -106,6 +106,12 @@ async def world() -> AsyncIterator[World]:
         await engine.aclose()
 
 
+async def test_the_welcome_tells_what_time_it_is(world: World) -> None:
+    engine = await world.dial()
+    engine.send(world.hello)
+    assert await engine.read() == Welcome("openrois-avatar", now_ns=1_000_000_000_000)
+
+
 async def test_an_engine_joins_and_everything_it_sends_arrives(world: World) -> None:
     engine = await world.join()
     connection = await world.server.accept(5)

@@ -6,7 +6,17 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from openrois_avatar.link.messages.reading import MAX_NAME, MAX_TEXT, LinkError, integer, mapping, real, text, truth
+from openrois_avatar.link.messages.reading import (
+    INT64,
+    MAX_NAME,
+    MAX_TEXT,
+    LinkError,
+    integer,
+    mapping,
+    real,
+    text,
+    truth,
+)
 
 MAX_REACTIONS: Final = 256
 MIN_SIDE: Final = 2
@@ -126,16 +136,20 @@ class Welcome:
 
     name: str
     ring: RingPlace | None = None
+    now_ns: int | None = None
+    """CLOCK_MONOTONIC when this was said, for an engine that cannot ask for it; None if it is not told."""
 
     def to_json(self) -> dict[str, Any]:
         """The body of WELCOME."""
-        return {"name": self.name, "ring": None if self.ring is None else self.ring.to_json()}
+        ring = None if self.ring is None else self.ring.to_json()
+        return {"name": self.name, "ring": ring, **({} if self.now_ns is None else {"now_ns": self.now_ns})}
 
     @classmethod
     def from_json(cls, body: Mapping[str, Any]) -> Welcome:
         """Read the body of WELCOME."""
         ring = None if body.get("ring") is None else RingPlace.from_json(mapping(body, "ring"))
-        return cls(text(body, "name", MAX_NAME), ring)
+        now_ns = integer(body, "now_ns", 0, INT64) if "now_ns" in body else None
+        return cls(text(body, "name", MAX_NAME), ring, now_ns)
 
 
 @dataclass(frozen=True, slots=True)
