@@ -25,6 +25,8 @@ _ROWS, _COLUMNS = (160 / 360, 215 / 360), (285 / 640, 355 / 640)
 _LATES: Final = [float(late) for late in np.arange(-_FARTHEST, _FARTHEST + _STEP / 2, _STEP)]
 
 _Points: TypeAlias = deque[tuple[float, float]]
+_Curve: TypeAlias = NDArray[np.float64]
+"""Times in the first row, values in the second."""
 
 
 class Mouth:
@@ -59,7 +61,9 @@ class Mouth:
             return None
         begin = max(self._open[0][0], self._loud[0][0]) + _FARTHEST
         end = min(self._open[-1][0], self._loud[-1][0]) - _FARTHEST
-        late = [_late(self._open, self._loud, first) for first in np.arange(begin, end - _PART, _PART)]
+        # As arrays, once: the viewer must not stand still for so long that it counts as gone.
+        seen, heard = np.array(self._open).T, np.array(self._loud).T
+        late = [_late(seen, heard, first) for first in np.arange(begin, end - _PART, _PART)]
         found = sorted(each for each in late if each is not None)
         if not found:
             return None
@@ -67,7 +71,7 @@ class Mouth:
         return {"parts": len(found), "median": percentile(found, 0.5), "p95": percentile(either, 0.95)}
 
 
-def _late(mouth: _Points, sound: _Points, begin: float) -> float | None:
+def _late(mouth: _Curve, sound: _Curve, begin: float) -> float | None:
     """By how much the sound is later in the part from `begin` on; None where mouth and sound are not alike."""
     moments = np.arange(begin, begin + _PART, _STEP)
     seen = _line(mouth, moments)
@@ -75,12 +79,12 @@ def _late(mouth: _Points, sound: _Points, begin: float) -> float | None:
     return late if alike > _CLEARLY else None
 
 
-def _line(points: _Points, moments: NDArray[np.float64]) -> NDArray[np.float64]:
-    times, values = np.array(points).T
+def _line(points: _Curve, moments: NDArray[np.float64]) -> NDArray[np.float64]:
+    times, values = points
     return np.asarray(np.interp(moments, times, values), np.float64)
 
 
-def _loudness(points: _Points, moments: NDArray[np.float64]) -> NDArray[np.float64]:
+def _loudness(points: _Curve, moments: NDArray[np.float64]) -> NDArray[np.float64]:
     width = round(_SMOOTH / _STEP)
     return np.convolve(_line(points, moments), np.full(width, 1 / width), "same")
 
