@@ -41,6 +41,8 @@ TESTS = (
         f"tests/avatar/hearing/test_{part}.py"
         for part in ("bearing", "downsample", "noise_floor", "presence", "voice_activity", "voice_frames")
     ),
+    "tests/avatar/engines/animation/test_gait.py",
+    "tests/avatar/engines/room",
     "tests/avatar/test_engine_sound.py",
     "tests/avatar/sensing",
     "tests/avatar/motion",

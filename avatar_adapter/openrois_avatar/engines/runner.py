@@ -24,6 +24,7 @@ from openrois_avatar.engines.animation.idle import blink
 from openrois_avatar.engines.animation.pose import Pose
 from openrois_avatar.engines.animation.reactions import REACTIONS
 from openrois_avatar.engines.animation.visemes import SHAPES, Track
+from openrois_avatar.engines.room.life import Life
 from openrois_avatar.engines.settings import Available, Factory, Picture, Pixels, Renderer
 from openrois_avatar.engines.sound import PERIOD, Samples, Sound
 from openrois_avatar.link.client import connect_from_environment
@@ -77,6 +78,7 @@ def main(name: str, available: Available, factory: Factory, arguments: Sequence[
         reactions=tuple(REACTIONS),
         hears=True,
         ring=True,
+        walks=True,
     )
     renderer = factory(picture)
     try:
@@ -173,6 +175,7 @@ class Runner:
     ) -> None:
         self._link, self._renderer, self._picture, self._clock = link, renderer, picture, clock
         self._animator, self._sound = Animator(), Sound()
+        self._life = Life(clock())
         self._skips = _Skips()
         self._waiting: list[Command] = []
         self._coming: deque[tuple[float, React | Stop]] = deque()
@@ -218,11 +221,14 @@ class Runner:
         self._begin(due)
         if heard := self._link.poll_audio():
             self._animator.hear(due, loudness(heard))
-        planes = i420(self._renderer.draw(self._animator.pose(due)))
+        scene = self._life.advance(due, self._animator.is_expressive(due))
+        planes = i420(self._renderer.draw(self._animator.pose(due, self._life.walking), scene))
         width, height = self._picture.width, self._picture.height
         self._link.send_video(planes.tobytes(), width, height, width, PixelFormat.I420, round(due * 1e9))
         for outcome in self._animator.outcomes(due):
             self._link.send_event(Completed(outcome.id, outcome.status))
+        for event in self._life.news():
+            self._link.send_event(event)
 
     def _obey(self, command: Command, now: float) -> None:
         match command:
@@ -241,7 +247,7 @@ class Runner:
                 self._sound.hush()
                 self._coming.append((self._sent, command))
             case Walk() | Drive() | Halt():
-                pass  # its greeting does not say that it walks
+                self._life.obey(now, command)
             case Quit():
                 pass
             case _:

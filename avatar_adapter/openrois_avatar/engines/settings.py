@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from openrois_avatar.engines.animation.pose import Pose
+from openrois_avatar.engines.room.scene import AT_HOME, Scene
 
 Pixels = npt.NDArray[np.uint8]
 
@@ -22,9 +23,9 @@ class Picture:
 
 
 class Renderer(Protocol):
-    """Draws poses."""
+    """Draws poses in scenes."""
 
-    def draw(self, pose: Pose) -> Pixels:
+    def draw(self, pose: Pose, scene: Scene = AT_HOME) -> Pixels:
         """The avatar in this pose as BGRA, (height, width, 4), top row first; the next call may reuse the array."""
 
 

@@ -1,4 +1,5 @@
 from itertools import pairwise
+from math import pi
 from pathlib import Path
 
 import cv2
@@ -6,6 +7,8 @@ import numpy as np
 import pytest
 from openrois_avatar.engines.animation.pose import Pose
 from openrois_avatar.engines.animation.reactions import REACTIONS
+from openrois_avatar.engines.room.plan import ROOM
+from openrois_avatar.engines.room.scene import AT_HOME, Scene
 from openrois_avatar.engines.runner import AHEAD, LINK_LOST, UNAVAILABLE, Runner, i420, main, still_pose
 from openrois_avatar.engines.settings import Picture, Pixels
 from openrois_avatar.engines.sound import Samples
@@ -13,15 +16,23 @@ from openrois_avatar.link.address import ADDRESS_VARIABLE, SECRET_VARIABLE
 from openrois_avatar.link.messages import (
     Command,
     Completed,
+    Drive,
     Event,
+    Floor,
+    Halt,
     Log,
     Look,
+    Place,
     Quit,
+    Reached,
     React,
     Silence,
     Speak,
     Stop,
+    Things,
     Viseme,
+    Walk,
+    Waypoint,
 )
 from openrois_avatar.link.protocol import PixelFormat
 
@@ -42,9 +53,11 @@ class Drawing:
     def __init__(self, clock: Clock, seconds: float = 0.004) -> None:
         self.clock, self.seconds = clock, seconds
         self.poses: list[Pose] = []
+        self.scenes: list[Scene] = []
 
-    def draw(self, pose: Pose) -> Pixels:
+    def draw(self, pose: Pose, scene: Scene = AT_HOME) -> Pixels:
         self.poses.append(pose)
+        self.scenes.append(scene)
         self.clock.time += self.seconds
         return np.full((SIZE.height, SIZE.width, 4), 128, np.uint8)
 
@@ -59,7 +72,7 @@ class Link:
         self.blocks: list[tuple[int, Samples]] = []
         self.left: list[int] = []
         """When each block left, in nanoseconds."""
-        self.events: list[tuple[float, Event]] = []
+        self.told: list[tuple[float, Event]] = []
         self.voice: dict[float, Samples] = {}
         """What the operator says, by the time at which it arrives."""
 
@@ -90,7 +103,12 @@ class Link:
         self.left.append(round(self.clock.time * 1e9))
 
     def send_event(self, event: Event) -> None:
-        self.events.append((self.clock.time - 100.0, event))
+        self.told.append((self.clock.time - 100.0, event))
+
+    @property
+    def events(self) -> list[tuple[float, Event]]:
+        """What it told, but for the room."""
+        return [(time, event) for time, event in self.told if not isinstance(event, Place | Floor | Things)]
 
 
 def played(end: float, script: dict[float, Command] | None = None, seconds: float = 0.004) -> tuple[Link, Drawing]:
@@ -202,6 +220,55 @@ def test_a_loop_that_is_always_late_still_listens() -> None:
 def test_quit_ends_the_loop_at_once() -> None:
     link, _ = played(9.0, {1.0: Quit()})
     assert 29 <= len(link.pictures) <= 31
+
+
+def test_the_room_is_told_first_and_then_what_changes_in_it() -> None:
+    link, drawing = played(2.0)
+    assert [type(event) for _, event in link.told] == [Floor, Things, Place]
+    assert link.told[0][1] == ROOM.floor
+    assert {scene.place for scene in drawing.scenes} == {Place(0.0, 0.0, -pi / 2)}
+
+
+def test_the_figure_walks_and_tells_where_it_is() -> None:
+    link, drawing = played(8.0, {0.5: Walk("a", (Waypoint(0.0, 1.0), Waypoint(-0.5, 1.0, -pi / 2)), 1.0)})
+    assert [event for _, event in link.events] == [Reached("a", 0), Reached("a", 1), Completed("a", "OK")]
+    places = [(time, event) for time, event in link.told if isinstance(event, Place)]
+    assert places[-1][1] == Place(-0.5, 1.0, -pi / 2) == drawing.scenes[-1].place
+    assert all(later - earlier >= 0.049 for (earlier, _), (later, _) in pairwise(places[:-1]))
+    assert max(pose.left_leg.knee for pose in drawing.poses) > 0.3
+
+
+def test_it_speaks_and_waves_on_its_way() -> None:
+    speech = Speak("s", 101_000_000_000, (Viseme(0.0, "aa", 1.0),), 5000)
+    walk = Walk("a", (Waypoint(0.0, 3.0),), 0.8)
+    link, drawing = played(6.0, {0.2: walk, 0.5: speech, 1.5: React("b", "wave")})
+    assert [event for _, event in link.events] == [Completed("b", "OK"), Reached("a", 0), Completed("a", "OK")]
+    pose, scene = drawing.poses[80], drawing.scenes[80]
+    assert pose.mouth.jaw > 0.9
+    assert pose.right.z > -1.6
+    assert 0.5 < scene.place.y < 2.5
+    assert not scene.shot.is_close
+
+
+def test_a_lost_driver_leaves_a_figure_that_stands() -> None:
+    link, drawing = played(3.0, {0.5: Drive(0.6, 0.0, 0.0), 0.7: Drive(0.6, 0.0, 0.0)})
+    moments = [stamp / 1e9 - 100 for stamp, _, _ in link.pictures]
+    moving = [
+        time
+        for time, (before, after) in zip(moments[1:], pairwise(drawing.scenes), strict=True)
+        if before.place != after.place
+    ]
+    assert 0.5 < moving[0] < 0.6
+    assert 1.0 < moving[-1] <= 1.2
+    assert drawing.scenes[-1].place.y < -0.2
+
+
+def test_halt_ends_a_walk() -> None:
+    link, drawing = played(3.0, {0.2: Walk("a", (Waypoint(0.0, -0.6),), 0.5), 1.0: Halt()})
+    ((time, event),) = link.events
+    assert event == Completed("a", "ABORT")
+    assert 1.0 <= time < 1.1
+    assert -0.5 < drawing.scenes[-1].place.y < -0.05
 
 
 def test_bgra_becomes_limited_range_planes() -> None:

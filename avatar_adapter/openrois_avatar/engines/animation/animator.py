@@ -1,10 +1,12 @@
 """The animator: commands go in with their time, poses and finished reactions come out."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Final, Literal
 
 from openrois_avatar.engines.animation import idle
-from openrois_avatar.engines.animation.curves import settling, settling_speed
+from openrois_avatar.engines.animation.curves import settling, settling_speed, smooth
 from openrois_avatar.engines.animation.gaze import Gaze
 from openrois_avatar.engines.animation.heard import HeardVoice
 from openrois_avatar.engines.animation.pose import Pose, channels, from_channels
@@ -109,15 +111,21 @@ class Animator:
         done, self._outcomes = self._outcomes, []
         return done
 
-    def pose(self, time: float) -> Pose:
-        """The body at a time."""
+    def is_expressive(self, time: float) -> bool:
+        """Whether it speaks or reacts: whether there is something in its face or hands to be seen."""
+        return self._playing is not None or any(track.start <= time < track.end for track in self._tracks)
+
+    def pose(self, time: float, walking: Mapping[str, float] = MappingProxyType({})) -> Pose:
+        """The body at a time; `walking` is what its steps add by channel."""
         values = dict(_REST)
+        reacting, residue = self._reacting(time), self._residue.at(time)
         for layer in (
             self._resting(time),
             self._looking(time),
             self._speaking(time),
-            self._reacting(time),
-            self._residue.at(time),
+            _with_busy_arms(walking, reacting, residue),
+            reacting,
+            residue,
         ):
             for name, value in layer.items():
                 values[name] += value
@@ -193,3 +201,12 @@ class Animator:
         self._residue = _Residue(time, {name: (offset, speeds[name]) for name, offset in offsets.items()})
         self._outcomes.append(Outcome(self._playing.id, "ABORT"))
         self._playing = None
+
+
+def _with_busy_arms(walking: Mapping[str, float], *gestures: Mapping[str, float]) -> dict[str, float]:
+    """Steps without the swing of an arm that has something else to do."""
+    free = {}
+    for side in ("left.", "right."):
+        busy = sum(abs(gesture.get(f"{side}{axis}", 0.0)) for gesture in gestures for axis in ("out", "y", "z"))
+        free[side] = 1 - smooth(busy)
+    return {name: value * free.get(f"{name.partition('.')[0]}.", 1.0) for name, value in walking.items()}

@@ -46,6 +46,15 @@ class Arm:
 
 
 @dataclass(frozen=True, slots=True)
+class Leg:
+    """How far a leg swings ahead at its hip, how far the knee is bent, and how far the toes are up."""
+
+    hip: float = 0.0
+    knee: float = 0.0
+    foot: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
 class Pose:
     """One moment.
 
@@ -74,16 +83,20 @@ class Pose:
     mouth: Mouth = field(default_factory=Mouth)
     left: Arm = field(default_factory=Arm)
     right: Arm = field(default_factory=Arm)
+    left_leg: Leg = field(default_factory=Leg)
+    right_leg: Leg = field(default_factory=Leg)
 
 
-_GROUPS = ("mouth", "left", "right")
+_GROUPS = ("mouth", "left", "right", "left_leg", "right_leg")
 _OWN = tuple(part.name for part in fields(Pose) if part.name not in _GROUPS)
 _MOUTH = tuple(part.name for part in fields(Mouth))
 _ARM = tuple(part.name for part in fields(Arm))
+_LEG = tuple(part.name for part in fields(Leg))
 CHANNELS = (
     *_OWN,
     *(f"mouth.{name}" for name in _MOUTH),
     *(f"{side}.{name}" for side in ("left", "right") for name in _ARM),
+    *(f"{side}_leg.{name}" for side in ("left", "right") for name in _LEG),
 )
 """Every number of a pose by its dotted name."""
 
@@ -91,7 +104,8 @@ CHANNELS = (
 def channels(pose: Pose) -> dict[str, float]:
     """A pose's numbers by channel."""
     flat = {name: getattr(pose, name) for name in _OWN}
-    for group, names in (("mouth", _MOUTH), ("left", _ARM), ("right", _ARM)):
+    groups = {"mouth": _MOUTH, "left": _ARM, "right": _ARM, "left_leg": _LEG, "right_leg": _LEG}
+    for group, names in groups.items():
         part = getattr(pose, group)
         flat.update({f"{group}.{name}": getattr(part, name) for name in names})
     return flat
@@ -108,4 +122,6 @@ def from_channels(values: Mapping[str, float]) -> Pose:
         mouth=Mouth(*(values[f"mouth.{name}"] for name in _MOUTH)),
         left=Arm(*(values[f"left.{name}"] for name in _ARM)),
         right=Arm(*(values[f"right.{name}"] for name in _ARM)),
+        left_leg=Leg(*(values[f"left_leg.{name}"] for name in _LEG)),
+        right_leg=Leg(*(values[f"right_leg.{name}"] for name in _LEG)),
     )

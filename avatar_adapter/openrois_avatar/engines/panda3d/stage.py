@@ -12,6 +12,7 @@ from openrois_avatar.engines import palette
 from openrois_avatar.engines.animation.pose import Pose
 from openrois_avatar.engines.panda3d.geometry import Solid
 from openrois_avatar.engines.panda3d.view import EYE_LEVEL, View
+from openrois_avatar.engines.room.scene import AT_HOME, Scene
 from openrois_avatar.engines.sculpt import figure
 from openrois_avatar.engines.sculpt.distance import Array
 from openrois_avatar.engines.sculpt.mesh import grid_faces
@@ -54,7 +55,7 @@ class Stage:
             _Group(list(group), scene) for _, group in groupby(parts, lambda part: (part.space, _moves(part)))
         ]
 
-    def draw(self, pose: Pose) -> Pixels:
+    def draw(self, pose: Pose, scene: Scene = AT_HOME) -> Pixels:
         """The figure in this pose as BGRA, (height, width, 4), top row first; the next call reuses the array."""
         frames, visible = figure.frames(pose), figure.visible(pose)
         for group in self._groups:

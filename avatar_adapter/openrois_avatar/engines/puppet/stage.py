@@ -13,6 +13,7 @@ from openrois_avatar.engines.puppet.canvas import Canvas, colour, shared
 from openrois_avatar.engines.puppet.face import Face, draw_ear
 from openrois_avatar.engines.puppet.hair import Hair
 from openrois_avatar.engines.puppet.view import Lens, View
+from openrois_avatar.engines.room.scene import AT_HOME, Scene
 from openrois_avatar.engines.settings import Picture, Pixels
 
 _OVERSAMPLING: Final = 2
@@ -32,7 +33,7 @@ class Stage:
         self._canvas = Canvas(shared(self._large))
         self._body, self._face, self._hair = Body(self._lens.scale), Face(self._lens.scale), Hair()
 
-    def draw(self, pose: Pose) -> Pixels:
+    def draw(self, pose: Pose, scene: Scene = AT_HOME) -> Pixels:
         """The figure in this pose as BGRA, (height, width, 4), top row first; the next call uses the same array."""
         np.copyto(self._large, self._backdrop)
         canvas, view = self._canvas, View.of(pose, self._lens)

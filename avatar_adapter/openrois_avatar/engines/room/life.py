@@ -1,0 +1,97 @@
+"""The life of the room: commands go in with their time, scenes and events come out."""
+
+from collections.abc import Mapping
+from typing import Final, Generic, TypeVar
+
+from openrois_avatar.engines.animation.gait import Steps
+from openrois_avatar.engines.room.plan import HOME, ROOM
+from openrois_avatar.engines.room.scene import Scene, Somebody
+from openrois_avatar.engines.room.shot import Camerawork
+from openrois_avatar.engines.room.visitor import Visitor
+from openrois_avatar.engines.room.walking import Walker
+from openrois_avatar.link.messages import Completed, Drive, Event, Halt, Place, Thing, Things, Walk
+from openrois_avatar.link.messages.motion import Point
+
+_PLACES: Final = 1 / 20
+_THINGS: Final = 1 / 10
+"""Seconds between two reports, at least."""
+_NEARLY: Final = 1e-6
+
+_Value = TypeVar("_Value")
+
+
+class Life:
+    """The figure and the visitor in the room. Times are seconds on one clock and never go back from call to call."""
+
+    def __init__(self, time: float, seed: int = 1) -> None:
+        self._time = time
+        self._walker, self._visitor = Walker(ROOM, HOME, time), Visitor(ROOM, time, seed)
+        self._steps, self._visitors = Steps(), Steps()
+        self._camera = Camerawork(time)
+        self._floor_is_told = False
+        self._places: _Reports[Place] = _Reports(_PLACES)
+        self._things: _Reports[tuple[Thing, ...]] = _Reports(_THINGS)
+
+    @property
+    def walking(self) -> Mapping[str, float]:
+        """What the figure's steps add to its body, by channel of a pose."""
+        return self._steps.channels()
+
+    def obey(self, time: float, command: Walk | Drive | Halt) -> None:
+        """Let the figure go or stand from this time on."""
+        self._walker.advance(time, self._crowd)
+        if isinstance(command, Walk):
+            self._walker.walk(command)
+        elif isinstance(command, Drive):
+            self._walker.drive(time, command)
+        else:
+            self._walker.halt()
+
+    def advance(self, time: float, expressive: bool) -> Scene:
+        """Go on until a time; what is to be seen then. `expressive`: whether its face or hands say something."""
+        seconds, self._time = time - self._time, time
+        visitor = self._visitor
+        self._walker.advance(time, self._crowd)
+        visitor.advance(time, self._walker.place)
+        for steps, pace in ((self._steps, self._walker.pace), (self._visitors, visitor.pace)):
+            steps.take(pace.ahead, pace.left, pace.turn, seconds)
+        shot = self._camera.follow(time, self._walker.place, self._walker.pace, expressive)
+        return Scene(self._walker.place, Somebody(visitor.place, self._visitors.channels()), shot)
+
+    @property
+    def _crowd(self) -> tuple[Point, ...]:
+        place = self._visitor.place
+        return ((place.x, place.y),)
+
+    def news(self) -> list[Event]:
+        """What is to be told at the time that was last advanced to."""
+        events: list[Event] = []
+        if not self._floor_is_told:
+            self._floor_is_told = True
+            events.append(ROOM.floor)
+        things = (*ROOM.things, self._visitor.thing)
+        if self._things.is_due(self._time, things):
+            events.append(Things(things))
+        done = self._walker.news()
+        place = self._walker.place
+        # Who hears that a walk is over shall know where.
+        is_over = any(isinstance(event, Completed) for event in done)
+        if self._places.is_due(self._time, place, at_once=is_over):
+            events.append(place)
+        return [*events, *done]
+
+
+class _Reports(Generic[_Value]):
+    """Tells of a value when it has changed, and not too often."""
+
+    def __init__(self, period: float) -> None:
+        self._period = period
+        self._told: _Value | None = None
+        self._time = float("-inf")
+
+    def is_due(self, time: float, value: _Value, at_once: bool = False) -> bool:
+        """Whether to tell of this value now; it counts as told then."""
+        if value == self._told or not (at_once or time - self._time >= self._period - _NEARLY):
+            return False
+        self._told, self._time = value, time
+        return True

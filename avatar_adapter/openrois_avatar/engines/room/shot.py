@@ -1,0 +1,107 @@
+"""How the room is seen: close to the figure's face while it stands and talks, from farther away while it walks."""
+
+from dataclasses import dataclass
+from math import cos, exp, hypot, pi, sin
+from typing import Final
+
+from openrois_avatar.engines.room.plan import HOME
+from openrois_avatar.engines.room.walking import Pace, turned
+from openrois_avatar.link.messages import Place
+
+METRE: Final = 7.5
+"""Decimetres of the sculpted figure to a metre of the room: it stands for somebody who is taller."""
+GROUND: Final = -11.0
+"""Where the floor is under the middle of the figure's head, in dm."""
+EYE_LEVEL: Final = -0.66
+"""The camera's height in the close view, in dm over the middle of the head."""
+DISTANCE: Final = 15.0
+SPAN: Final = 4.7
+"""From the camera to the head in the close view, and the height of the picture there, in dm. The lens never changes."""
+_FAR: Final = 64.0
+"""From the camera to a figure that walks, in dm."""
+_MIDDLE: Final = -4.6
+_TILT: Final = 0.17
+"""What it then looks at, in dm over the middle of the head, and how far it looks down, in radians."""
+_TALKING, _AWAY = 0.62, 0.62
+"""How far the camera is on its way to the far view for one who walks and talks, and for one who turns away."""
+_ROOM_SHARE: Final = 0.75
+"""How much of the figure's way from the middle of the room the far view goes along with."""
+_LINGER: Final = 1.2
+"""Seconds that the figure stands before the camera comes close."""
+_BACKING, _NEARING, _PANNING = 3.0, 2.2, 3.6
+"""Stiffness of the camera's moves, in 1/s."""
+_SETTLED: Final = 5e-4
+_LONGEST: Final = 1.0
+_GOING: Final = 0.05
+
+
+@dataclass(frozen=True, slots=True)
+class Shot:
+    """Where the camera is, in dm from the middle of the head of a figure that stands where it begins; radians down."""
+
+    x: float
+    y: float
+    z: float
+    tilt: float
+
+    @property
+    def is_close(self) -> bool:
+        """Whether no more than head and shoulders of the figure are seen."""
+        return self.tilt == 0.0
+
+
+@dataclass(slots=True)
+class _Spring:
+    """A number on its way to another, critically damped."""
+
+    value: float
+    speed: float = 0.0
+
+    def move(self, goal: float, stiffness: float, seconds: float) -> None:
+        offset = self.value - goal
+        drive = self.speed + stiffness * offset
+        decay = exp(-stiffness * seconds)
+        self.value = goal + (offset + drive * seconds) * decay
+        self.speed = (self.speed - stiffness * drive * seconds) * decay
+        if abs(self.value - goal) < _SETTLED and abs(self.speed) < _SETTLED:
+            self.value, self.speed = goal, 0.0
+
+
+def shot(x: float, y: float, share: float) -> Shot:
+    """The shot of a place in metres: `share` 0 is the close view, 1 the far one."""
+    eased = share * share * (3 - 2 * share)
+    distance = DISTANCE * (_FAR / DISTANCE) ** share
+    tilt = _TILT * eased
+    height = EYE_LEVEL + (_MIDDLE - EYE_LEVEL) * eased
+    return Shot(x * METRE, y * METRE - distance * cos(tilt), height + distance * sin(tilt), tilt)
+
+
+HOME_SHOT: Final = shot(HOME.x, HOME.y, 0.0)
+
+
+class Camerawork:
+    """Follows one figure. Times never go back from call to call."""
+
+    def __init__(self, time: float, place: Place = HOME) -> None:
+        self._time = time
+        self._x, self._y, self._share = _Spring(place.x), _Spring(place.y), _Spring(0.0)
+        self._stood = time - _LINGER
+        """Since when the figure stands."""
+
+    def follow(self, time: float, place: Place, pace: Pace, expressive: bool) -> Shot:
+        """The shot of a figure that is there, moves so, and is `expressive` while its face or hands say something."""
+        seconds = min(time - self._time, _LONGEST)
+        self._time = time
+        if hypot(pace.ahead, pace.left) > _GOING:
+            self._stood = time
+        share = self._wanted(time, place, expressive)
+        self._share.move(share, _BACKING if share > self._share.value else _NEARING, seconds)
+        along = 1 - (1 - _ROOM_SHARE) * share
+        self._x.move(place.x * along, _PANNING, seconds)
+        self._y.move(place.y * along, _PANNING, seconds)
+        return shot(self._x.value, self._y.value, max(0.0, self._share.value))
+
+    def _wanted(self, time: float, place: Place, expressive: bool) -> float:
+        if time - self._stood < _LINGER:
+            return _TALKING if expressive else 1.0
+        return 0.0 if cos(turned(place.th + pi / 2)) > 0.3 else _AWAY

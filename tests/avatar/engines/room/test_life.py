@@ -1,0 +1,73 @@
+from math import pi
+
+from openrois_avatar.engines.room.life import Life
+from openrois_avatar.engines.room.plan import HOME, ROOM
+from openrois_avatar.engines.room.scene import AT_HOME, Scene
+from openrois_avatar.link.messages import Completed, Drive, Event, Floor, Halt, Place, Reached, Things, Walk, Waypoint
+
+FRAME = 1 / 30
+
+
+def lived(
+    life: Life, seconds: float, start: float = 0.0, rate: float = 30.0
+) -> tuple[list[Scene], list[tuple[float, Event]]]:
+    scenes, told = [], []
+    for number in range(round(seconds * rate) + 1):
+        time = start + number / rate
+        scenes.append(life.advance(time, False))
+        told += [(time, event) for event in life.news()]
+    return scenes, told
+
+
+def test_it_begins_at_home_and_says_what_there_is() -> None:
+    scenes, told = lived(Life(0.0), 1.0)
+    assert [type(event) for _, event in told] == [Floor, Things, Place]
+    floor, things, place = (event for _, event in told)
+    assert (floor, place) == (ROOM.floor, HOME)
+    assert isinstance(things, Things)
+    assert things.things[:-1] == ROOM.things
+    assert things.things[-1].kind == "person"
+    assert (scenes[0].place, scenes[0].shot) == (AT_HOME.place, AT_HOME.shot)
+
+
+def test_places_and_things_are_told_while_they_change_and_not_too_often() -> None:
+    for rate in (30.0, 120.0):
+        life = Life(0.0)
+        life.obey(0.0, Walk("a", (Waypoint(0.0, 3.0), Waypoint(0.0, 0.0)), 0.6))
+        scenes, told = lived(life, 20.0, rate=rate)
+        for kind, most in ((Place, 20), (Things, 10)):
+            times = [time for time, event in told if isinstance(event, kind)]
+            for time in times:
+                assert sum(time <= other < time + 1 for other in times) <= most + 1
+            assert len(times) > 60
+        assert [event for _, event in told if isinstance(event, Place)][-1] == scenes[-1].place
+
+
+def test_the_last_place_comes_before_the_end_of_a_walk() -> None:
+    life = Life(0.0)
+    life.obey(0.0, Walk("a", (Waypoint(0.0, 1.0, pi / 2),), 1.0))
+    _, told = lived(life, 5.0)
+    events = [event for _, event in told if not isinstance(event, Things)]
+    assert events[-3:] == [Place(0.0, 1.0, pi / 2), Reached("a", 0), Completed("a", "OK")]
+
+
+def test_steps_are_seen_while_it_walks() -> None:
+    life = Life(0.0)
+    assert life.walking == {}
+    life.obey(0.0, Drive(0.5, 0.0, 0.0))
+    lived(life, 0.4)
+    assert life.walking["left_leg.knee"] > 0
+    life.obey(0.4, Halt())
+    scenes, _ = lived(life, 1.0, 0.4)
+    assert life.walking == {}
+    assert scenes[0].place == scenes[-1].place != HOME
+
+
+def test_the_visitor_is_in_the_scene_where_things_say() -> None:
+    life = Life(0.0, seed=4)
+    for scene, (_, event) in zip(*lived(life, 20.0), strict=False):
+        assert scene.visitor is not None
+        if isinstance(event, Things):
+            assert ROOM.fits(scene.visitor.place.x, scene.visitor.place.y, 0.2)
+    scenes, _ = lived(life, 30.0, 20.0)
+    assert any(scene.visitor is not None and scene.visitor.steps for scene in scenes)

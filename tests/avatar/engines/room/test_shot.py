@@ -1,0 +1,64 @@
+from itertools import pairwise
+from math import pi
+
+import pytest
+from openrois_avatar.engines.room.plan import HOME
+from openrois_avatar.engines.room.shot import DISTANCE, EYE_LEVEL, HOME_SHOT, METRE, Camerawork, Shot, shot
+from openrois_avatar.engines.room.walking import Pace
+from openrois_avatar.link.messages import Place
+
+FRAME = 1 / 30
+WALKING = Pace(ahead=0.8)
+
+
+def shots(
+    camera: Camerawork, place: Place, pace: Pace, seconds: float, start: float, talks: bool = False
+) -> list[Shot]:
+    return [camera.follow(start + number * FRAME, place, pace, talks) for number in range(round(seconds / FRAME))]
+
+
+def test_a_figure_at_home_is_seen_closely() -> None:
+    assert Shot(0.0, -DISTANCE, EYE_LEVEL, 0.0) == HOME_SHOT
+    assert set(shots(Camerawork(0.0), HOME, Pace(), 1.0, 0.0)) == {HOME_SHOT}
+    assert HOME_SHOT.is_close
+
+
+def test_the_camera_backs_off_from_one_who_walks_and_comes_near_when_it_stands() -> None:
+    camera = Camerawork(0.0)
+    away = shots(camera, Place(1.0, 1.0, -pi / 2), WALKING, 4.0, 0.0)
+    assert away[-1].y < -40
+    assert away[-1].tilt > 0.1
+    assert 0 < away[-1].x < METRE
+    back = shots(camera, Place(1.0, 1.0, -pi / 2), Pace(), 8.0, 4.0)
+    assert back[20].y < -40
+    assert back[-1] == shot(1.0, 1.0, 0.0)
+    assert back[-1].is_close
+
+
+def test_it_never_jumps() -> None:
+    camera = Camerawork(0.0)
+    seen = shots(camera, Place(1.0, 2.0, -pi / 2), WALKING, 3.0, 0.0)
+    seen += shots(camera, Place(1.0, 2.0, -pi / 2), Pace(), 3.0, 3.0)
+    seen += shots(camera, Place(0.5, 1.0, 0.0), WALKING, 3.0, 6.0, talks=True)
+    for before, after in pairwise(seen):
+        assert abs(after.y - before.y) < 4.0
+        assert abs(after.x - before.x) < 0.6
+
+
+def test_it_stays_closer_to_one_who_talks_on_the_way() -> None:
+    silent, talking = (shots(Camerawork(0.0), HOME, WALKING, 5.0, 0.0, talks=talks)[-1] for talks in (False, True))
+    assert silent.y < talking.y - 10
+    assert not talking.is_close
+
+
+def test_it_does_not_come_near_to_see_a_back() -> None:
+    camera = Camerawork(0.0)
+    shots(camera, Place(0.0, 1.0, pi / 2), WALKING, 3.0, 0.0)
+    away = shots(camera, Place(0.0, 1.0, pi / 2), Pace(), 8.0, 3.0)[-1]
+    assert not away.is_close
+
+
+def test_a_long_pause_is_no_jump() -> None:
+    camera = Camerawork(0.0)
+    shots(camera, Place(0.0, 1.0, pi / 2), WALKING, 3.0, 0.0)
+    assert camera.follow(9000.0, HOME, Pace(), False).y == pytest.approx(-DISTANCE, abs=20)
