@@ -29,7 +29,7 @@ from openrois_avatar.health import Health, worst
 from openrois_avatar.metrics.figures import Snapshot
 from openrois_avatar.metrics.looking import Looking
 from openrois_avatar.operator import Camera, Microphone
-from openrois_avatar.scene import Scene, embedded_scene, synthetic_scene
+from openrois_avatar.scene import Scene, embedded_scene, external_scene, synthetic_scene
 from openrois_avatar.settings import AvatarSettings
 from openrois_avatar.streams import AvatarStreams, Published
 from openrois_avatar.supervision import Supervised, seen_of, supervise
@@ -60,13 +60,16 @@ async def run_avatar(settings: AvatarSettings) -> AsyncIterator[Avatar]:
 
     Raises:
         NoGameEngine: the game engine does not run here; the text says what to install.
-        LinkError: it did not start; the text has what it printed last.
+        LinkError: it did not start, and the text has what it printed last; or one cannot listen for it.
         UnsupportedLibrary: the installed aiortc is not one that can be used.
     """
     clock = SystemClock()
     async with AsyncExitStack() as stack:
         if settings.engine == "synthetic":
             scene = synthetic_scene(clock)
+        elif settings.engine == "external":
+            awaited = external_scene(settings.engine_id, settings.link, settings.link_secret, clock)
+            scene = await stack.enter_async_context(awaited)
         else:
             name, missing = choose_game_engine(settings.engine)
             if missing:
@@ -128,6 +131,7 @@ async def serve_scene(
         tasks.start(supervise(tuple(sources.values()), clock))
         tasks.start(microphone.listen())
         microphone.heard.add(scene.hear)
+        scene.announced.add(lambda shape: video.expect(shape.fps, (shape.width, shape.height)))
         scene.pauses.changed.add(lambda on: _pause(streams.sessions, reference(engine_id, VIDEO), on))
         looking = Looking(streams.sessions, {"picture": video, "sound": audio}, sources, streams.guarded, clock)
         yield Avatar(host, video, audio, looking.snapshot)

@@ -21,6 +21,7 @@ from openrois.transport.address import adapter_url
 from openrois_avatar.adapter import run_avatar
 from openrois_avatar.game_engines import NoGameEngine
 from openrois_avatar.link.messages import LinkError
+from openrois_avatar.link_options import add_link_options, link_secret
 from openrois_avatar.metrics.server import LOOPBACK, MetricsUnavailable, metrics_address, serving_metrics
 from openrois_avatar.network_options import add_network_options, network_settings
 from openrois_avatar.settings import ENGINES, AvatarSettings
@@ -40,6 +41,7 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument("--gateway", default=defaults.gateway, metavar="URL", help="where it is (%(default)s)")
     parser.add_argument("--engine-id", default=defaults.engine_id, help="unique behind its gateway (%(default)s)")
     parser.add_argument("--engine", choices=ENGINES, default=defaults.engine, help="what renders it (%(default)s)")
+    add_link_options(parser, when=" if it is external")
     parser.add_argument(
         "--metrics",
         metavar="[HOST:]PORT",
@@ -58,6 +60,7 @@ def main(arguments: Sequence[str]) -> int:
         gateway = adapter_url(chosen.gateway)
         metrics = None if chosen.metrics is None else metrics_address(chosen.metrics)
         network = network_settings(chosen)
+        secret = link_secret(chosen)
     except ValueError as error:
         parser.error(str(error))
     set_up_logging(verbose=chosen.verbose)
@@ -65,7 +68,14 @@ def main(arguments: Sequence[str]) -> int:
     # Each picture is small and each encoder has a thread already: OpenCV's own threads would only wait for each other.
     cv2.setNumThreads(1)
     settings = AvatarSettings(
-        gateway, chosen.engine_id, chosen.engine, metrics, network, max_viewer_bitrate=chosen.max_viewer_bitrate
+        gateway,
+        chosen.engine_id,
+        chosen.engine,
+        link=chosen.link,
+        link_secret=secret,
+        metrics=metrics,
+        network=network,
+        max_viewer_bitrate=chosen.max_viewer_bitrate,
     )
     try:
         uvloop.run(_run(settings))

@@ -11,6 +11,7 @@ from typing import Final
 from openrois.jsonrpc.session import RpcSession
 from openrois.logs import set_up_logging
 from openrois.transport.websocket import dial
+from openrois_avatar.link_options import add_link_options, link_arguments
 from openrois_avatar.network_options import add_host_options, host_arguments
 from openrois_avatar.process import Program, ProgramFailed
 from openrois_avatar.settings import ENGINES
@@ -26,6 +27,7 @@ def main(arguments: Sequence[str]) -> int:
     parser = argparse.ArgumentParser(prog="openrois demo", description="A live avatar on a page of this machine.")
     parser.add_argument("--port", type=_port, default=8765, help="TCP port of the page (%(default)s)")
     parser.add_argument("--engine", choices=ENGINES, default="auto", help="what renders the avatar (%(default)s)")
+    add_link_options(parser, when=" if it is external")
     add_host_options(parser)
     parser.add_argument("--verbose", action="store_true", help="log more")
     chosen = parser.parse_args(arguments)
@@ -34,7 +36,8 @@ def main(arguments: Sequence[str]) -> int:
         print(f"openrois demo: port {chosen.port} is taken; is a demo running already? Try --port.", file=sys.stderr)
         return 1
     more = ("--verbose",) if chosen.verbose else ()
-    return asyncio.run(_run(chosen.port, chosen.engine, host_arguments(chosen), more))
+    passed_on = (*link_arguments(chosen), *host_arguments(chosen), *more)
+    return asyncio.run(_run(chosen.port, chosen.engine, more, passed_on))
 
 
 def _port(text: str) -> int:
@@ -54,10 +57,10 @@ def _is_free(port: int) -> bool:
     return True
 
 
-async def _run(port: int, engine: str, network: Sequence[str], more: tuple[str, ...]) -> int:
+async def _run(port: int, engine: str, more: Sequence[str], of_avatar: Sequence[str]) -> int:
     gateway = Program(("gateway", "--port", str(port), *more), announces="listening ")
     avatar = Program(
-        ("avatar", "--gateway", f"ws://{_HOST}:{port}/adapter", "--engine", engine, *network, *more), announces="ready "
+        ("avatar", "--gateway", f"ws://{_HOST}:{port}/adapter", "--engine", engine, *of_avatar), announces="ready "
     )
     running = asyncio.ensure_future(_keep_running(gateway, avatar, f"http://{_HOST}:{port}/"))
     for name in (signal.SIGINT, signal.SIGTERM):

@@ -2,14 +2,17 @@
 
 import logging
 from collections.abc import AsyncIterator, Callable
-from contextlib import AsyncExitStack, asynccontextmanager
-from dataclasses import dataclass
+from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager
+from dataclasses import dataclass, field
+from functools import partial
+from typing import Final
 
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.source import MediaSource, RawAudio, RawVideo
 from openrois_streaming.synthetic import ColourBars, Tone
 
 from openrois.component import Component
+from openrois.listeners import Listeners
 from openrois.types.codes import ComponentStatus
 from openrois_avatar.body import Body
 from openrois_avatar.components.gaze import Gaze
@@ -18,16 +21,21 @@ from openrois_avatar.components.speech_synthesis import SpeechSynthesis
 from openrois_avatar.health import Health, Observed
 from openrois_avatar.legs import Legs
 from openrois_avatar.link.embedded import EmbeddedEngine
-from openrois_avatar.link.messages import Event
+from openrois_avatar.link.external import ExternalEngine
+from openrois_avatar.link.linked import LinkedEngine
+from openrois_avatar.link.messages import Event, Hello, VideoShape
 from openrois_avatar.pauses import Pauses
 from openrois_avatar.sound import AvatarSound
 from openrois_avatar.speech.synthesizer import Synthesizer
 from openrois_avatar.voice import Voice
 from openrois_avatar.world import World
 
-__all__ = ["Scene", "embedded_scene", "synthetic_scene"]
+__all__ = ["Scene", "embedded_scene", "external_scene", "synthetic_scene"]
 
 _log = logging.getLogger(__name__)
+
+_UNKNOWN: Final = VideoShape(1280, 720, 30.0)
+"""What is expected of the pictures of an engine that has not been there yet; the first one shows how it is."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +45,8 @@ class Scene:
     `frame_rate` and `size` (width and height) are of its pictures, as far as is known before there are any.
     `observe` says what is seen of it now, for who keeps `engine` up to date; `pauses` whether its
     pictures are not to be shown now. `hear` lets it hear the operator. `world` is what is known of the scene, `legs`
-    move the figure in it, `voice` is what it speaks with; None where there is no figure.
+    move the figure in it, `voice` is what it speaks with; None where there is no figure. `announced` tells of the
+    pictures to be expected of another game engine that has come.
     """
 
     video: MediaSource[RawVideo]
@@ -52,6 +61,7 @@ class Scene:
     world: World | None = None
     legs: Legs | None = None
     voice: Voice | None = None
+    announced: Listeners[VideoShape] = field(default_factory=Listeners)
 
     def status(self) -> ComponentStatus:
         """How the thing that renders the scene fares."""
@@ -83,8 +93,7 @@ def synthetic_scene(clock: MediaClock, width: int = 640, height: int = 360, fps:
     )
 
 
-@asynccontextmanager
-async def embedded_scene(engine_id: str, module: str, clock: MediaClock) -> AsyncIterator[Scene]:
+def embedded_scene(engine_id: str, module: str, clock: MediaClock) -> AbstractAsyncContextManager[Scene]:
     """Show the avatar of an embedded game engine for as long as the block runs.
 
     Args:
@@ -93,12 +102,36 @@ async def embedded_scene(engine_id: str, module: str, clock: MediaClock) -> Asyn
         clock: the media clock.
 
     Raises:
-        LinkError: the game engine did not start; the text has what it printed last.
+        LinkError: on entering: the game engine did not start; the text has what it printed last.
     """
+    return _engine_scene(engine_id, partial(EmbeddedEngine, module), clock)
+
+
+def external_scene(engine_id: str, address: str, secret: str, clock: MediaClock) -> AbstractAsyncContextManager[Scene]:
+    """Show the avatar of whichever game engine connects to an address, for as long as the block runs.
+
+    Args:
+        engine_id: leads the refs of what is in the scene.
+        address: where it is awaited, `tcp:host:port` or `unix:/path`.
+        secret: what it must know; empty: any will do.
+        clock: the media clock.
+
+    Raises:
+        LinkError: on entering: one cannot listen there.
+    """
+    return _engine_scene(
+        engine_id, partial(ExternalEngine, address, secret), clock, f"no game engine is connected to {address}"
+    )
+
+
+@asynccontextmanager
+async def _engine_scene(
+    engine_id: str, make: Callable[..., LinkedEngine], clock: MediaClock, last_words: str = "the game engine is gone"
+) -> AsyncIterator[Scene]:
+    """Show the avatar of a game engine; `last_words` say why there are no pictures as long as none has been there."""
     async with AsyncExitStack() as stack:
         sound = AvatarSound(clock)
         health = Health("the game engine", clock.now())
-        last_words = ""
 
         # The body speaks through the engine and hears from it: it is made first and finds the engine when it is there.
         body = Body(lambda command: engine.send(command))
@@ -106,6 +139,7 @@ async def embedded_scene(engine_id: str, module: str, clock: MediaClock) -> Asyn
         legs = Legs(lambda command: engine.send(command), lambda: walks(), lambda: world.place, clock)
 
         pauses = Pauses()
+        announced: Listeners[VideoShape] = Listeners()
 
         def told(event: Event) -> None:
             pauses.take(event)
@@ -122,16 +156,16 @@ async def embedded_scene(engine_id: str, module: str, clock: MediaClock) -> Asyn
             world.clear()
             pauses.clear()
 
-        engine = EmbeddedEngine(
-            module, on_audio=sound.feed, on_event=told, on_lost=lost, on_back=lambda _hello: body.back(), clock=clock
-        )
+        def back(hello: Hello) -> None:
+            body.back()
+            announced.tell(hello.video)
+
+        engine = make(on_audio=sound.feed, on_event=told, on_lost=lost, on_back=back, clock=clock)
         await stack.enter_async_context(engine)
         synthesizer = await stack.enter_async_context(Synthesizer(clock))
-        greeting = engine.hello
-        assert greeting is not None, "entering waits for the greeting"
 
         def observe() -> Observed:
-            failure = "" if engine.hello is not None else last_words or "the game engine is gone"
+            failure = "" if engine.hello is not None else last_words
             return Observed(engine.video.last_at, engine.video.received, wanted=not pauses.on, failure=failure)
 
         def status() -> ComponentStatus:
@@ -149,7 +183,7 @@ async def embedded_scene(engine_id: str, module: str, clock: MediaClock) -> Asyn
             Reaction(body, reactions, status),
             Gaze(body, status),
         )
-        shape = greeting.video
+        shape = _UNKNOWN if engine.hello is None else engine.hello.video
         size = (shape.width, shape.height)
         yield Scene(
             engine.video,
@@ -164,4 +198,5 @@ async def embedded_scene(engine_id: str, module: str, clock: MediaClock) -> Asyn
             world,
             legs,
             voice,
+            announced,
         )

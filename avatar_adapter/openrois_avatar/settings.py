@@ -5,10 +5,12 @@ from typing import Final
 
 from openrois_streaming.network.settings import NetworkSettings
 
-__all__ = ["ENGINES", "AvatarSettings"]
+__all__ = ["DEFAULT_LINK", "ENGINES", "AvatarSettings"]
 
-ENGINES: Final = ("auto", "panda3d", "puppet", "synthetic")
-"""What may render the avatar: `auto` is Panda3D where it runs and else the puppet; `synthetic` is a test picture."""
+ENGINES: Final = ("auto", "panda3d", "puppet", "external", "synthetic")
+"""What may render the avatar: `auto` is Panda3D where it runs and else the puppet; `external` is an engine that
+somebody else starts, which connects by itself; `synthetic` is a test picture."""
+DEFAULT_LINK: Final = "tcp:127.0.0.1:8766"
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,6 +21,8 @@ class AvatarSettings:
         gateway: `ws://host:port/adapter` of the gateway.
         engine_id: leads every ref of this avatar; unique behind its gateway.
         engine: one of `ENGINES`.
+        link: where an external engine is awaited, `tcp:host:port` or `unix:/path`, on this machine.
+        link_secret: what it must know; empty: any engine will do.
         metrics: host and port at which Prometheus finds figures; None for nowhere.
         network: how its streams use the network.
         max_viewer_bitrate: bit/s that an application is sent at most of each video stream, whatever it asks for; None:
@@ -28,6 +32,8 @@ class AvatarSettings:
     gateway: str = "ws://127.0.0.1:8765/adapter"
     engine_id: str = "avatar"
     engine: str = "auto"
+    link: str = DEFAULT_LINK
+    link_secret: str = field(default="", repr=False)
     metrics: tuple[str, int] | None = None
     network: NetworkSettings = field(default_factory=NetworkSettings)
     max_viewer_bitrate: int | None = None

@@ -125,6 +125,10 @@ class VideoPublisher(Publisher[RawVideo]):
         self._size = size
         self._max_bitrate = max_bitrate
 
+    def expect(self, frame_rate: float, size: tuple[int, int]) -> None:
+        """Another frame rate, and width and height, are to be expected of the source from now on."""
+        self._frame_rate, self._size = frame_rate, size
+
     def renditions(self, mime_type: str, fps: float | None = None) -> tuple[Rendition[RawVideo], ...]:
         """The renditions of a media type, the largest first: the same ones for all who ask.
 

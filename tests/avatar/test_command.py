@@ -44,3 +44,15 @@ def test_it_can_be_stopped_while_its_game_engine_starts(
     assert command.main(["--engine", "puppet"]) == 0
     assert cleaned == ["up"]
     assert capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize("arguments", [("--link", "8766"), ("--link-secret-file", "no/such/file")])
+def test_the_command_says_what_is_wrong(arguments: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        command.main(["--engine", "external", *arguments])
+    assert arguments[0] in capsys.readouterr().err
+
+
+def test_an_address_that_cannot_be_listened_on_ends_the_command(capsys: pytest.CaptureFixture[str]) -> None:
+    assert command.main(["--engine", "external", "--link", "tcp:192.0.2.1:1"]) == 1
+    assert "not a loopback address" in capsys.readouterr().err

@@ -248,13 +248,12 @@ class LinkClient:
 def connect_from_environment(
     hello: Hello, timeout: float = 10.0, environ: Mapping[str, str] = os.environ
 ) -> LinkClient:
-    """Connect to the adapter that started this process; `hello` goes out with the secret it handed over.
+    """Connect to the adapter that the environment names; `hello` goes out with the secret that is there, if any is.
 
     Raises:
-        LinkError: as `LinkClient.connect`, or the two variables of the engine link are not set.
+        LinkError: as `LinkClient.connect`, or there is no address in the environment.
     """
-    try:
-        address, secret = environ[ADDRESS_VARIABLE], environ[SECRET_VARIABLE]
-    except KeyError as missing:
-        raise LinkError(f"{missing.args[0]} is not set: start the engine from the adapter") from missing
-    return LinkClient.connect(address, replace(hello, secret=secret), timeout)
+    address = environ.get(ADDRESS_VARIABLE)
+    if address is None:
+        raise LinkError(f"{ADDRESS_VARIABLE} is not set: start the engine from the adapter, or say where that listens")
+    return LinkClient.connect(address, replace(hello, secret=environ.get(SECRET_VARIABLE, "")), timeout)

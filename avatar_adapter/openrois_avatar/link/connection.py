@@ -151,8 +151,8 @@ class EngineConnection(asyncio.BufferedProtocol):
         self._stop_waiting()
         if self._reason is None:
             self._reason = f"the connection broke: {exc}" if exc else "the engine closed the connection"
-        self._arrivals.end()
         self._host.ended(self)
+        self._arrivals.end(self._reason)
         self._closed.set_result(self._reason)
 
     def _take(self, message: Message) -> None:
@@ -169,7 +169,7 @@ class EngineConnection(asyncio.BufferedProtocol):
                 self._arrivals.take(message)
 
     def _greet(self, hello: Hello) -> None:
-        if not hmac.compare_digest(hello.secret.encode(), self._secret.encode()):
+        if self._secret and not hmac.compare_digest(hello.secret.encode(), self._secret.encode()):
             raise LinkError("wrong secret")
         refusal = self._host.greeted(self)
         if refusal is not None:
@@ -179,6 +179,7 @@ class EngineConnection(asyncio.BufferedProtocol):
         ring, now_ns = self._arrivals.begin(hello), round(self._clock.now() * 1e9)
         self._send(encode(Welcome(_NAME, ring, now_ns)))
         _log.info("engine link: %s %s is connected", hello.name, hello.version)
+        self._arrivals.announce(hello)
 
     def _send(self, parts: tuple[Bytes, ...]) -> None:
         self._transport.write(b"".join(parts))

@@ -7,28 +7,23 @@ import logging
 from asyncio.subprocess import Process
 from collections.abc import Callable, Coroutine
 from contextlib import AsyncExitStack, suppress
-from types import TracebackType
 from typing import Any, Final, NoReturn, Self
 
 from openrois_streaming.clock import MediaClock, SystemClock
 from openrois_streaming.source import RawAudio
-from openrois_streaming.supervision import HUNG, LOOK_INTERVAL, SourceWatch
 
 from openrois.backoff import Backoff
 from openrois_avatar.child import Output, child_process, ended_within
 from openrois_avatar.link.address import ADDRESS_VARIABLE, SECRET_VARIABLE
 from openrois_avatar.link.connection import EngineConnection
-from openrois_avatar.link.inlet import EngineVideo
-from openrois_avatar.link.messages import Command, Event, Hello, LinkError, Pause, Quit
+from openrois_avatar.link.linked import LinkedEngine
+from openrois_avatar.link.messages import Event, Hello, LinkError, Quit
 from openrois_avatar.link.receivers import tell
-from openrois_avatar.link.server import LinkServer
 
 START_TIMEOUT: Final = 20.0
 """Seconds from the start of the process to its HELLO; Panda3D on a cold disk needs a few."""
 QUIT_TIMEOUT: Final = 0.8
 """Seconds that an engine has to end itself after `Quit`; then come SIGTERM and, 0.5 s later, SIGKILL."""
-STALL_TIMEOUT: Final = HUNG
-"""Seconds without a picture after which an engine counts as hung and is replaced; the first one may take longer."""
 FIRST_DELAY: Final = 0.5
 LONGEST_DELAY: Final = 10.0
 """Seconds before a new start; the delay doubles from the first to the longest."""
@@ -36,7 +31,7 @@ LONGEST_DELAY: Final = 10.0
 _log = logging.getLogger(__name__)
 
 
-class EmbeddedEngine:
+class EmbeddedEngine(LinkedEngine):
     """`python -m module` as a game engine on the engine link, for as long as the context lasts.
 
     When it dies or hangs it is started again, and its pictures and sound go on where they went before; `on_lost` and
@@ -67,18 +62,13 @@ class EmbeddedEngine:
         clock: MediaClock | None = None,
         start_timeout: float = START_TIMEOUT,
     ) -> None:
+        super().__init__(None, None, on_audio=on_audio, on_event=on_event, clock=clock or SystemClock())
         self._module = module
         self._arguments = arguments
-        self._clock = clock or SystemClock()
-        self._listening = LinkServer.listen(on_audio=on_audio, on_event=self._take, clock=self._clock)
-        self._on_event = on_event
-        self._still = False
-        """Whether it has paused its pictures."""
         self._on_lost = on_lost
         self._on_back = on_back
         self._start_timeout = start_timeout
         self._ready = asyncio.Event()
-        self._stack = AsyncExitStack()
 
     async def __aenter__(self) -> Self:
         async with AsyncExitStack() as stack:
@@ -90,36 +80,6 @@ class EmbeddedEngine:
                 running.result()
             self._stack = stack.pop_all()
         return self
-
-    async def __aexit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        await self._stack.aclose()
-
-    @property
-    def video(self) -> EngineVideo:
-        """The pictures of the engine, whichever start it is; a `MediaSource`."""
-        return self._server.video
-
-    @property
-    def hello(self) -> Hello | None:
-        """What the engine said of itself; None while it is not there."""
-        return None if self._server.engine is None else self._server.engine.hello
-
-    def send(self, command: Command) -> None:
-        """Send a command to the engine; never waits.
-
-        Raises:
-            LinkError: the engine is not there now.
-        """
-        if self._server.engine is None:
-            raise LinkError("the engine is not there now")
-        self._server.engine.send_command(command)
-
-    def hear(self, sound: RawAudio) -> None:
-        """Let the engine hear a block of sound, if it is there and wants to; never waits."""
-        if self._server.engine is not None:
-            self._server.engine.send_audio(sound)
 
     async def _keep_running(self) -> None:
         backoff = Backoff(FIRST_DELAY, 2.0, LONGEST_DELAY)
@@ -163,24 +123,13 @@ class EmbeddedEngine:
             tell(self._on_back, connection.hello)
         self._ready.set()
         try:
-            await _first(connection.closed(), process.wait(), self._stall())
+            await _first(connection.closed(), process.wait(), self._hang())
         finally:
             await _farewell(connection, process)
         tell(self._on_lost, await connection.closed())
 
-    def _take(self, event: Event) -> None:
-        if isinstance(event, Pause):
-            self._still = event.on
-        tell(self._on_event, event)
-
-    async def _stall(self) -> None:
-        """Return once the engine has sent no picture for a while, was to, and this process was able to take one."""
-        self._still = False
-        watch, video = SourceWatch(self._clock.now()), self._server.video
-        while watch.quiet_for(self._clock.now(), video.last_at, wanted=not self._still) < (
-            self._start_timeout if video.last_at is None else STALL_TIMEOUT
-        ):
-            await self._clock.sleep_until(self._clock.now() + LOOK_INTERVAL)
+    async def _hang(self) -> None:
+        await self._stall(self._start_timeout)
         _log.warning("%s has sent no picture for a while", self._module)
 
 

@@ -30,17 +30,34 @@ def private_path() -> Iterator[str]:
         yield str(Path(directory, _NAME))
 
 
+def clear(path: str) -> None:
+    """Remove the socket that a killed adapter left at a path that is used again; nothing else is touched."""
+    if is_deserted(path):
+        with suppress(OSError):
+            Path(path).unlink()
+
+
+def is_deserted(path: str) -> bool:
+    """Whether there is a socket of ours to which nobody listens any more."""
+    try:
+        info = Path(path).lstat()
+        if not stat.S_ISSOCK(info.st_mode) or info.st_uid != os.getuid():
+            return False
+        with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as probe:
+            probe.setblocking(False)
+            probe.connect(path)
+    except ConnectionRefusedError:
+        return True
+    except OSError:
+        pass  # nothing there, or one that is busy
+    return False
+
+
 def _is_abandoned(directory: Path) -> bool:
     """Whether this is a directory of ours, some time old, in which nobody listens any more."""
     try:
         info = directory.lstat()
-        if not stat.S_ISDIR(info.st_mode) or info.st_uid != os.getuid() or time.time() - info.st_mtime < SETTLED:
-            return False
-        with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as probe:
-            probe.setblocking(False)
-            probe.connect(str(directory / _NAME))
-    except ConnectionRefusedError:
-        return True
     except OSError:
-        pass  # no socket there, or one that is busy
-    return False
+        return False  # somebody else has cleaned up
+    settled = time.time() - info.st_mtime >= SETTLED
+    return stat.S_ISDIR(info.st_mode) and info.st_uid == os.getuid() and settled and is_deserted(str(directory / _NAME))

@@ -29,6 +29,10 @@ class Receivers:
     video: EngineVideo
     on_audio: Callable[[RawAudio], None] | None = None
     on_event: Callable[[Event], None] | None = None
+    on_hello: Callable[[Hello], None] | None = None
+    """Called with the greeting of an engine that is welcome, before anything else that it sends."""
+    on_gone: Callable[[str], None] | None = None
+    """Called with the reason when such an engine's connection is over, before anything that another one sends."""
 
 
 class Arrivals:
@@ -37,6 +41,7 @@ class Arrivals:
     def __init__(self, receivers: Receivers) -> None:
         self._receivers = receivers
         self._ring: Ring | None = None
+        self._begun = False
 
     def begin(self, hello: Hello) -> RingPlace | None:
         """The engine is welcome; gives the ring that it gets, if it wants one and there is one to be had."""
@@ -48,8 +53,15 @@ class Arrivals:
                 _log.warning("engine link: %s gets no ring: %s", hello.name, error)
         return None if self._ring is None else self._ring.place
 
-    def end(self) -> None:
-        """Nothing more arrives."""
+    def announce(self, hello: Hello) -> None:
+        """The engine has been welcomed: commands may follow."""
+        self._begun = True
+        tell(self._receivers.on_hello, hello)
+
+    def end(self, reason: str) -> None:
+        """Nothing more arrives, for this reason."""
+        if self._begun:
+            tell(self._receivers.on_gone, reason)
         if self._ring is not None:
             self._ring.release()
 

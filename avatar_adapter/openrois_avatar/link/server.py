@@ -24,8 +24,8 @@ from openrois_streaming.source import RawAudio
 from openrois_avatar.link.address import Address, TcpAddress, UnixAddress, parse_address
 from openrois_avatar.link.connection import FAREWELL_TIMEOUT, EngineConnection
 from openrois_avatar.link.inlet import EngineVideo
-from openrois_avatar.link.messages import Event, LinkError
-from openrois_avatar.link.private import private_path
+from openrois_avatar.link.messages import Event, Hello, LinkError
+from openrois_avatar.link.private import clear, private_path
 from openrois_avatar.link.receivers import Receivers
 
 GREETING_TIMEOUT: Final = 5.0
@@ -65,6 +65,8 @@ class LinkServer:
         *,
         on_audio: Callable[[RawAudio], None] | None = None,
         on_event: Callable[[Event], None] | None = None,
+        on_hello: Callable[[Hello], None] | None = None,
+        on_gone: Callable[[str], None] | None = None,
         clock: MediaClock | None = None,
         greeting_timeout: float = GREETING_TIMEOUT,
     ) -> AsyncIterator[LinkServer]:
@@ -73,9 +75,11 @@ class LinkServer:
         Args:
             address: `unix:/path` or `tcp:host:port` on a loopback address (port 0: a free one); without it a Unix
                 socket in a directory of its own that only this user may enter.
-            secret: what an engine must know; without it a random one.
+            secret: what an engine must know; empty: any will do; without it a random one.
             on_audio: gets the engine's blocks of sound.
             on_event: gets the engine's events.
+            on_hello: gets the greeting of each engine that is welcome, before anything else of it.
+            on_gone: gets the reason when it is gone, before anything of another one.
             clock: the media clock; the machine's if not given.
             greeting_timeout: seconds that an engine has for its HELLO.
 
@@ -83,8 +87,8 @@ class LinkServer:
             LinkError: the address is malformed, not of this machine alone, or cannot be listened on.
         """
         clock = clock or SystemClock()
-        receivers = Receivers(clock, EngineVideo(clock), on_audio, on_event)
-        server = cls(secret or secrets.token_urlsafe(32), receivers, greeting_timeout)
+        receivers = Receivers(clock, EngineVideo(clock), on_audio, on_event, on_hello, on_gone)
+        server = cls(secrets.token_urlsafe(32) if secret is None else secret, receivers, greeting_timeout)
         with private_path() as private:
             place = parse_address(address or f"unix:{private}")
             with _listen(place) as listener:
@@ -171,6 +175,7 @@ def _listen(place: Address) -> socket.socket:
     name: str | tuple[str, int]
     if isinstance(place, UnixAddress):
         name = place.path
+        clear(place.path)
     else:
         name = place.host, place.port
         family = socket.AF_INET6 if ":" in place.host else socket.AF_INET
@@ -179,6 +184,8 @@ def _listen(place: Address) -> socket.socket:
     try:
         listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         listener.bind(name)
+        if isinstance(place, UnixAddress):
+            Path(place.path).chmod(0o600)
         listener.listen(MAX_STRANGERS)
         listener.setblocking(False)
     except OSError as error:

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 import uvloop
 from openrois_avatar.link import embedded
-from openrois_avatar.link.embedded import LONGEST_DELAY, STALL_TIMEOUT, EmbeddedEngine
+from openrois_avatar.link.embedded import LONGEST_DELAY, EmbeddedEngine
 from openrois_avatar.link.messages import Completed, Event, Hello, LinkError, Log, Pause, React, Silence
 from openrois_streaming.source import RawAudio
+from openrois_streaming.supervision import HUNG
 
 from tests.support.streaming import VirtualClock, settle
 
@@ -117,12 +118,12 @@ async def test_an_engine_that_hangs_is_replaced() -> None:
         async with engine.video.open() as pictures:
             for _ in range(4):
                 await anext(pictures)
-                await clock.advance(STALL_TIMEOUT - 0.1)
+                await clock.advance(HUNG - 0.1)
         assert witness.lost.empty()
         engine.send(React("1", "freeze"))
         assert await witness.events.get() == Log("freeze")
         while not is_gone(pid):
-            await clock.advance(STALL_TIMEOUT)
+            await clock.advance(HUNG)
         assert await witness.lost.get() == "the engine does not respond"
         while not clock.sleepers:
             await settle()
@@ -138,7 +139,7 @@ async def test_an_engine_that_pauses_is_not_taken_for_one_that_hangs() -> None:
         engine.send(React("1", "pause"))
         assert await witness.events.get() == Pause(True)
         for _ in range(6):
-            await clock.advance(STALL_TIMEOUT)
+            await clock.advance(HUNG)
         assert witness.lost.empty()
         engine.send(React("2", "go on"))
         while await witness.events.get() != Pause(False):
@@ -206,7 +207,7 @@ async def test_entering_can_be_given_up() -> None:
 ADAPTER = f"""
 import asyncio
 from openrois_avatar.link import embedded
-from openrois_avatar.link.embedded import LONGEST_DELAY, STALL_TIMEOUT, EmbeddedEngine
+from openrois_avatar.link.embedded import LONGEST_DELAY, EmbeddedEngine
 async def main():
     async with EmbeddedEngine("{FAKE}", "stubborn") as engine:
         print(engine.hello.version, flush=True)

@@ -1,0 +1,60 @@
+"""The options that say where a game engine of somebody's own is awaited, and what it must know."""
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+
+from openrois_avatar.link.address import parse_address
+from openrois_avatar.link.messages import MAX_NAME, LinkError
+from openrois_avatar.settings import DEFAULT_LINK
+
+__all__ = ["add_link_options", "link_arguments", "link_secret"]
+
+
+def add_link_options(parser: argparse.ArgumentParser, *, when: str = "") -> None:
+    """Add `--link` and `--link-secret-file`; `when` says when they count."""
+    parser.add_argument(
+        "--link",
+        type=_address,
+        default=DEFAULT_LINK,
+        metavar="ADDRESS",
+        help=f"where the game engine is awaited{when}: tcp:HOST:PORT or unix:PATH, on this machine (%(default)s)",
+    )
+    parser.add_argument(
+        "--link-secret-file",
+        type=Path,
+        metavar="FILE",
+        help="holds the secret that the engine must send; without it any program of this machine that reaches the"
+        " address can be the engine",
+    )
+
+
+def link_secret(chosen: argparse.Namespace) -> str:
+    """The secret that was chosen, empty where there is none.
+
+    Raises:
+        ValueError: the file cannot be read, or does not hold a secret.
+    """
+    file: Path | None = chosen.link_secret_file
+    if file is None:
+        return ""
+    try:
+        secret = file.read_text(encoding="utf-8").strip()
+    except (OSError, UnicodeDecodeError) as error:
+        raise ValueError(f"--link-secret-file: {error}") from error
+    if not 0 < len(secret) <= MAX_NAME:
+        raise ValueError(f"--link-secret-file: {file} must hold 1 to {MAX_NAME} characters")
+    return secret
+
+
+def link_arguments(chosen: argparse.Namespace) -> Sequence[str]:
+    """The same options for another command line."""
+    file = chosen.link_secret_file
+    return ("--link", chosen.link, *(() if file is None else ("--link-secret-file", str(file))))
+
+
+def _address(text: str) -> str:
+    try:
+        return str(parse_address(text))
+    except LinkError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error

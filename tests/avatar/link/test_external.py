@@ -1,0 +1,175 @@
+import asyncio
+import logging
+import socket
+import stat
+from collections.abc import AsyncIterator
+from contextlib import AsyncExitStack
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import pytest
+from openrois_avatar.link.client import LinkClient
+from openrois_avatar.link.external import FIRST_PICTURE, ExternalEngine
+from openrois_avatar.link.messages import Hello, LinkError, Log, Pause, React, VideoShape
+from openrois_avatar.link.protocol import PixelFormat
+from openrois_streaming.supervision import HUNG, LOOK_INTERVAL
+
+from tests.support.avatar_link import HELLO
+from tests.support.streaming import VirtualClock, settle
+
+ADDRESS = "tcp:127.0.0.1:0"
+
+
+@dataclass
+class World:
+    """An adapter that waits for engines, and what it was told of them."""
+
+    engine: ExternalEngine
+    clock: VirtualClock
+    stack: AsyncExitStack
+    told: list[object] = field(default_factory=list)
+
+    async def join(self, hello: Hello = HELLO, until: int = 1) -> LinkClient:
+        """Connect an engine, and wait until so much was told."""
+        link = await asyncio.to_thread(LinkClient.connect, self.engine.address, hello)
+        self.stack.callback(link.close)
+        await self.told_of(until)
+        return link
+
+    async def told_of(self, count: int) -> None:
+        async with asyncio.timeout(10):
+            while len(self.told) < count:
+                await settle()
+
+    async def look(self, seconds: float) -> None:
+        """Let the clock run, with a look as often as there is one."""
+        for _ in range(round(seconds / LOOK_INTERVAL)):
+            await self.clock.advance(LOOK_INTERVAL)
+            await settle()
+
+
+@pytest.fixture
+async def world() -> AsyncIterator[World]:
+    told: list[object] = []
+    clock = VirtualClock(now=1000)
+    engine = ExternalEngine(
+        ADDRESS, "secret", on_event=told.append, on_lost=told.append, on_back=told.append, clock=clock
+    )
+    async with asyncio.timeout(20), AsyncExitStack() as stack, engine:
+        yield World(engine, clock, stack, told)
+
+
+def picture(link: LinkClient) -> None:
+    link.send_video(bytes(32), 4, 2, 16, PixelFormat.BGRA, 0)
+
+
+async def test_nobody_need_be_there(world: World) -> None:
+    assert world.engine.hello is None
+    with pytest.raises(LinkError, match="not there"):
+        world.engine.send(React("1", "nod"))
+    await world.look(2 * FIRST_PICTURE)
+    assert world.told == []
+
+
+async def test_that_nobody_is_there_is_said(caplog: pytest.LogCaptureFixture) -> None:
+    with caplog.at_level(logging.INFO):
+        async with ExternalEngine(ADDRESS) as engine:
+            assert f"no game engine is connected; one is awaited at {engine.address}" in caplog.text
+
+
+async def test_engines_come_and_go_and_each_says_what_it_is(world: World) -> None:
+    first = await world.join()
+    assert world.engine.hello == HELLO
+    await asyncio.to_thread(first.close, "coffee")
+    await world.told_of(2)
+    other = replace(HELLO, name="other", video=VideoShape(8, 4, 60), reactions=("wave",))
+    second = await world.join(other, 3)
+    second.send_event(Log("hello"))
+    await world.told_of(4)
+    assert world.told == [HELLO, "coffee", other, Log("hello")]
+
+
+async def test_commands_reach_whichever_is_there(world: World) -> None:
+    for number in (1, 3):
+        link = await world.join(until=number)
+        world.engine.send(React(str(number), "nod"))
+        assert await asyncio.to_thread(link.poll_commands, 5) == [React(str(number), "nod")]
+        await asyncio.to_thread(link.close)
+        await world.told_of(number + 1)
+
+
+async def test_one_that_sends_no_pictures_any_more_is_sent_away(world: World) -> None:
+    link = await world.join()
+    async with world.engine.video.open() as pictures:
+        for _ in range(3):
+            picture(link)
+            await anext(pictures)
+            await world.look(HUNG - 0.4)
+        await world.look(1)
+    await world.told_of(2)
+    assert world.told[1:] == ["no picture has come for a while"]
+    await asyncio.to_thread(link.poll_commands, 5)
+    assert link.reason == "no picture has come for a while"
+    again = await world.join(until=3)
+    assert again.connected
+
+
+async def test_the_first_picture_may_take_longer(world: World) -> None:
+    await world.join()
+    await world.look(FIRST_PICTURE - 1)
+    assert world.told == [HELLO]
+    await world.look(2)
+    await world.told_of(2)
+
+
+async def test_one_that_pauses_does_not_hang(world: World) -> None:
+    link = await world.join()
+    link.send_event(Pause(True))
+    await world.told_of(2)
+    await world.look(2 * FIRST_PICTURE)
+    assert world.told == [HELLO, Pause(True)]
+    await asyncio.to_thread(link.close)
+    await world.told_of(3)
+    await world.join(until=4)
+    await world.look(FIRST_PICTURE + 1)
+    assert world.told[4:] == ["no picture has come for a while"]
+
+
+async def test_the_end_of_the_adapter_is_no_loss_of_the_engine() -> None:
+    told: list[object] = []
+    async with ExternalEngine(ADDRESS, on_lost=told.append) as engine:
+        link = await asyncio.to_thread(LinkClient.connect, engine.address, HELLO)
+    await asyncio.to_thread(link.poll_commands, 5)
+    assert link.reason == "the adapter ends"
+    await asyncio.to_thread(link.close)
+    assert told == []
+
+
+async def test_without_a_secret_any_will_do_and_with_one_only_that() -> None:
+    async with ExternalEngine(ADDRESS) as engine:
+        link = await asyncio.to_thread(LinkClient.connect, engine.address, HELLO)
+        await asyncio.to_thread(link.close)
+    async with ExternalEngine(ADDRESS, "another") as engine:
+        with pytest.raises(LinkError, match="wrong secret"):
+            await asyncio.to_thread(LinkClient.connect, engine.address, HELLO)
+
+
+async def test_an_adapter_that_was_killed_leaves_its_address_to_the_next(tmp_path: Path) -> None:
+    path = tmp_path / "engine"
+    with socket.socket(socket.AF_UNIX) as listener:
+        listener.bind(str(path))
+    async with ExternalEngine(f"unix:{path}") as engine:
+        assert stat.S_IMODE(await asyncio.to_thread(lambda: path.stat().st_mode)) == 0o600
+        with pytest.raises(LinkError, match="cannot listen"):
+            async with ExternalEngine(engine.address):
+                pass
+        link = await asyncio.to_thread(LinkClient.connect, engine.address, HELLO)
+        await asyncio.to_thread(link.close)
+
+
+async def test_what_is_no_socket_stays(tmp_path: Path) -> None:
+    (tmp_path / "engine").write_text("precious")
+    with pytest.raises(LinkError, match="cannot listen"):
+        async with ExternalEngine(f"unix:{tmp_path}/engine"):
+            pass
+    assert (tmp_path / "engine").read_text() == "precious"
