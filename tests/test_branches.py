@@ -46,6 +46,7 @@ TESTS = (
     "tests/avatar/test_engine_sound.py",
     "tests/avatar/sensing",
     "tests/avatar/motion",
+    *(f"tests/avatar/vision/test_{part}.py" for part in ("box", "gallery", "head_gestures", "seen", "tracks")),
     "tests/avatar/test_health.py",
     "tests/avatar/test_sound_lag.py",
     "tests/avatar/test_world.py",

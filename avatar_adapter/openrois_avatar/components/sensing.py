@@ -61,3 +61,7 @@ class Localizing(Sense):
     def tells(self, places: Mapping[str, Place], now: float) -> bool:
         """Take all places there are, by their refs, and the time in seconds; whether they have to be told."""
         return self._movements.tells(places, now, self.detection_threshold, self.minimum_interval)
+
+    def forget_places(self) -> None:
+        """Begin anew: whoever listens now has not heard where anything is."""
+        self._movements = Movements()

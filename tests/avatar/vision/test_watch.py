@@ -1,0 +1,198 @@
+"""When the camera is watched, and what happens when it cannot be."""
+
+import asyncio
+from collections.abc import AsyncIterator, Callable, Sequence
+from contextlib import suppress
+
+import numpy as np
+import pytest
+from openrois_avatar.operator import Camera
+from openrois_avatar.sensing.activity import Activity
+from openrois_avatar.vision.analysis import Analysis
+from openrois_avatar.vision.box import Box, Face
+from openrois_avatar.vision.gallery import Gallery
+from openrois_avatar.vision.patterns import PatternRecognizer
+from openrois_avatar.vision.seen import Seen
+from openrois_avatar.vision.view import View
+from openrois_avatar.vision.watch import BLIND, RATE, Watch
+from openrois_streaming.source import RawVideo
+
+from tests.support.streaming import FedSource, VirtualClock, settle
+
+
+class ScriptedFinder:
+    """A backend that always finds one face, or does whatever it is told to."""
+
+    def __init__(self) -> None:
+        self.does: Callable[[], object] = lambda: None
+
+    def available(self) -> tuple[bool, str]:
+        return True, ""
+
+    def find(self, view: View, known: Sequence[Face]) -> Sequence[Face]:
+        self.does()
+        return [Face(Box(0.3, 0.3, 0.4, 0.4))]
+
+
+class Stage:
+    """A watch whose camera is fed by hand."""
+
+    def __init__(self) -> None:
+        self.clock = VirtualClock()
+        self.camera = Camera()
+        self.source: FedSource[RawVideo] = FedSource()
+        self.finder, self.gallery = ScriptedFinder(), Gallery()
+        self.watch = Watch(self.camera, self.clock, self._analysis)
+        self.activity = Activity()
+        self.watch.serve(self.activity)
+        self.seen: asyncio.Queue[Seen] = asyncio.Queue()
+        self.watch.seen.add(self.seen.put_nowait)
+        self.running = asyncio.ensure_future(self.watch.run())
+        self._pixels = np.random.default_rng(5).integers(0, 255, (120, 160, 3)).astype(np.uint8)
+
+    def _analysis(self) -> Analysis:
+        return Analysis(self.finder, PatternRecognizer(), self.gallery)
+
+    async def show(self) -> None:
+        """Let the camera send a picture, and time pass until the next one can be looked at."""
+        await self.source.feed(RawVideo(self._pixels, "bgr24", 160, 120, 0, self.clock.now()))
+        await settle()
+
+    async def look(self) -> Seen:
+        """What is seen of one picture."""
+        await self.show()
+        async with asyncio.timeout(10):
+            seen = await self.seen.get()
+        await self.clock.advance(1 / RATE)
+        return seen
+
+    async def until_somebody(self) -> Seen:
+        while not (seen := await self.look()).persons:
+            pass
+        return seen
+
+
+@pytest.fixture
+async def stage() -> AsyncIterator[Stage]:
+    stage = Stage()
+    await settle()
+    yield stage
+    stage.running.cancel()
+    with suppress(asyncio.CancelledError):
+        await stage.running
+    assert stage.source.opened == stage.source.closed
+
+
+async def test_the_camera_is_read_while_somebody_wants_it_and_only_then(stage: Stage) -> None:
+    stage.camera.inlet.plug("s", stage.source)
+    await settle()
+    assert stage.source.opened == 0
+    stage.activity.start()
+    await settle()
+    assert stage.source.opened == 1
+    seen = await stage.until_somebody()
+    assert [person.number for person in seen.persons] == [1]
+    stage.activity.stop()
+    await settle()
+    assert (stage.source.opened, stage.source.closed) == (1, 1)
+    assert stage.seen.get_nowait().persons == ()
+    assert stage.seen.empty()
+    assert stage.clock.sleepers == 0
+
+
+async def test_pictures_that_come_too_fast_are_lost_but_for_the_newest(stage: Stage) -> None:
+    stage.camera.inlet.plug("s", stage.source)
+    stage.activity.start()
+    await settle()
+    first = await stage.look()
+    stage.finder.does = lambda: None
+    for _ in range(5):
+        await stage.show()
+        await stage.clock.advance(0.01)
+    async with asyncio.timeout(10):
+        second = await stage.seen.get()
+    assert second.moment > first.moment
+    await stage.clock.advance(0.03)
+    for _ in range(3):
+        await stage.show()
+        await stage.clock.advance(0.01)
+    await stage.clock.advance(1 / RATE)
+    async with asyncio.timeout(10):
+        third = await stage.seen.get()
+    assert third.moment - second.moment > 0.05
+    assert stage.seen.empty()
+
+
+async def test_when_no_pictures_come_nobody_is_seen(stage: Stage) -> None:
+    stage.camera.inlet.plug("s", stage.source)
+    stage.activity.start()
+    await settle()
+    await stage.until_somebody()
+    stage.camera.inlet.unplug("s")
+    await stage.clock.advance(3 * BLIND)
+    assert stage.seen.get_nowait().persons == ()
+    await stage.clock.advance(3 * BLIND)
+    assert stage.seen.empty()
+    stage.camera.inlet.plug("t", stage.source)
+    await settle()
+    await stage.until_somebody()
+
+
+async def test_likenesses_are_given_while_they_are_collected(stage: Stage) -> None:
+    stage.camera.inlet.plug("s", stage.source)
+    stage.activity.start()
+    await settle()
+    assert (await stage.until_somebody()).persons[0].likeness is None
+    with stage.watch.collecting():
+        assert (await stage.look()).persons[0].likeness is not None
+        stage.activity.stop()
+        await settle()
+        assert (await stage.look()).persons[0].likeness is not None
+    await settle()
+    assert stage.source.opened == stage.source.closed
+
+
+async def test_what_a_backend_raises_is_told_and_tried_again(stage: Stage, caplog: pytest.LogCaptureFixture) -> None:
+    stage.camera.inlet.plug("s", stage.source)
+    stage.activity.start()
+    await settle()
+    await stage.until_somebody()
+
+    def fail() -> None:
+        raise ArithmeticError("a bug")
+
+    stage.finder.does = fail
+    assert (await stage.look()).persons == ()
+    assert "a bug" in stage.watch.failure
+    assert "cannot be analysed" in caplog.text
+    stage.finder.does = lambda: None
+    await stage.clock.advance(1.0)
+    await stage.until_somebody()
+    assert stage.watch.failure == ""
+
+
+async def test_a_backend_that_does_not_return_is_given_up(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("openrois_avatar.vision.watch.PATIENCE", 0.01)
+    ends = asyncio.Event()
+    loop = asyncio.get_running_loop()
+    stage.finder.does = lambda: asyncio.run_coroutine_threadsafe(ends.wait(), loop).result(10)
+    stage.camera.inlet.plug("s", stage.source)
+    stage.activity.start()
+    await settle()
+    await stage.show()
+    # `run` ends by itself then.
+    await asyncio.wait_for(asyncio.shield(stage.running), 10)
+    assert "does not return" in stage.watch.failure
+    await settle()
+    assert stage.source.opened == stage.source.closed
+    ends.set()
+
+
+async def test_where_nothing_can_be_seen_from_the_beginning_nothing_is_tried() -> None:
+    stage = Stage()
+    stage.running.cancel()
+    watch = Watch(stage.camera, stage.clock, stage._analysis, "install something")
+    watch.serve(stage.activity)
+    stage.activity.start()
+    await watch.run()
+    assert watch.failure == "install something"
