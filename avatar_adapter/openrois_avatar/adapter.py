@@ -19,6 +19,7 @@ from openrois.contract import Client
 from openrois.listeners import Listeners
 from openrois.tasks import TaskScope
 from openrois.types.references import reference
+from openrois_avatar.camera_senses import camera_senses
 from openrois_avatar.components.operator import Operator
 from openrois_avatar.components.speech_progress import SpeechProgress
 from openrois_avatar.components.speech_synthesis import SpeechSynthesis
@@ -111,9 +112,10 @@ async def serve_scene(
     showing = VideoStreaming(_codecs("video/"), pictures.directions, lambda: worst(scene.status(), picture.status))
     sounding = AudioStreaming(_codecs("audio/"), sounds.directions, lambda: voice.status)
     information, operator = SystemInformation(engine_id, scene.status), Operator(microphone, camera)
+    senses = camera_senses(engine_id, camera, clock)
     speech_began: Listeners[()] = Listeners()
     progress = () if scene.voice is None else (SpeechProgress(scene.voice, speech_began),)
-    components = (information, showing, sounding, operator, *progress, *scene.components)
+    components = (information, showing, sounding, operator, *progress, *senses.components, *scene.components)
     # A voice is heard also while nothing moves.
     moving = tuple(each for each in scene.components if not isinstance(each, SpeechSynthesis))
     sources = {
@@ -130,6 +132,7 @@ async def serve_scene(
         tasks = await stack.enter_async_context(TaskScope())
         tasks.start(supervise(tuple(sources.values()), clock))
         tasks.start(microphone.listen())
+        tasks.start(senses.run())
         microphone.heard.add(scene.hear)
         scene.announced.add(lambda shape: video.expect(shape.fps, (shape.width, shape.height)))
         scene.pauses.changed.add(lambda on: _pause(streams.sessions, reference(engine_id, VIDEO), on))

@@ -1,11 +1,17 @@
 """Which backend is used."""
 
+import re
 from collections.abc import Callable, Iterable
 from importlib.metadata import EntryPoint
+from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 from openrois_avatar.vision.backends import FINDERS, chosen
 from openrois_avatar.vision.cascades import CascadeFinder
+from openrois_avatar.vision.view import View
+from openrois_streaming.source import RawVideo
 
 
 class Better(CascadeFinder):
@@ -48,3 +54,18 @@ def test_the_first_that_works_and_else_the_offline_one(names: tuple[str, ...], e
 def test_what_does_not_work_is_logged_with_its_reason(caplog: pytest.LogCaptureFixture) -> None:
     chosen(FINDERS, CascadeFinder, installed("Elsewhere"))
     assert "install something" in caplog.text
+
+
+def test_the_backend_that_the_guide_shows() -> None:
+    guide = (Path(__file__).parents[3] / "docs" / "avatar.md").read_text(encoding="utf-8")
+    (piece,) = (
+        each for each in re.findall(r"^```python\n(.*?)^```$", guide, re.DOTALL | re.MULTILINE) if "Finder" in each
+    )
+    defined: dict[str, Any] = {}
+    exec(compile(piece, "docs/avatar.md", "exec"), defined)
+    finder = defined["Finder"]()
+    assert finder.available() == (True, "")
+    picture = np.zeros((120, 160, 3), np.uint8)
+    picture[30, 40] = 255
+    (face,) = finder.find(View(RawVideo(picture, "bgr24", 160, 120, 0, 0.0)), [])
+    assert face.box.centre == pytest.approx((0.25, 0.25))

@@ -1,0 +1,259 @@
+"""What the senses of the camera tell of what is seen, and that each keeps the contract of every component."""
+
+import asyncio
+import json
+from collections.abc import Mapping
+
+import numpy as np
+import pytest
+from openrois_avatar.camera_senses import camera_senses
+from openrois_avatar.components.enrolment import LOOKS, Enrolment
+from openrois_avatar.operator import Camera
+from openrois_avatar.vision.analysis import Analysis
+from openrois_avatar.vision.cascades import CascadeFinder
+from openrois_avatar.vision.gallery import MAX_ENROLLED, Gallery
+from openrois_avatar.vision.patterns import PatternRecognizer
+from openrois_avatar.vision.seen import Refs
+from openrois_avatar.vision.watch import Watch
+from openrois_streaming.source import RawVideo
+
+from openrois.component import Component
+from openrois.errors import BadParameter, ComponentFailed, OutOfResources
+from openrois.registry import LocalRegistry
+from openrois.testing import ComponentContract
+from openrois.types.messages import Argument
+from tests.support.camera import CameraStage, somebody
+from tests.support.streaming import FedSource, VirtualClock, settle
+
+PERSON, FACE = "urn:x-rois:def:person:OpenRoIS::avatar", "urn:x-rois:def:face:OpenRoIS::avatar"
+LOOK = np.ones(3, np.float32)
+
+
+@pytest.fixture
+async def stage() -> CameraStage:
+    return CameraStage()
+
+
+async def test_numbers_are_told_when_they_change(stage: CameraStage) -> None:
+    await stage.listen("PersonDetection", "person_detected")
+    away = somebody(2, face=False)
+    assert stage.see() == []
+    assert stage.see(somebody(1)) == [{"number": 1}]
+    assert stage.see(somebody(1)) == []
+    assert stage.see(somebody(1), away) == [{"number": 2}]
+    await stage.listen("FaceDetection", "face_detected")
+    assert stage.see(somebody(1), away) == [{"number": 1}]
+    assert stage.see(away) == [{"number": 1}, {"number": 0}]
+    assert stage.see() == [{"number": 0}]
+
+
+async def test_the_moment_is_that_of_the_picture(stage: CameraStage) -> None:
+    said: list[str] = []
+    await stage.registry.subscribe("avatar/FaceDetection", "face_detected", lambda item: said.append(str(item)))
+    stage.see(somebody())
+    assert "2027-01-15T08:00:00.1" in said[0]
+
+
+async def test_who_listens_later_hears_what_there_is(stage: CameraStage) -> None:
+    first = await stage.listen("FaceDetection", "face_detected")
+    stage.see(somebody())
+    await stage.registry.unsubscribe(first)
+    assert stage.see(somebody()) == []
+    await stage.listen("FaceDetection", "face_detected")
+    assert stage.see(somebody()) == [{"number": 1}]
+
+
+@pytest.mark.parametrize(
+    ("component", "event", "ref", "kind"),
+    [
+        ("PersonLocalization", "person_localized", "person_ref", PERSON),
+        ("FaceLocalization", "face_localized", "face_ref", FACE),
+    ],
+)
+async def test_places_are_told_as_the_parameters_say(
+    stage: CameraStage, component: str, event: str, ref: str, kind: str
+) -> None:
+    await stage.set(component, detection_threshold="100", minimum_interval="500")
+    await stage.listen(component, event)
+    both = stage.see(somebody(1), somebody(2, x=0.5))
+    assert both == [
+        {ref: [f"{kind}/camera/1", f"{kind}/camera/2"], "position_data": ["0.000,1.000,0.0000", "0.500,1.000,0.0000"]}
+    ]
+    assert stage.see(somebody(1, x=0.05), somebody(2, x=0.5), passed=1.0) == []
+    assert stage.see(somebody(1, x=0.15), somebody(2, x=0.5), passed=1.0) != []
+    assert stage.see(somebody(1, x=0.3), somebody(2, x=0.5)) == []
+    assert stage.see(somebody(1, x=0.3), somebody(2, x=0.5), passed=0.5) != []
+    turned = stage.see(somebody(1, x=0.3), somebody(2, x=0.5, face=False), passed=0.5)
+    assert bool(turned) == (component == "FaceLocalization")
+
+
+async def test_who_is_recognised_is_told_when_they_come(stage: CameraStage) -> None:
+    await stage.listen("PersonIdentification", "person_identified")
+    ann, ben = somebody(1, name="Ann"), somebody(2, name="Ben B.")
+    assert stage.see(somebody(1)) == []
+    assert stage.see(ann) == [{"person_ref": [f"{PERSON}/enrolled/Ann"]}]
+    assert stage.see(ann) == []
+    assert stage.see(ann, ben) == [{"person_ref": [f"{PERSON}/enrolled/Ann", f"{PERSON}/enrolled/Ben%20B."]}]
+    assert stage.see(ben) == []
+    assert stage.see(ann, ben) != []
+
+
+async def test_gestures_are_told_by_their_numbers_in_annex_d(stage: CameraStage) -> None:
+    (told,) = (
+        json.loads(each.value)
+        for each in await stage.registry.query("avatar/GestureRecognition", "get_parameter")
+        if each.name == "recognizable_gestures"
+    )
+    assert told == [f"urn:x-rois:def:gesture:OMG::{number}" for number in (1, 2, 3)]
+    await stage.listen("GestureRecognition", "gesture_recognized")
+    assert stage.see(somebody()) == []
+    assert stage.see(somebody(1, gesture="nod"), somebody(2, gesture="tilt")) == [
+        {"gesture_ref": ["urn:x-rois:def:gesture:OMG::1", "urn:x-rois:def:gesture:OMG::2"]}
+    ]
+
+
+async def test_sight_is_what_can_be_drawn_over_the_picture(stage: CameraStage) -> None:
+    await stage.listen("Sight", "seen")
+    assert stage.see() == []
+    assert stage.see(somebody(1, name="Ann", gesture="shake_head"), somebody(2), somebody(3, face=False)) == [
+        {
+            "person_ref": [f"{PERSON}/camera/1", f"{PERSON}/camera/2"],
+            "box": ["0.4000,0.3000,0.2000,0.3000"] * 2,
+            "name": ["Ann", ""],
+            "gesture_ref": ["urn:x-rois:def:gesture:OMG::3", ""],
+        }
+    ]
+    nobody: dict[str, list[str]] = {"person_ref": [], "box": [], "name": [], "gesture_ref": []}
+    assert [stage.see(somebody(3, face=False)), stage.see()] == [[nobody], []]
+
+
+async def test_what_cannot_see_says_so(stage: CameraStage) -> None:
+    stage.senses.watch.failure = "install something"
+    for component in stage.senses.components:
+        assert component.status == "ERROR"
+
+
+class TestEnrolment:
+    async def enrol(self, stage: CameraStage, name: str) -> str:
+        argument = Argument(name="name", data_type_ref="string", value=name)
+        (result,) = await stage.registry.invoke("avatar/Enrolment", "enrol", (argument,))
+        assert result.name == "person_ref"
+        return result.value
+
+    async def forget(self, stage: CameraStage, name: str) -> None:
+        argument = Argument(name="name", data_type_ref="string", value=name)
+        await stage.registry.invoke("avatar/Enrolment", "forget", (argument,))
+
+    async def names(self, stage: CameraStage) -> list[str]:
+        (result,) = await stage.registry.query("avatar/Enrolment", "enrolled")
+        found: list[str] = json.loads(result.value)
+        return found
+
+    @pytest.fixture
+    async def stage(self) -> CameraStage:
+        stage = CameraStage()
+        source: FedSource[RawVideo] = FedSource()
+        stage.camera.inlet.plug("s", source)
+        return stage
+
+    async def test_somebody_is_enrolled_and_forgotten(self, stage: CameraStage) -> None:
+        enrolling = asyncio.ensure_future(self.enrol(stage, "Ann"))
+        await settle()
+        with pytest.raises(ComponentFailed, match="already"):
+            await self.enrol(stage, "Ben")
+        for _ in range(LOOKS - 1):
+            stage.see(somebody(1, likeness=LOOK))
+        stage.see(somebody(1), passed=0.1)
+        # A second face, and another one alone, begin anew.
+        stage.see(somebody(1, likeness=LOOK), somebody(2, likeness=LOOK))
+        for _ in range(LOOKS - 1):
+            stage.see(somebody(2, likeness=LOOK))
+        await settle()
+        assert not enrolling.done()
+        for _ in range(3):
+            stage.see(somebody(2, likeness=LOOK))
+        assert await enrolling == f"{PERSON}/enrolled/Ann"
+        assert await self.names(stage) == ["Ann"]
+        await self.forget(stage, "Ann")
+        assert await self.names(stage) == []
+        with pytest.raises(BadParameter, match="nobody is enrolled as 'Ann'"):
+            await self.forget(stage, "Ann")
+
+    @pytest.mark.parametrize("name", ["", "x" * 65, "a\nb"])
+    async def test_a_name_that_is_none_is_refused(self, stage: CameraStage, name: str) -> None:
+        with pytest.raises(BadParameter):
+            await self.enrol(stage, name)
+
+    async def test_without_a_camera_nobody_is_enrolled(self, stage: CameraStage) -> None:
+        stage.camera.inlet.unplug("s")
+        with pytest.raises(ComponentFailed, match="no camera"):
+            await self.enrol(stage, "Ann")
+
+    @pytest.mark.parametrize(("faces", "trouble"), [(0, "no face"), (1, "come nearer"), (2, "2 faces")])
+    async def test_it_says_why_nobody_was_enrolled(self, faces: int, trouble: str) -> None:
+        clock, camera, gallery = VirtualClock(), Camera(), Gallery()
+        camera.inlet.plug("s", FedSource())
+        watch = Watch(camera, clock, lambda: Analysis(CascadeFinder(), PatternRecognizer(), gallery))
+        component = Enrolment(watch, camera, gallery, Refs("avatar"), patience=0.05)
+        enrolling = asyncio.ensure_future(component.enrol("Ann"))
+        await settle()
+        stage = CameraStage()
+        stage.senses.watch.seen.add(watch.seen.tell)
+        stage.see(*(somebody(number) for number in range(faces)))
+        with pytest.raises(ComponentFailed, match=trouble):
+            await enrolling
+        assert gallery.names == ()
+
+    async def test_the_gallery_is_full_some_time(self) -> None:
+        camera, gallery = Camera(), Gallery()
+        camera.inlet.plug("s", FedSource())
+        for number in range(MAX_ENROLLED):
+            gallery.enrol(str(number), [LOOK])
+        watch = Watch(camera, VirtualClock(), lambda: Analysis(CascadeFinder(), PatternRecognizer(), gallery))
+        component = Enrolment(watch, camera, gallery, Refs("avatar"))
+        with pytest.raises(OutOfResources):
+            await component.enrol("one more")
+
+
+class _OfTheCamera(ComponentContract):
+    async def component(self) -> Component:
+        senses = camera_senses("avatar", Camera(), VirtualClock()).components
+        name = type(self).__name__.removeprefix("Test").removesuffix("Contract")
+        return next(each for each in senses if each.name == name)
+
+
+class TestPersonDetectionContract(_OfTheCamera):
+    pass
+
+
+class TestPersonLocalizationContract(_OfTheCamera):
+    parameters: Mapping[str, str] = {"detection_threshold": "50"}
+
+
+class TestPersonIdentificationContract(_OfTheCamera):
+    pass
+
+
+class TestFaceDetectionContract(_OfTheCamera):
+    pass
+
+
+class TestFaceLocalizationContract(_OfTheCamera):
+    parameters: Mapping[str, str] = {"minimum_interval": "200"}
+
+
+class TestGestureRecognitionContract(_OfTheCamera):
+    pass
+
+
+class TestSightContract(_OfTheCamera):
+    pass
+
+
+class TestEnrolmentContract(_OfTheCamera):
+    pass
+
+
+async def test_all_of_them_are_in_one_engine() -> None:
+    registry = LocalRegistry("avatar", camera_senses("avatar", Camera(), VirtualClock()).components)
+    assert len((await registry.discover()).component_profiles) == 8
