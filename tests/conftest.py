@@ -4,6 +4,7 @@ A test that lacks it is skipped, and one line of pytest's summary says so; where
 """
 
 import importlib
+import importlib.util
 import os
 import shutil
 from collections.abc import Generator
@@ -57,6 +58,20 @@ def turnserver() -> None:
     """coturn is installed."""
     if shutil.which("turnserver") is None:
         _lack("no TURN server is found; install it to run the tests with relays (Debian: apt install coturn)")
+
+
+@pytest.fixture(scope="session")
+def flite() -> None:
+    """A program that speaks English is installed, for ears to hear."""
+    if shutil.which("flite") is None:
+        _lack("no flite is found; install it to run the tests with spoken English (Debian: apt install flite)")
+
+
+@pytest.fixture(scope="session")
+def pocketsphinx() -> None:
+    """The offline speech recogniser is installed."""
+    if importlib.util.find_spec("pocketsphinx") is None:
+        _lack("speech recognition is not installed: run `pip install 'openrois[hearing]'`")
 
 
 @pytest.fixture(scope="session")

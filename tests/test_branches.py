@@ -39,7 +39,10 @@ TESTS = (
     "tests/avatar/doctor/test_finding.py",
     *(
         f"tests/avatar/hearing/test_{part}.py"
-        for part in ("bearing", "downsample", "noise_floor", "presence", "voice_activity", "voice_frames")
+        for part in (
+            *("bearing", "dictionary", "downsample", "jsgf"),
+            *("noise_floor", "presence", "voice_activity", "voice_frames"),
+        )
     ),
     "tests/avatar/engines/animation/test_gait.py",
     "tests/avatar/engines/room",

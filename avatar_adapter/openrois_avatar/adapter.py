@@ -16,7 +16,6 @@ from openrois_streaming.sessions import StreamSessions
 from openrois.adapter.running import hosted
 from openrois.application import EngineHost
 from openrois.contract import Client
-from openrois.listeners import Listeners
 from openrois.tasks import TaskScope
 from openrois.types.references import reference
 from openrois_avatar.camera_senses import camera_senses
@@ -29,6 +28,7 @@ from openrois_avatar.game_engines import choose_game_engine
 from openrois_avatar.health import Health, worst
 from openrois_avatar.metrics.figures import Snapshot
 from openrois_avatar.metrics.looking import Looking
+from openrois_avatar.microphone_senses import microphone_senses
 from openrois_avatar.operator import Camera, Microphone
 from openrois_avatar.scene import Scene, embedded_scene, external_scene, synthetic_scene
 from openrois_avatar.settings import AvatarSettings
@@ -112,10 +112,10 @@ async def serve_scene(
     showing = VideoStreaming(_codecs("video/"), pictures.directions, lambda: worst(scene.status(), picture.status))
     sounding = AudioStreaming(_codecs("audio/"), sounds.directions, lambda: voice.status)
     information, operator = SystemInformation(engine_id, scene.status), Operator(microphone, camera)
-    senses = camera_senses(engine_id, camera, clock)
-    speech_began: Listeners[()] = Listeners()
-    progress = () if scene.voice is None else (SpeechProgress(scene.voice, speech_began),)
-    components = (information, showing, sounding, operator, *progress, *senses.components, *scene.components)
+    eyes, ears = camera_senses(engine_id, camera, clock), microphone_senses(engine_id, microphone, clock)
+    progress = () if scene.voice is None else (SpeechProgress(scene.voice, ears.hearing.speech_began),)
+    sensing = (*eyes.components, *ears.components)
+    components = (information, showing, sounding, operator, *progress, *sensing, *scene.components)
     # A voice is heard also while nothing moves.
     moving = tuple(each for each in scene.components if not isinstance(each, SpeechSynthesis))
     sources = {
@@ -132,7 +132,8 @@ async def serve_scene(
         tasks = await stack.enter_async_context(TaskScope())
         tasks.start(supervise(tuple(sources.values()), clock))
         tasks.start(microphone.listen())
-        tasks.start(senses.run())
+        tasks.start(eyes.run())
+        tasks.start(ears.run())
         microphone.heard.add(scene.hear)
         scene.announced.add(lambda shape: video.expect(shape.fps, (shape.width, shape.height)))
         scene.pauses.changed.add(lambda on: _pause(streams.sessions, reference(engine_id, VIDEO), on))

@@ -7,6 +7,7 @@ from typing import Any
 from openrois_streaming.clock import MediaClock
 
 from openrois.component import Component
+from openrois_avatar.backends import chosen
 from openrois_avatar.components.enrolment import Enrolment
 from openrois_avatar.components.faces import FaceDetection, FaceLocalization
 from openrois_avatar.components.gesture_recognition import GestureRecognition
@@ -14,7 +15,7 @@ from openrois_avatar.components.persons import PersonDetection, PersonIdentifica
 from openrois_avatar.components.sight import Sight
 from openrois_avatar.operator import Camera
 from openrois_avatar.vision.analysis import Analysis
-from openrois_avatar.vision.backends import FINDERS, RECOGNIZERS, chosen
+from openrois_avatar.vision.backends import FINDERS, RECOGNIZERS
 from openrois_avatar.vision.cascades import CascadeFinder
 from openrois_avatar.vision.gallery import Gallery
 from openrois_avatar.vision.patterns import PatternRecognizer

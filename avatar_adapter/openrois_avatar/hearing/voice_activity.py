@@ -88,8 +88,10 @@ class VoiceActivity:
             self._likely_at = number
         if not self.speaking:
             return self._begin(number) if likely else None
-        if not self._loudness.loud or number - self._likely_at > _UNLIKELY:
-            return self._end(min(self._loud_at, self._likely_at + _LOOKED_AT))
+        if not self._loudness.loud:
+            return self._end(self._loud_at)
+        if number - self._likely_at > _UNLIKELY:
+            return self._end(self._likely_at)
         if (number - self._began) * _INTERVAL > LONGEST:
             return self._end(number)
         return None

@@ -10,6 +10,7 @@ from openrois_avatar.components.speech_progress import SpeechProgress
 from openrois_avatar.components.speech_synthesis import SpeechSynthesis
 from openrois_avatar.components.streaming import AudioStreaming, VideoStreaming
 from openrois_avatar.components.system_information import SystemInformation
+from openrois_avatar.microphone_senses import microphone_senses
 from openrois_avatar.operator import Camera, Microphone
 from openrois_avatar.sound import AvatarSound
 from openrois_avatar.voice import Voice
@@ -18,6 +19,7 @@ from openrois.component import Component
 from openrois.listeners import Listeners
 from openrois.testing import ComponentContract
 from openrois.types.codes import ComponentStatus
+from tests.support.listening import ScriptedRecognizer
 from tests.support.streaming import VirtualClock
 from tests.support.voice import ScriptedSynthesizer
 
@@ -62,6 +64,32 @@ class TestOperator(ComponentContract):
 
     async def component(self) -> Component:
         return Operator(Microphone(VirtualClock()), Camera())
+
+
+def hearing(name: str) -> Component:
+    senses = microphone_senses("avatar", Microphone(VirtualClock()), VirtualClock(), ScriptedRecognizer())
+    (component,) = (each for each in senses.components if each.name == name)
+    return component
+
+
+class TestSoundDetection(ComponentContract):
+    async def component(self) -> Component:
+        return hearing("SoundDetection")
+
+
+class TestSoundLocalization(ComponentContract):
+    async def component(self) -> Component:
+        return hearing("SoundLocalization")
+
+
+class TestSpeechRecognition(ComponentContract):
+    async def component(self) -> Component:
+        return hearing("SpeechRecognition")
+
+
+class TestHearing(ComponentContract):
+    async def component(self) -> Component:
+        return hearing("Hearing")
 
 
 STREAMS = "a stream belongs to the application that connects it, and a component is not told which one that is"

@@ -12,7 +12,7 @@ TIME = np.arange(SPAN) / RATE
 
 def buzz(hertz: float, amplitude: float = 3000.0) -> NDArray[np.int16]:
     parts = [amplitude / number * np.sin(2 * np.pi * hertz * number * TIME) for number in range(1, 15)]
-    return np.rint(np.sum(parts, axis=0)).astype(np.int16)
+    return np.asarray(np.rint(np.sum(parts, axis=0)), np.int16)
 
 
 @pytest.mark.parametrize("hertz", [75.0, 120.0, 200.0, 390.0])

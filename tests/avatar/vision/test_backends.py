@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from openrois_avatar.vision.backends import FINDERS, chosen
+from openrois_avatar.backends import chosen
+from openrois_avatar.vision.backends import FINDERS
 from openrois_avatar.vision.cascades import CascadeFinder
 from openrois_avatar.vision.view import View
 from openrois_streaming.source import RawVideo

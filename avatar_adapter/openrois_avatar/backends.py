@@ -1,0 +1,46 @@
+"""What can be exchanged for something better: backends of a kind, found by entry points, and which of them is used."""
+
+import logging
+from collections.abc import Callable, Iterable
+from importlib.metadata import EntryPoint, entry_points
+from typing import Protocol, TypeVar
+
+__all__ = ["Backend", "chosen"]
+
+_log = logging.getLogger(__name__)
+
+
+class Backend(Protocol):
+    """What every backend can say."""
+
+    def available(self) -> tuple[bool, str]:
+        """Whether it works here, and if not, what to install; fast, and without side effects."""
+        ...
+
+
+_BackendT = TypeVar("_BackendT", bound=Backend)
+
+
+def chosen(
+    group: str,
+    offline: Callable[[], _BackendT],
+    find: Callable[..., Iterable[EntryPoint]] = entry_points,
+) -> _BackendT:
+    """Return the first backend of a group, by name, that works here; if there is none, the offline one.
+
+    Args:
+        group: of entry points; each is called without arguments and returns a backend.
+        offline: makes the one that always comes with the package.
+        find: looks entry points up.
+    """
+    for point in sorted(find(group=group), key=lambda each: each.name):
+        try:
+            backend: _BackendT = point.load()()
+            works, reason = backend.available()
+        except Exception as error:  # whoever wrote it: perception goes on without it
+            works, reason = False, repr(error)
+        if works:
+            _log.info("%s: %s", group, point.name)
+            return backend
+        _log.warning("%s: %s does not work here: %s", group, point.name, reason)
+    return offline()

@@ -1,0 +1,44 @@
+"""SoundDetection: whether there is a sound at the operator's microphone (component 7)."""
+
+from collections.abc import Callable
+from datetime import UTC, datetime
+
+from openrois_streaming.clock import MediaClock, wall_at
+from openrois_streaming.source import RawAudio
+
+from openrois.adapter import components
+from openrois_avatar.components.sensing import Sense
+from openrois_avatar.hearing.ear import Ear
+from openrois_avatar.hearing.presence import Presence
+from openrois_avatar.sensing.changes import Numbers
+
+__all__ = ["SoundDetection"]
+
+
+class SoundDetection(Sense, components.SoundDetection):
+    """Tells 1 when a sound rises above the background, 0 when it has ended: sources are not told apart.
+
+    Args:
+        ear: what is heard.
+        clock: the media clock.
+    """
+
+    def __init__(self, ear: Ear, clock: MediaClock) -> None:
+        super().__init__("SoundDetection")
+        self._ear = ear
+        self._clock = clock
+        self._leave: Callable[[], None] | None = None
+        self.activity.changed.add(self._work)
+
+    def _work(self, works: bool) -> None:
+        if self._leave is not None:
+            self._leave()
+            self._leave = None
+        if works:
+            self._presence, self._numbers = Presence(), Numbers()
+            self._leave = self._ear.listen(self._hear)
+
+    def _hear(self, sound: RawAudio) -> None:
+        number = self._presence.add(sound.samples)
+        if self._numbers.tells(number):
+            self.sound_detected(number, datetime.fromtimestamp(wall_at(self._clock, sound.captured_at), UTC))
