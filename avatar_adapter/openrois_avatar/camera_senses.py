@@ -15,9 +15,10 @@ from openrois_avatar.components.persons import PersonDetection, PersonIdentifica
 from openrois_avatar.components.sight import Sight
 from openrois_avatar.operator import Camera
 from openrois_avatar.vision.analysis import Analysis
-from openrois_avatar.vision.backends import FINDERS, RECOGNIZERS
+from openrois_avatar.vision.backends import FINDERS, GESTURE_READERS, RECOGNIZERS
 from openrois_avatar.vision.cascades import CascadeFinder
 from openrois_avatar.vision.gallery import Gallery
+from openrois_avatar.vision.head_reader import HeadReader
 from openrois_avatar.vision.patterns import PatternRecognizer
 from openrois_avatar.vision.seen import Refs
 from openrois_avatar.vision.watch import Watch
@@ -46,16 +47,17 @@ def camera_senses(engine_id: str, camera: Camera, clock: MediaClock) -> CameraSe
         clock: the media clock.
     """
     finder, recognizer = chosen(FINDERS, CascadeFinder), chosen(RECOGNIZERS, PatternRecognizer)
+    reader = chosen(GESTURE_READERS, HeadReader)
     gallery, refs = Gallery(), Refs(engine_id)
     works, reason = finder.available()
-    watch = Watch(camera, clock, lambda: Analysis(finder, recognizer, gallery), "" if works else reason)
+    watch = Watch(camera, clock, Analysis(finder, recognizer, reader, gallery), "" if works else reason)
     components = (
         PersonDetection(watch),
         PersonLocalization(watch, refs),
         PersonIdentification(watch, refs),
         FaceDetection(watch),
         FaceLocalization(watch, refs),
-        GestureRecognition(watch),
+        GestureRecognition(watch, reader.gestures),
         Sight(watch, refs),
         Enrolment(watch, camera, gallery, refs),
     )

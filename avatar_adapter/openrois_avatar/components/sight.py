@@ -4,7 +4,6 @@ from datetime import datetime
 
 from openrois.adapter import Component, event
 from openrois_avatar.components.camera_sense import CameraSense
-from openrois_avatar.components.gesture_recognition import GESTURE_REFS
 from openrois_avatar.vision.box import Box
 from openrois_avatar.vision.seen import Refs, Seen
 from openrois_avatar.vision.watch import Watch
@@ -37,7 +36,7 @@ class Sight(CameraSense, Component, authority="OpenRoIS", function="sensing"):
                 tuple(self._refs.person(person) for person in shown),
                 tuple(_text(person.box) for person in shown),
                 tuple(person.name or "" for person in shown),
-                tuple("" if person.gesture is None else GESTURE_REFS[person.gesture] for person in shown),
+                tuple(person.gesture or "" for person in shown),
                 moment,
             )
         self._nobody = not shown

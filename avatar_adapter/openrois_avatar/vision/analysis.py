@@ -4,14 +4,10 @@ import math
 from dataclasses import dataclass, field
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
-from openrois_avatar.vision.backends import FaceFinder, FaceRecognizer
-from openrois_avatar.vision.box import Motion, place_of
+from openrois_avatar.vision.backends import FaceFinder, FaceRecognizer, Followed, GestureReader
+from openrois_avatar.vision.box import place_of
 from openrois_avatar.vision.flow import motions
 from openrois_avatar.vision.gallery import Gallery, Likeness, Opinion
-from openrois_avatar.vision.head_gestures import Gesture, HeadGestures
 from openrois_avatar.vision.seen import Person, Seen
 from openrois_avatar.vision.tracks import Track, Tracks
 from openrois_avatar.vision.view import View
@@ -26,9 +22,8 @@ _RECOGNITION: Final = 0.4
 
 @dataclass(slots=True)
 class _Memory:
-    """What is known of one person beside the track."""
+    """Who somebody is taken for, and when that was looked at."""
 
-    gestures: HeadGestures = field(default_factory=HeadGestures)
     opinion: Opinion = field(default_factory=Opinion)
     looked_at: float = -math.inf
 
@@ -39,53 +34,50 @@ class Analysis:
     Args:
         finder: finds faces.
         recognizer: tells them apart.
+        reader: reads their gestures.
         gallery: who is known.
     """
 
-    def __init__(self, finder: FaceFinder, recognizer: FaceRecognizer, gallery: Gallery) -> None:
+    def __init__(self, finder: FaceFinder, recognizer: FaceRecognizer, reader: GestureReader, gallery: Gallery) -> None:
         self.collects = False
         """Whether somebody wants to have the likenesses, for enrolment; set from another thread."""
         self._finder = finder
         self._recognizer = recognizer
+        self._reader = reader
         self._gallery = gallery
         self._tracks = Tracks()
         self._memories: dict[int, _Memory] = {}
-        self._before: NDArray[np.uint8] | None = None
-        self._before_at = -math.inf
+        self._before: View | None = None
+
+    def forget(self) -> None:
+        """Begin anew, with other numbers; in the thread that looks."""
+        self._tracks = self._tracks.successor()
+        self._before = None
 
     def look(self, view: View) -> Seen:
         """Return who is in the next picture."""
-        moved = self._follow(view)
+        if self._before is None or not _follows(self._before, view):
+            self.forget()
+        followed = self._follow(view)
+        gestures = self._reader.read(view, followed)
         self._tracks.take(self._finder.find(view, self._tracks.known), view.moment)
-        numbers = self._tracks.numbers
-        self._memories = {number: self._memories.get(number) or _Memory() for number in numbers}
-        gestures = {number: self._gesture(number, motion, view.moment) for number, motion in moved.items()}
-        return Seen(
-            view.moment,
-            tuple(self._person(track, view, gestures.get(track.number)) for track in self._tracks.confirmed),
-        )
+        self._memories = {number: self._memories.get(number) or _Memory() for number in self._tracks.numbers}
+        persons = tuple(self._person(track, view, gestures.get(track.number)) for track in self._tracks.confirmed)
+        return Seen(view.moment, persons)
 
-    def _follow(self, view: View) -> dict[int, Motion]:
-        """Move everybody as the picture did since the last one; return the motions by number."""
-        before, self._before = self._before, view.grey
-        gap, self._before_at = view.moment - self._before_at, view.moment
-        if before is None or before.shape != view.grey.shape or not 0 <= gap <= _GAP:
-            self._tracks = self._tracks.successor()
-            return {}
-        numbers, faces = self._tracks.numbers, self._tracks.known
-        moved = motions(before, view.grey, faces)
+    def _follow(self, view: View) -> list[Followed]:
+        """Move everybody as the picture did since the last one."""
+        before, self._before = self._before, view
+        if before is None:
+            return []
+        moved = motions(before.grey, view.grey, self._tracks.known)
         self._tracks.move(moved)
-        return {
-            number: Motion(motion.x / face.box.width, motion.y / face.box.height, motion.scale, motion.roll)
-            for number, face, motion in zip(numbers, faces, moved, strict=True)
-            if motion is not None
-        }
+        return [
+            Followed(number, face, motion)
+            for number, face, motion in zip(self._tracks.numbers, self._tracks.known, moved, strict=True)
+        ]
 
-    def _gesture(self, number: int, motion: Motion, moment: float) -> Gesture | None:
-        memory = self._memories.get(number)
-        return None if memory is None else memory.gestures.take(moment, motion.x, motion.y, motion.roll)
-
-    def _person(self, track: Track, view: View, gesture: Gesture | None) -> Person:
+    def _person(self, track: Track, view: View, gesture: str | None) -> Person:
         memory, likeness = self._memories[track.number], None
         if track.found_at == view.moment and (self.collects or self._gallery.names):
             likeness = self._likeness(track, memory, view)
@@ -107,3 +99,8 @@ class Analysis:
         if likeness is not None:
             memory.opinion.take(self._gallery.who(likeness, self._recognizer.limit))
         return likeness
+
+
+def _follows(before: View, view: View) -> bool:
+    """Whether a picture shows what the one before it did, a little later."""
+    return before.grey.shape == view.grey.shape and 0 <= view.moment - before.moment <= _GAP

@@ -1,17 +1,19 @@
-"""What can be exchanged for something better: who finds faces, and who tells them apart; found by entry points."""
+"""What can be exchanged for something better: what finds faces, tells them apart, and reads gestures."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Final, Protocol
 
 from openrois_avatar.backends import Backend
-from openrois_avatar.vision.box import Face
+from openrois_avatar.vision.box import Face, Motion
 from openrois_avatar.vision.gallery import Likeness
 from openrois_avatar.vision.view import View
 
-__all__ = ["FINDERS", "RECOGNIZERS", "FaceFinder", "FaceRecognizer"]
+__all__ = ["FINDERS", "GESTURE_READERS", "RECOGNIZERS", "FaceFinder", "FaceRecognizer", "Followed", "GestureReader"]
 
 FINDERS: Final = "openrois.face_finders"
 RECOGNIZERS: Final = "openrois.face_recognizers"
+GESTURE_READERS: Final = "openrois.gesture_readers"
 """The groups of entry points. Each is called without arguments and returns a backend."""
 
 
@@ -37,4 +39,32 @@ class FaceRecognizer(Backend, Protocol):
 
     def likeness(self, view: View, face: Face) -> Likeness | None:
         """Return the vector of a face, or None where it is too small or too blurred to tell."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Followed:
+    """Somebody who is followed: who, where the face is, and how it moved since the last picture, if that is known.
+
+    `motion` is in shares of the picture, as the box is; `number` is nobody else's.
+    """
+
+    number: int
+    face: Face
+    motion: Motion | None
+
+
+class GestureReader(Backend, Protocol):
+    """Reads gestures of those who are followed, from one picture after the other, in the thread of the finder."""
+
+    gestures: tuple[str, ...]
+    """The refs of all gestures that it knows."""
+
+    def read(self, view: View, persons: Sequence[Followed]) -> Mapping[int, str]:
+        """Return the gestures that the picture completes: refs, by the numbers of the persons.
+
+        Args:
+            view: the picture.
+            persons: all who are followed; whoever is no longer among them does not come back.
+        """
         ...

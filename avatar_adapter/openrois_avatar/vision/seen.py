@@ -6,7 +6,6 @@ from urllib.parse import quote
 from openrois_avatar.sensing.changes import Place
 from openrois_avatar.vision.box import Box
 from openrois_avatar.vision.gallery import Likeness
-from openrois_avatar.vision.head_gestures import Gesture
 
 __all__ = ["Person", "Refs", "Seen"]
 
@@ -21,7 +20,7 @@ class Person:
         place: an estimate.
         face: whether the face is seen now; else the person has turned away.
         name: who it is, if that is known.
-        gesture: what this picture completes.
+        gesture: the ref of what this picture completes.
         likeness: what the face looks like, where somebody wants to know.
     """
 
@@ -30,7 +29,7 @@ class Person:
     place: Place
     face: bool = True
     name: str | None = None
-    gesture: Gesture | None = None
+    gesture: str | None = None
     likeness: Likeness | None = field(default=None, compare=False, repr=False)
 
 

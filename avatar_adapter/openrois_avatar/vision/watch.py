@@ -4,7 +4,7 @@ import asyncio
 import logging
 import os
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, suppress
 from typing import Final
@@ -42,19 +42,18 @@ class Watch:
     Args:
         camera: whose pictures.
         clock: paces the analysis.
-        analysis: makes what looks at them; it begins from nothing whenever the watch does.
+        analysis: what looks at them; it begins anew whenever the watch does.
         failure: why nothing can be seen here from the beginning, if that is so.
     """
 
-    def __init__(self, camera: Camera, clock: MediaClock, analysis: Callable[[], Analysis], failure: str = "") -> None:
+    def __init__(self, camera: Camera, clock: MediaClock, analysis: Analysis, failure: str = "") -> None:
         self.seen: Listeners[Seen] = Listeners()
         """Are told what is seen in each picture; and nobody, once, when no more pictures come."""
         self.failure = failure
         """Why nothing can be seen now; empty while all is well."""
         self._camera = camera
         self._clock = clock
-        self._make = analysis
-        self._analysis: Analysis | None = None
+        self._analysis = analysis
         self._wishes: list[Activity] = []
         self._collectors = 0
         self._changed = asyncio.Event()
@@ -82,15 +81,21 @@ class Watch:
 
     async def run(self) -> None:
         """Watch for ever."""
-        while not self._hung:
-            await self._until(wanted=True)
-            async with TaskScope() as tasks:
-                tasks.start(self._look_on())
-                tasks.start(self._notice_blindness())
-                await self._until(wanted=False)
-            self._see_nobody()
-            if not self._hung:
-                self.failure = ""
+        # One thread for all: what looks at the pictures is never in two of them.
+        thread = ThreadPoolExecutor(1, "vision", _stand_back)
+        try:
+            while not self._hung:
+                await self._until(wanted=True)
+                async with TaskScope() as tasks:
+                    tasks.start(self._look_on(thread))
+                    tasks.start(self._notice_blindness())
+                    await self._until(wanted=False)
+                self._see_nobody()
+                if not self._hung:
+                    self.failure = ""
+        finally:
+            # It ends with the picture it is at; nobody waits for that.
+            thread.shutdown(wait=False, cancel_futures=True)
 
     @property
     def _wanted(self) -> bool:
@@ -98,8 +103,7 @@ class Watch:
 
     def _collect(self, more: int) -> None:
         self._collectors += more
-        if self._analysis is not None:
-            self._analysis.collects = self._collectors > 0
+        self._analysis.collects = self._collectors > 0
         self._changed.set()
 
     async def _until(self, *, wanted: bool) -> None:
@@ -107,28 +111,18 @@ class Watch:
             self._changed.clear()
             await self._changed.wait()
 
-    async def _look_on(self) -> None:
-        self._begin()
-        thread = ThreadPoolExecutor(1, "vision", _stand_back)
-        try:
-            async with self._camera.inlet.subscribe(1) as pictures:
-                while not self._hung:
-                    picture = await pictures.get()
-                    self._looked_at = self._clock.now()
-                    pause = await self._look(thread, picture)
-                    await self._clock.sleep_until(self._looked_at + pause)
-        finally:
-            # It ends with the picture it is at; nobody waits for that.
-            thread.shutdown(wait=False, cancel_futures=True)
-
-    def _begin(self) -> None:
-        self._analysis = self._make()
-        self._analysis.collects = self._collectors > 0
+    async def _look_on(self, thread: ThreadPoolExecutor) -> None:
+        thread.submit(self._analysis.forget)
         self._looked_at = self._clock.now()
+        async with self._camera.inlet.subscribe(1) as pictures:
+            while not self._hung:
+                picture = await pictures.get()
+                self._looked_at = self._clock.now()
+                pause = await self._look(thread, picture)
+                await self._clock.sleep_until(self._looked_at + pause)
 
     async def _look(self, thread: ThreadPoolExecutor, picture: RawVideo) -> float:
         """Look at a picture and return the seconds until the next one."""
-        assert self._analysis is not None
         looking = asyncio.get_running_loop().run_in_executor(thread, self._analysis.look, View(picture))
         done, _ = await asyncio.wait({looking}, timeout=PATIENCE)
         if not done:
@@ -145,7 +139,7 @@ class Watch:
             _log.error("camera: a picture cannot be analysed", exc_info=error)
         self.failure = f"a picture cannot be analysed: {error!r}"
         self._see_nobody()
-        self._begin()
+        thread.submit(self._analysis.forget)
         return _RECOVERY
 
     async def _notice_blindness(self) -> None:

@@ -12,6 +12,7 @@ from openrois_avatar.operator import Camera
 from openrois_avatar.vision.analysis import Analysis
 from openrois_avatar.vision.cascades import CascadeFinder
 from openrois_avatar.vision.gallery import MAX_ENROLLED, Gallery
+from openrois_avatar.vision.head_reader import HeadReader
 from openrois_avatar.vision.patterns import PatternRecognizer
 from openrois_avatar.vision.seen import Refs
 from openrois_avatar.vision.watch import Watch
@@ -26,6 +27,7 @@ from tests.support.camera import CameraStage, somebody
 from tests.support.streaming import FedSource, VirtualClock, settle
 
 PERSON, FACE = "urn:x-rois:def:person:OpenRoIS::avatar", "urn:x-rois:def:face:OpenRoIS::avatar"
+NOD, TILT, SHAKE = (f"urn:x-rois:def:gesture:OMG::{number}" for number in (1, 2, 3))
 LOOK = np.ones(3, np.float32)
 
 
@@ -104,23 +106,21 @@ async def test_gestures_are_told_by_their_numbers_in_annex_d(stage: CameraStage)
         for each in await stage.registry.query("avatar/GestureRecognition", "get_parameter")
         if each.name == "recognizable_gestures"
     )
-    assert told == [f"urn:x-rois:def:gesture:OMG::{number}" for number in (1, 2, 3)]
+    assert told == [NOD, TILT, SHAKE]
     await stage.listen("GestureRecognition", "gesture_recognized")
     assert stage.see(somebody()) == []
-    assert stage.see(somebody(1, gesture="nod"), somebody(2, gesture="tilt")) == [
-        {"gesture_ref": ["urn:x-rois:def:gesture:OMG::1", "urn:x-rois:def:gesture:OMG::2"]}
-    ]
+    assert stage.see(somebody(1, gesture=NOD), somebody(2, gesture=TILT)) == [{"gesture_ref": [NOD, TILT]}]
 
 
 async def test_sight_is_what_can_be_drawn_over_the_picture(stage: CameraStage) -> None:
     await stage.listen("Sight", "seen")
     assert stage.see() == []
-    assert stage.see(somebody(1, name="Ann", gesture="shake_head"), somebody(2), somebody(3, face=False)) == [
+    assert stage.see(somebody(1, name="Ann", gesture=SHAKE), somebody(2), somebody(3, face=False)) == [
         {
             "person_ref": [f"{PERSON}/camera/1", f"{PERSON}/camera/2"],
             "box": ["0.4000,0.3000,0.2000,0.3000"] * 2,
             "name": ["Ann", ""],
-            "gesture_ref": ["urn:x-rois:def:gesture:OMG::3", ""],
+            "gesture_ref": [SHAKE, ""],
         }
     ]
     nobody: dict[str, list[str]] = {"person_ref": [], "box": [], "name": [], "gesture_ref": []}
@@ -193,7 +193,7 @@ class TestEnrolment:
     async def test_it_says_why_nobody_was_enrolled(self, faces: int, trouble: str) -> None:
         clock, camera, gallery = VirtualClock(), Camera(), Gallery()
         camera.inlet.plug("s", FedSource())
-        watch = Watch(camera, clock, lambda: Analysis(CascadeFinder(), PatternRecognizer(), gallery))
+        watch = Watch(camera, clock, Analysis(CascadeFinder(), PatternRecognizer(), HeadReader(), gallery))
         component = Enrolment(watch, camera, gallery, Refs("avatar"), patience=0.05)
         enrolling = asyncio.ensure_future(component.enrol("Ann"))
         await settle()
@@ -209,7 +209,7 @@ class TestEnrolment:
         camera.inlet.plug("s", FedSource())
         for number in range(MAX_ENROLLED):
             gallery.enrol(str(number), [LOOK])
-        watch = Watch(camera, VirtualClock(), lambda: Analysis(CascadeFinder(), PatternRecognizer(), gallery))
+        watch = Watch(camera, VirtualClock(), Analysis(CascadeFinder(), PatternRecognizer(), HeadReader(), gallery))
         component = Enrolment(watch, camera, gallery, Refs("avatar"))
         with pytest.raises(OutOfResources):
             await component.enrol("one more")

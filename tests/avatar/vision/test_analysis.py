@@ -8,6 +8,8 @@ import pytest
 from openrois_avatar.vision.analysis import Analysis
 from openrois_avatar.vision.cascades import CascadeFinder
 from openrois_avatar.vision.gallery import Gallery, Likeness
+from openrois_avatar.vision.head_gestures import Gesture
+from openrois_avatar.vision.head_reader import GESTURE_REFS, HeadReader
 from openrois_avatar.vision.patterns import PatternRecognizer
 from openrois_avatar.vision.seen import Seen
 from openrois_avatar.vision.view import View
@@ -20,7 +22,7 @@ COLLINS, HOPPER = Sitter("collins"), Sitter("hopper")
 
 def watched(scene: Scene, seconds: float, gallery: Gallery | None = None, *, collects: bool = False) -> list[Seen]:
     """What is seen of a scene."""
-    analysis = Analysis(CascadeFinder(), PatternRecognizer(), gallery or Gallery())
+    analysis = Analysis(CascadeFinder(), PatternRecognizer(), HeadReader(), gallery or Gallery())
     analysis.collects = collects
     return [analysis.look(View(each)) for each in video(scene, seconds, width=400, height=224)]
 
@@ -36,10 +38,10 @@ def faces(seen: list[Seen]) -> list[int]:
 @pytest.mark.parametrize("sitter", [COLLINS, HOPPER], ids=["collins", "hopper"])
 @pytest.mark.parametrize(("scene", "gesture"), [(nodding, "nod"), (shaking, "shake_head"), (tilting, "tilt")])
 def test_a_head_gesture_is_read_from_the_picture(
-    sitter: Sitter, scene: Callable[[Sitter], Scene], gesture: str
+    sitter: Sitter, scene: Callable[[Sitter], Scene], gesture: Gesture
 ) -> None:
     seen = watched(scene(sitter), 3.0)
-    assert gestures(seen) == [gesture]
+    assert gestures(seen) == [GESTURE_REFS[gesture]]
     assert faces(seen)[3:] == [1] * 27
 
 
@@ -71,7 +73,7 @@ def test_an_empty_room_is_empty() -> None:
 
 
 def test_another_size_or_a_pause_is_another_scene() -> None:
-    analysis = Analysis(CascadeFinder(), PatternRecognizer(), Gallery())
+    analysis = Analysis(CascadeFinder(), PatternRecognizer(), HeadReader(), Gallery())
 
     def pictures(width: int, height: int, begin: float) -> Iterator[RawVideo]:
         for each in video(lambda _t: [HOPPER], 0.5, width=width, height=height):
@@ -100,11 +102,11 @@ def gallery() -> Gallery:
 
 class TestIdentification:
     def names(self, gallery: Gallery, sitter: Sitter, **changes: float) -> set[str | None]:
-        seen = watched(lambda _t: [replace(sitter, **changes)], 2.5, gallery)  # type: ignore[arg-type]
+        seen = watched(lambda _t: [replace(sitter, **changes)], 2.0, gallery)  # type: ignore[arg-type]
         assert faces(seen)[-1] == 1
         return {person.name for person in seen[-1].persons}
 
-    @pytest.mark.parametrize("changes", [{}, {"size": 0.26, "x": 0.4}, {"lean": 8.0}], ids=["same", "near", "leaning"])
+    @pytest.mark.parametrize("changes", [{}, {"size": 0.26, "x": 0.4, "lean": 8.0}], ids=["same", "near"])
     def test_who_is_enrolled_is_known_elsewhere_in_the_picture(
         self, gallery: Gallery, changes: dict[str, float]
     ) -> None:
@@ -118,18 +120,17 @@ class TestIdentification:
             def likeness(self, view: View, face: object) -> None:
                 raise AssertionError("a face was measured for nobody")
 
-        analysis = Analysis(CascadeFinder(), Refusing(), Gallery())
+        analysis = Analysis(CascadeFinder(), Refusing(), HeadReader(), Gallery())
         seen = [analysis.look(View(each)) for each in video(lambda _t: [HOPPER], 1.0, width=400, height=224)]
         assert faces(seen)[-1] == 1
 
-    @pytest.mark.parametrize("light", [0.6, 1.25])
-    @pytest.mark.parametrize("noise", [0.0, 6.0])
+    @pytest.mark.parametrize(("light", "noise"), [(0.6, 6.0), (1.25, 0.0)])
     def test_the_limit_lies_between_the_same_and_another_face(self, light: float, noise: float) -> None:
         recognizer = PatternRecognizer()
 
         def looks(sitter: Sitter, light: float, noise: float, seed: int) -> Likeness:
-            shown = picture([sitter], 640, 360, light=light, noise=noise, seed=seed)
-            view = View(RawVideo(shown, "bgr24", 640, 360, 0, 0.0))
+            shown = picture([sitter], 512, 288, light=light, noise=noise, seed=seed)
+            view = View(RawVideo(shown, "bgr24", 512, 288, 0, 0.0))
             (face,) = CascadeFinder().find(view, [])
             found = recognizer.likeness(view, face)
             assert found is not None

@@ -2,7 +2,9 @@
 
 import math
 from dataclasses import replace
+from pathlib import Path
 
+import av
 import cv2
 import numpy as np
 import pytest
@@ -13,7 +15,7 @@ from openrois_avatar.vision.patterns import PatternRecognizer
 from openrois_avatar.vision.view import View
 from openrois_streaming.source import PixelFormat, RawVideo
 
-from tests.support.people import Sitter, picture
+from tests.support.people import Sitter, nodding, picture, write_y4m
 
 COLLINS = Sitter("collins")
 
@@ -89,3 +91,12 @@ def test_without_cascades_it_says_what_to_install(monkeypatch: pytest.MonkeyPatc
     works, reason = CascadeFinder().available()
     assert not works
     assert "opencv-python-headless below 5" in reason
+
+
+def test_a_scene_as_a_file_for_the_fake_camera_of_a_browser(tmp_path: Path) -> None:
+    write_y4m(tmp_path / "nod.y4m", nodding(COLLINS), 0.3, width=320, height=180)
+    with av.open(tmp_path / "nod.y4m") as file:
+        pictures = [np.asarray(frame.to_ndarray(format="bgr24"), np.uint8) for frame in file.decode(video=0)]
+    assert len(pictures) == 3
+    (face,) = CascadeFinder().find(View(RawVideo(pictures[0], "bgr24", 320, 180, 0, 0.0)), [])
+    assert face.box.centre == pytest.approx((0.5, 0.4), abs=0.04)

@@ -11,6 +11,7 @@ from openrois_avatar.sensing.activity import Activity
 from openrois_avatar.vision.analysis import Analysis
 from openrois_avatar.vision.box import Box, Face
 from openrois_avatar.vision.gallery import Gallery
+from openrois_avatar.vision.head_reader import HeadReader
 from openrois_avatar.vision.patterns import PatternRecognizer
 from openrois_avatar.vision.seen import Seen
 from openrois_avatar.vision.view import View
@@ -42,16 +43,14 @@ class Stage:
         self.camera = Camera()
         self.source: FedSource[RawVideo] = FedSource()
         self.finder, self.gallery = ScriptedFinder(), Gallery()
-        self.watch = Watch(self.camera, self.clock, self._analysis)
+        self.analysis = Analysis(self.finder, PatternRecognizer(), HeadReader(), self.gallery)
+        self.watch = Watch(self.camera, self.clock, self.analysis)
         self.activity = Activity()
         self.watch.serve(self.activity)
         self.seen: asyncio.Queue[Seen] = asyncio.Queue()
         self.watch.seen.add(self.seen.put_nowait)
         self.running = asyncio.ensure_future(self.watch.run())
         self._pixels = np.random.default_rng(5).integers(0, 255, (120, 160, 3)).astype(np.uint8)
-
-    def _analysis(self) -> Analysis:
-        return Analysis(self.finder, PatternRecognizer(), self.gallery)
 
     async def show(self) -> None:
         """Let the camera send a picture, and time pass until the next one can be looked at."""
@@ -98,6 +97,10 @@ async def test_the_camera_is_read_while_somebody_wants_it_and_only_then(stage: S
     assert stage.seen.get_nowait().persons == ()
     assert stage.seen.empty()
     assert stage.clock.sleepers == 0
+    stage.activity.start()
+    await settle()
+    seen = await stage.until_somebody()
+    assert [person.number for person in seen.persons] == [2]
 
 
 async def test_pictures_that_come_too_fast_are_lost_but_for_the_newest(stage: Stage) -> None:
@@ -191,7 +194,7 @@ async def test_a_backend_that_does_not_return_is_given_up(stage: Stage, monkeypa
 async def test_where_nothing_can_be_seen_from_the_beginning_nothing_is_tried() -> None:
     stage = Stage()
     stage.running.cancel()
-    watch = Watch(stage.camera, stage.clock, stage._analysis, "install something")
+    watch = Watch(stage.camera, stage.clock, stage.analysis, "install something")
     watch.serve(stage.activity)
     stage.activity.start()
     await watch.run()
