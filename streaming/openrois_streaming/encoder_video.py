@@ -36,11 +36,22 @@ class VideoEncoder:
 
     The size follows the frames, halved `halvings` times: a frame of another size starts the codec anew, with a key
     frame. Odd sizes lose their last row or column. `frame_rate` is the pace expected of the source; the bit rate is met
-    at another pace too, and is never above `max_bitrate`.
+    at another pace too, and is never above `max_bitrate`. For a `size` (width and height after halving) that is
+    expected the codec is opened at once: the first picture need not wait for that.
+
+    Raises:
+        av.FFmpegError: the codec cannot be opened for this size.
     """
 
     def __init__(
-        self, mime_type: str, *, bitrate: int, frame_rate: float, max_bitrate: int = 4_000_000, halvings: int = 0
+        self,
+        mime_type: str,
+        *,
+        bitrate: int,
+        frame_rate: float,
+        max_bitrate: int = 4_000_000,
+        halvings: int = 0,
+        size: tuple[int, int] | None = None,
     ) -> None:
         self._mime_type = mime_type
         self._frame_rate = frame_rate
@@ -52,6 +63,8 @@ class VideoEncoder:
         self._context: VideoCodecContext | None = None
         self._captured_at: float | None = None
         self._pts = -1
+        if size is not None:
+            self._context_for(*size)
 
     def set_bitrate(self, bitrate: int) -> None:
         """Aim at `bitrate` (bit/s), kept within MIN_BITRATE and `max_bitrate`, from the next frame on.

@@ -204,6 +204,7 @@ def _video_encoding(mime_type: str, demands: Demands) -> Encoding[RawVideo]:
             frame_rate=rung.frame_rate,
             max_bitrate=demands.rung.max_bitrate,
             halvings=rung.halvings,
+            size=(demands.rung.width, demands.rung.height),
         )
 
     return Encoding(

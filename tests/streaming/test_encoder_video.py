@@ -1,3 +1,5 @@
+from typing import Any
+
 import av
 import numpy as np
 import pytest
@@ -124,6 +126,27 @@ def test_a_key_frame_is_no_burst_that_holds_up_what_follows(mime_type: str) -> N
     chunks = encode(VideoEncoder(mime_type, bitrate=600_000, frame_rate=30), Scene(), 40, 30, forced=(20, 30))
     burst = max(len(chunk.data) for chunk in chunks) * 8 / 600_000
     assert burst < 0.35, "seconds of the bit rate"
+
+
+@both
+def test_the_codec_is_opened_before_the_first_picture_of_the_size_that_is_expected(
+    mime_type: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made: list[object] = []
+    create = av.CodecContext.create
+
+    def counted(*arguments: Any) -> Any:
+        made.append(create(*arguments))
+        return made[-1]
+
+    monkeypatch.setattr(av.CodecContext, "create", counted)
+    encoder = VideoEncoder(mime_type, bitrate=300_000, frame_rate=30, size=(320, 180))
+    assert len(made) == 1
+    chunks = encode(encoder, Scene(320, 180), 3, 30)
+    assert [chunk.keyframe for chunk in chunks] == [True, False, False]
+    assert len(made) == 1, "that is the one that encodes"
+    encode(encoder, Scene(160, 96), 4, 30, first=3)
+    assert len(made) == 2, "another size is another codec"
 
 
 @both
