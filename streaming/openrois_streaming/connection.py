@@ -10,6 +10,7 @@ from aiortc.rtcconfiguration import RTCBundlePolicy
 from aiortc.rtcicetransport import RTCIceTransport
 from openrois_signaling.messages import SECTIONS_LIMIT, IceServer, StreamSection
 
+from openrois_streaming.channels import Channels, Take
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.errors import InvalidCandidate, InvalidDescription, PeerClosed, TooManySections
 from openrois_streaming.levels import level_of, with_levels
@@ -19,7 +20,7 @@ from openrois_streaming.network.servers import read_servers
 from openrois_streaming.network.settings import NetworkSettings
 from openrois_streaming.receiving.receiver import RtpReceiver
 from openrois_streaming.receiving.remote_time import RemoteClock
-from openrois_streaming.sdp import OfferedSection, clean_answer, read_candidate
+from openrois_streaming.sdp import OfferedSection, clean_answer, mids_of, read_candidate
 from openrois_streaming.seams.connection import contain_starts
 from openrois_streaming.seams.ice import IceAgent
 from openrois_streaming.seams.incoming import Incoming
@@ -110,6 +111,10 @@ class BundledConnection:
             self._incoming = Incoming(transport, self._on_sign, self._guarded)
         return section
 
+    def open_channels(self, take: Take, on_closed: Callable[[], None]) -> Channels:
+        """Have data channels, once, from the next offer on; there must be a section."""
+        return Channels(self._connection, self._guarded, take, on_closed)
+
     def _state_changed(self) -> None:
         """Tell it in a moment: aiortc may be closing, and what is done about it must not disturb that."""
         asyncio.get_running_loop().call_soon(self._on_state, self._connection.connectionState)
@@ -147,15 +152,17 @@ class BundledConnection:
             await self._connection.setLocalDescription(await self._connection.createOffer())
         except InvalidStateError as error:
             raise PeerClosed("the application has closed the peer connection") from error
-        self._offered = tuple(
-            OfferedSection(each.mid, each.kind, "inactive" if leg is None else each.direction)
+        sdp = self._connection.localDescription.sdp
+        media = {
+            each.mid: OfferedSection(each.mid, each.kind, "inactive" if leg is None else each.direction)
             for each, leg in described
-        )
+        }
+        self._offered = tuple(media.get(mid) or OfferedSection(mid, "application", "inactive") for mid in mids_of(sdp))
         streams = tuple(_listed(section, leg) for section, leg in described if leg is not None)
         if generation == 1 and self._agent is not None:
             self._gathering.go_on(self._agent)
-        levels = [None if leg is None else level_of(leg.stream) for _, leg in described]
-        sdp = with_levels(self._connection.localDescription.sdp, levels)
+        levels = {each.mid: None if leg is None else level_of(leg.stream) for each, leg in described}
+        sdp = with_levels(sdp, [levels.get(offered.mid) for offered in self._offered])
         return sdp if self._gathering.complete else sdp.replace(_END_OF_CANDIDATES, ""), streams
 
     async def apply(self, sdp: str) -> tuple[str, ...]:

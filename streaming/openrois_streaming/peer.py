@@ -8,6 +8,7 @@ from typing import Protocol
 from openrois_signaling.messages import Answer, Bye, Candidate, Downward, IceServer
 from openrois_signaling.negotiation import Negotiation, Verdict
 
+from openrois_streaming.channels import InputPath
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.connection import BundledConnection
 from openrois_streaming.errors import (
@@ -53,6 +54,10 @@ class PeerOwner(Protocol):
         """It has ended for good, and its bye is said."""
         ...
 
+    def peer_muted(self, reason: str) -> None:
+        """What a person does cannot come over one of its peer connections any more, though that goes on."""
+        ...
+
 
 class Peer:
     """A peer connection by the name of `peer_id`, which takes the place of `replaces` if that is given.
@@ -90,10 +95,18 @@ class Peer:
             self._sign_of_life,
             self._found,
         )
+        self.input = InputPath(
+            self._connection.open_channels,
+            self._renegotiate,
+            lambda: owner.peer_muted("the application closed its data channels"),
+        )
+        """For what a person does, after the first stream."""
         self._answered_at: float | None = None
         self._work: Task[object] | None = None
         self.ended = False
         """Whether it is over for good."""
+        self.reason = ""
+        """Why it has ended."""
         self._closing: Task[None] | None = None
 
     def attach(self, stream: Stream) -> None:
@@ -297,6 +310,7 @@ class Peer:
 
     def _finish(self, bye: Bye) -> None:
         self.ended = True
+        self.reason = bye.reason
         if self._work is not None and self._work is not asyncio.current_task():
             self._work.cancel()
         self.follow()

@@ -5,6 +5,7 @@ from typing import TypeAlias
 
 from openrois_signaling.messages import Downward
 
+from openrois_streaming.channels import InputSink, SessionInput
 from openrois_streaming.errors import PeerClosed, TooManySections, UnknownPeer
 from openrois_streaming.liveness import Verdict
 from openrois_streaming.peer import Peer, PeerOwner
@@ -22,7 +23,8 @@ class Peers:
     """At most two peer connections: the present one and, until that plays, the one it replaces.
 
     When the present one ends, the streams go back to the one before if that is still there, or end with it. `send` gets
-    offers, candidates and byes; `on_change` is called whenever it is worth to look at the streams.
+    offers, candidates and byes; `on_change` is called whenever it is worth to look at the streams; `sink` hears what a
+    person does.
     """
 
     def __init__(
@@ -31,6 +33,7 @@ class Peers:
         make: MakePeer,
         send: Callable[[Downward], None],
         on_change: Callable[[], None],
+        sink: InputSink | None = None,
     ) -> None:
         self._streams = streams
         self._make = make
@@ -39,6 +42,8 @@ class Peers:
         self._present: Peer | None = None
         self._replaced: Peer | None = None
         self._closing: list[Peer] = []
+        self.input = SessionInput(sink, lambda: [peer.input for peer in self.all()])
+        """For what a person does."""
 
     def all(self) -> tuple[Peer, ...]:
         """Those that have not ended, the present one first."""
@@ -57,9 +62,11 @@ class Peers:
             if self._present is None:
                 self._present = self._make(None, self)
             try:
-                return self._present.attach(stream)
+                self._present.attach(stream)
             except PeerClosed as closed:
                 self._present.end(str(closed))
+            else:
+                return self.input.follow()
 
     def detach(self, stream: Stream) -> None:
         """Play `stream` no more."""
@@ -98,6 +105,7 @@ class Peers:
             self._present = self._make(peer_id, self)
             for stream in self._streams:
                 self._present.attach(stream)
+            self.input.follow()
         assert self._present is not None, "there is a present one while there is any"
         return self._present.peer_id
 
@@ -135,6 +143,10 @@ class Peers:
         self.detach(stream)
         self._streams.end(stream)
 
+    def peer_muted(self, reason: str) -> None:
+        """What a person does cannot come over one of them any more."""
+        self.input.lost(reason)
+
     def peer_ended(self, peer: Peer) -> None:
         """`peer` has ended."""
         self._closing = [each for each in self._closing if not each.is_closed] + [peer]
@@ -144,6 +156,7 @@ class Peers:
             self._present, self._replaced = self._replaced, None
             for stream in self._streams:
                 self._fall_back(stream)
+        self.input.lost(peer.reason)
         self._on_change()
 
     def _fall_back(self, stream: Stream) -> None:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Final, Literal, TypeAlias
 
 from aiortc import RTCDtlsFingerprint, RTCIceCandidate
-from aiortc.sdp import SessionDescription, candidate_from_sdp
+from aiortc.sdp import MediaDescription, SessionDescription, candidate_from_sdp
 from openrois_signaling.messages import CANDIDATES_LIMIT, Direction
 
 from openrois_streaming.errors import InvalidCandidate, InvalidDescription
@@ -23,6 +23,9 @@ LINES_LIMIT = 128
 
 _LINE = re.compile(r"[a-z]=[ -~]*")
 _MEDIA = re.compile(r"m=(audio|video) (\d{1,5}) [A-Z/]{1,32}( \d{1,3}){1,32}")
+_CHANNELS = re.compile(r"m=(application) (\d{1,5}) UDP/DTLS/SCTP webrtc-datachannel")
+_MID = re.compile(r"(?m)^a=mid:(\S+)")
+_SCTP_PORT = re.compile(r"a=sctp-port:[1-9]\d{0,4}")
 _UFRAG = re.compile(r"[A-Za-z0-9+/]{4,256}")  # RFC 8839 section 5.4
 _PASSWORD = re.compile(r"[A-Za-z0-9+/]{22,256}")
 _PAYLOAD_TYPES = frozenset((*range(64), *range(96, 128)))  # the others are taken for RTCP (RFC 5761 section 4)
@@ -31,6 +34,8 @@ _HASHES = {"sha-256": 95, "sha-384": 143, "sha-512": 191}  # and the length of t
 _HEX = re.compile(r"[0-9A-Fa-f]{2}(:[0-9A-Fa-f]{2})*")
 _CANDIDATE_TYPES = frozenset({"host", "srflx", "prflx", "relay"})
 _SESSION_ATTRIBUTES = frozenset({"fingerprint", "ice-lite", "ice-options", "ice-pwd", "ice-ufrag", "setup"})
+_CHANNELS_ATTRIBUTES = _SESSION_ATTRIBUTES - {"ice-lite"} | {"mid"}
+"""`max-message-size` is not among them: what is sent is far below what everybody takes."""
 _MEDIA_ATTRIBUTES = _SESSION_ATTRIBUTES - {"ice-lite"} | {
     "extmap",
     "fmtp",
@@ -63,7 +68,7 @@ _LESS: Final[dict[Answered, tuple[Answered, ...]]] = {
 
 @dataclass(frozen=True, slots=True)
 class OfferedSection:
-    """An m-section as it was offered. `direction` is what the application shall do in it."""
+    """An m-section as it was offered. `direction` is what the application shall do in it, if it is for media."""
 
     mid: str
     kind: str
@@ -74,7 +79,7 @@ class OfferedSection:
 class CleanAnswer:
     """An answer that can be given to aiortc, without candidates, and the candidate-attributes that were in it.
 
-    `directions` says what the application does, section by section.
+    `directions` says what the application does in the sections for media, one by one.
     """
 
     sdp: str
@@ -102,7 +107,10 @@ def clean_answer(text: str, offered: Sequence[OfferedSection]) -> CleanAnswer:
     sources: list[int] = []
     for section, lines in zip(offered, media, strict=True):
         candidates += [line.removeprefix("a=") for line in lines if _attribute(line) == "candidate"][:CANDIDATES_LIMIT]
-        passing = [line for line in lines if line[0] in "mc" or _attribute(line) in _MEDIA_ATTRIBUTES]
+        known = _CHANNELS_ATTRIBUTES if section.kind == "application" else _MEDIA_ATTRIBUTES
+        passing = [line for line in lines if line[0] in "mc" or _attribute(line) in known]
+        if section.kind == "application":
+            passing.append(_sctp_port(section, lines))
         if len(passing) > LINES_LIMIT:
             raise InvalidDescription(f"section {section.mid} is too long")
         kept += passing
@@ -135,8 +143,21 @@ def _attribute(line: str) -> str:
     return line[2:].partition(":")[0] if line.startswith("a=") else ""
 
 
+def mids_of(sdp: str) -> tuple[str, ...]:
+    """The names of the sections of a description, in their order."""
+    return tuple(_MID.findall(sdp))
+
+
+def _sctp_port(offered: OfferedSection, lines: Sequence[str]) -> str:
+    """The line that says at which port of SCTP the other end is (RFC 8841 section 5)."""
+    found = [line for line in lines if _SCTP_PORT.fullmatch(line)]
+    if len(found) != 1 or int(found[0].partition(":")[2]) >= 2**16:
+        raise InvalidDescription(f"section {offered.mid} has no usable SCTP port")
+    return found[0]
+
+
 def _check_media_line(line: str, offered: OfferedSection) -> None:
-    found = _MEDIA.fullmatch(line)
+    found = (_CHANNELS if offered.kind == "application" else _MEDIA).fullmatch(line)
     if found is None or found[1] != offered.kind:
         raise InvalidDescription(f"section {offered.mid} is not the {offered.kind} section that was offered")
     if int(found[2]) == 0:
@@ -172,21 +193,27 @@ def _check_parsed(sdp: str, offered: Sequence[OfferedSection]) -> tuple[Answered
     for section, media in zip(offered, parsed.media, strict=True):
         if media.rtp.muxId != section.mid:
             raise InvalidDescription(f"the answer has another section in the place of {section.mid}")
-        found = [answered for answered in _LESS[section.direction] if answered == media.direction]
-        if not found:
-            raise InvalidDescription(f"section {section.mid} cannot be {media.direction}")
-        directions += found
         if media.ice is None or not _are_credentials(media.ice.usernameFragment, media.ice.password):
             raise InvalidDescription(f"section {section.mid} has no valid ICE credentials")
         if media.dtls is None or media.dtls.role == "auto" or not _are_fingerprints(media.dtls.fingerprints):
             raise InvalidDescription(f"section {section.mid} has no usable DTLS fingerprint or role")
-        if not media.rtp.codecs:
-            raise InvalidDescription(f"section {section.mid} has no codec")
-        if not all(codec.payloadType in _PAYLOAD_TYPES for codec in media.rtp.codecs):
-            raise InvalidDescription(f"section {section.mid} has a payload type that cannot be sent")
-        if not all(extension.id in _EXTENSION_IDS for extension in media.rtp.headerExtensions):
-            raise InvalidDescription(f"section {section.mid} has a header extension id that cannot be sent")
+        if section.kind != "application":
+            directions.append(_check_media(section, media))
     return tuple(directions)
+
+
+def _check_media(section: OfferedSection, media: MediaDescription) -> Answered:
+    """Check what is in a section for media, and say what the application does in it."""
+    found = [answered for answered in _LESS[section.direction] if answered == media.direction]
+    if not found:
+        raise InvalidDescription(f"section {section.mid} cannot be {media.direction}")
+    if not media.rtp.codecs:
+        raise InvalidDescription(f"section {section.mid} has no codec")
+    if not all(codec.payloadType in _PAYLOAD_TYPES for codec in media.rtp.codecs):
+        raise InvalidDescription(f"section {section.mid} has a payload type that cannot be sent")
+    if not all(extension.id in _EXTENSION_IDS for extension in media.rtp.headerExtensions):
+        raise InvalidDescription(f"section {section.mid} has a header extension id that cannot be sent")
+    return found[0]
 
 
 def _are_fingerprints(found: Sequence[RTCDtlsFingerprint]) -> bool:

@@ -8,6 +8,7 @@ from typing import Final, Self
 from openrois_signaling.messages import Answer, Candidate, Direction, Downward, IceServer, MediaKind
 
 from openrois_streaming.adaptation.caps import Caps
+from openrois_streaming.channels import InputSink
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.feed import MediaPublisher
 from openrois_streaming.inlet import Intake, MediaInlet
@@ -50,6 +51,7 @@ class StreamSession:
         guarded: where is counted what they do not let in; sessions may share it.
         clock: for all deadlines.
         name: in logs and task names.
+        sink: hears what a person does, once `input` is opened; None: nobody wants to know.
     """
 
     def __init__(
@@ -63,6 +65,7 @@ class StreamSession:
         network: NetworkSettings | None = None,
         guarded: GuardFigures | None = None,
         name: str = "session",
+        sink: InputSink | None = None,
     ) -> None:
         self.ice_servers = tuple(ice_servers)
         self.guarded = guarded or GuardFigures()
@@ -84,7 +87,9 @@ class StreamSession:
                 owner=owner,
             )
 
-        self._peers = Peers(self._streams, make_peer, send, self._look_soon)
+        self._peers = Peers(self._streams, make_peer, send, self._look_soon, sink)
+        self.input = self._peers.input
+        """What the application's person does; it is `open`ed when the application wants to tell it."""
         self._supervisor: Task[None] | None = None
         self._held: dict[str, frozenset[Direction]] = {}
         self._closed = False

@@ -9,6 +9,7 @@ from typing import Any
 from aiortc import RTCPeerConnection
 from openrois_signaling.messages import Answer, Bye, Candidate, Downward, IceServer, Offer, StreamSection
 from openrois_streaming.adaptation.rung import Rung
+from openrois_streaming.channels import Take
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.encoded import EncodedFrame
 from openrois_streaming.errors import InvalidCandidate, InvalidDescription, PeerClosed, TooManySections
@@ -132,6 +133,25 @@ class FakeInlet:
         del self.sources[stream_id]
 
 
+class FakeChannels:
+    """Data channels that are opened, filled and closed by the test."""
+
+    def __init__(self, take: Take, on_closed: Callable[[], None]) -> None:
+        self.come = take
+        self.are_open = False
+        self.told: list[str] = []
+        self._on_closed = on_closed
+
+    def tell(self, text: str) -> bool:
+        if self.are_open:
+            self.told.append(text)
+        return self.are_open
+
+    def close(self) -> None:
+        self.are_open = False
+        self._on_closed()
+
+
 class WirelessConnection:
     """Stands in for `BundledConnection`: real sections, no network. What the other end does is done by the test."""
 
@@ -174,6 +194,7 @@ class WirelessConnection:
         self.wires: dict[int, Wires] = {}
         """What each section has sent."""
         self._connection = RTCPeerConnection()
+        self.channels: FakeChannels | None = None
         self.made.append(self)
 
     def section_for(self, stream: Stream) -> Section:
@@ -190,6 +211,10 @@ class WirelessConnection:
         section.transceiver._set_mid(str(len(self.sections)))
         self.sections.append(section)
         return section
+
+    def open_channels(self, take: Take, on_closed: Callable[[], None]) -> FakeChannels:
+        self.channels = FakeChannels(take, on_closed)
+        return self.channels
 
     async def describe(self, generation: int) -> tuple[str, tuple[StreamSection, ...]]:
         listed = [(section, section.leg) for section in self.sections if section.leg is not None]

@@ -2,6 +2,7 @@
 
 * `connection`: how the sections of a peer connection are started, and what was negotiated.
 * `incoming`: what stands before the packets that arrive.
+* `channels`: what arrives over data channels.
 * `sending`, `srtp`: a sender of our own in the place of aiortc's.
 * `receiving`: a receiver of our own in the place of aiortc's.
 * `ice`: the agent, with its guard.

@@ -8,7 +8,7 @@ from aiortc.rtcconfiguration import RTCBundlePolicy
 from aiortc.rtp import RtcpRrPacket
 
 from openrois_streaming.network.guard import GuardFigures
-from openrois_streaming.seams import ice_rehearsal, incoming, receiving, sending
+from openrois_streaming.seams import channels, ice_rehearsal, incoming, receiving, sending
 from openrois_streaming.seams.code import names_in
 from openrois_streaming.seams.connection import negotiated_codec
 from openrois_streaming.seams.incoming import Incoming
@@ -59,4 +59,5 @@ async def _differences(connection: RTCPeerConnection) -> list[str]:
     wrong = [difference for difference, holds in checks.items() if not holds]
     sent = await sending.differences(connection)
     received = await receiving.differences(connection.addTransceiver("video", direction="recvonly"))
-    return wrong + incoming.differences() + sent + received + await ice_rehearsal.differences()
+    data = channels.differences(connection.createDataChannel("trial", negotiated=True, id=0).transport)
+    return wrong + data + incoming.differences() + sent + received + await ice_rehearsal.differences()

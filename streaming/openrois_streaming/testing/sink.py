@@ -22,6 +22,7 @@ from openrois_streaming.receiving.receiver import ReceiverFigures, RtpReceiver
 from openrois_streaming.receiving.remote_time import RemoteClock
 from openrois_streaming.source import MediaSource, RawAudio, RawVideo
 from openrois_streaming.tasks import OwnedTasks
+from openrois_streaming.testing.hands import Hands
 from openrois_streaming.testing.lipsync import LipSync, LipSyncFigures
 from openrois_streaming.testing.path import ImpairedPath
 from openrois_streaming.testing.pictures import PictureFigures, PictureLog, SeenPicture
@@ -72,6 +73,8 @@ class MeasuringSink:
         self._tasks = OwnedTasks("measuring sink", self._failed)
         self.states: list[str] = []
         """The states of the peer connection, in order."""
+        self.hands: Hands | None = None
+        """Does what a person does, if the session wants to know it."""
 
     async def __aenter__(self) -> Self:
         return self
@@ -99,6 +102,8 @@ class MeasuringSink:
         connection = self._connection or self._open()
         offer = sdp if self._path is None else self._path.to_viewer(sdp)
         await connection.setRemoteDescription(RTCSessionDescription(offer, "offer"))
+        if connection.sctp is not None and self.hands is None:
+            self.hands = Hands(connection, self._news.set)
         await connection.setLocalDescription(await connection.createAnswer())
         answer: str = connection.localDescription.sdp
         return answer if self._path is None else self._path.to_engine(answer)

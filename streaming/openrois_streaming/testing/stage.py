@@ -7,6 +7,7 @@ from contextlib import asynccontextmanager
 
 from openrois_signaling.messages import Downward, IceServer, Offer
 
+from openrois_streaming.channels import InputSink
 from openrois_streaming.clock import SystemClock
 from openrois_streaming.feed import MediaPublisher
 from openrois_streaming.network.settings import NetworkSettings
@@ -26,6 +27,7 @@ async def playing(
     codecs: Sequence[str] | None = None,
     network: NetworkSettings | None = None,
     ice_servers: Sequence[IceServer] = (),
+    inputs: InputSink | None = None,
 ) -> AsyncIterator[StreamSession]:
     """A session that plays these to `sink` for as long as the context lasts; its streams are called VIDEO and AUDIO.
 
@@ -36,6 +38,7 @@ async def playing(
         codecs: what the sink says that it can decode of pictures, as media types; None for all.
         network: how the session uses the network.
         ice_servers: STUN and TURN servers of the session.
+        inputs: hears what the sink sends over data channels; None: there are none.
 
     Raises:
         ExceptionGroup: an offer could not be answered.
@@ -51,12 +54,15 @@ async def playing(
             clock=SystemClock(),
             ice_servers=ice_servers,
             network=network,
+            sink=inputs,
         ) as session:
             answering = tasks.create_task(_answer(session, sink, heard))
             if video is not None:
                 session.connect(VIDEO, "stage/Video", video, "video", codecs)
             if audio is not None:
                 session.connect(AUDIO, "stage/Audio", audio, "audio")
+            if inputs is not None:
+                session.input.open()
             yield session
         answering.cancel()
 

@@ -1,0 +1,91 @@
+"""What is held now, from messages of which some are lost and some come late. Pure."""
+
+from dataclasses import replace
+from typing import assert_never
+
+from openrois_streaming.input.messages import (
+    MAX_BUTTONS,
+    MAX_KEYS,
+    MAX_TOUCHES,
+    NOTHING,
+    Button,
+    Change,
+    Gamepad,
+    Held,
+    Key,
+    Message,
+    Pad,
+    Pointer,
+    Release,
+    State,
+    TouchPoint,
+    Wheel,
+)
+
+__all__ = ["Holding", "changed"]
+
+
+class Holding:
+    """Follows one application. States may be lost and overtake changes; changes come all, and in order.
+
+    `held` is what is held now.
+    """
+
+    def __init__(self) -> None:
+        self.held = NOTHING
+        self._newest = -1
+        self._last_change = -1
+
+    def take(self, message: Message) -> bool:
+        """Take a message; False if it is stale: a state that is overtaken, or a change that was told before.
+
+        A change that is overtaken by a state is in that state already, and still happened.
+        """
+        if isinstance(message, State):
+            if message.seq <= self._newest:
+                return False
+            self.held = message.held
+        else:
+            if message.seq <= self._last_change:
+                return False
+            self._last_change = message.seq
+            if message.seq <= self._newest:
+                return True
+            self.held = changed(self.held, message)
+        self._newest = message.seq
+        return True
+
+    def clear(self) -> None:
+        """Nothing is held any more, because nobody is there to say so."""
+        self.held = NOTHING
+
+
+def changed(held: Held, change: Change) -> Held:
+    """What is held after a change; more than a message could tell is passed over."""
+    match change:
+        case Key(code=code, down=down):
+            keys = held.keys | {code} if down else held.keys - {code}
+            return held if len(keys) > MAX_KEYS else replace(held, keys=keys)
+        case Button(button=button, down=down, x=x, y=y):
+            before = held.pointer.buttons if held.pointer is not None else 0
+            bit = _BITS[button]
+            return replace(held, pointer=Pointer(x, y, before | bit if down else before & ~bit))
+        case Wheel(x=x, y=y):
+            return replace(held, pointer=Pointer(x, y, held.pointer.buttons if held.pointer is not None else 0))
+        case TouchPoint(down=down, touch=touch):
+            others = tuple(each for each in held.touches if each.id != touch.id)
+            touches = (*others, touch) if down else others
+            return held if len(touches) > MAX_TOUCHES else replace(held, touches=touches)
+        case Pad(button=button, down=down):
+            pad = held.gamepad or Gamepad()
+            buttons = [pad.button(index) for index in range(MAX_BUTTONS)]
+            buttons[button] = 1.0 if down else 0.0
+            return replace(held, gamepad=replace(pad, buttons=tuple(buttons)))
+        case Release():
+            return NOTHING
+        case _:
+            assert_never(change)
+
+
+_BITS = (1, 4, 2, 8, 16)
+"""The bit of `MouseEvent.buttons` for each `MouseEvent.button`: the right one is number 2 and has bit 2."""

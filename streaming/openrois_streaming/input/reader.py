@@ -1,0 +1,72 @@
+"""From what an application sends over its data channels to messages: bounded in size and rate, and counted. Pure."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final, Literal, TypeAlias
+
+from openrois_streaming.input.messages import MESSAGE_LIMIT, Message, read_change, read_state
+from openrois_streaming.input.reading import InputError
+from openrois_streaming.network.guard import Allowance
+
+__all__ = ["AT_ONCE", "MALFORMED_LIMIT", "PER_SECOND", "InputFigures", "InputReader", "Label"]
+
+Label: TypeAlias = Literal["input", "control"]
+"""The two channels: states that are lost or late without harm, and changes that all come, in order."""
+
+AT_ONCE: Final = 200
+PER_SECOND: Final = 200.0
+"""Messages of one application, of both channels together. A page that sends with each picture has about 100."""
+
+MALFORMED_LIMIT: Final = 32
+"""Messages that cannot be read, after which nothing more is."""
+
+
+@dataclass(slots=True)
+class InputFigures:
+    """Messages of one application, by what became of them."""
+
+    read: int = 0
+    malformed: int = 0
+    """That cannot be read, or are too long."""
+    excess: int = 0
+    """Faster than they are taken."""
+
+
+class InputReader:
+    """Reads what one application sends. `clock` gives seconds, monotonic."""
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        self.figures = InputFigures()
+        self.last_fault = ""
+        """What was wrong with the last message that could not be read."""
+        self._allowance = Allowance(clock, AT_ONCE, PER_SECOND)
+
+    @property
+    def is_cut(self) -> bool:
+        """Whether there were so many malformed messages that nothing is read any more."""
+        return self.figures.malformed >= MALFORMED_LIMIT
+
+    def read(self, label: Label, data: str | bytes) -> Message | None:
+        """The message in `data`; None if there is none, it is one too many, or the reader is cut."""
+        if self.is_cut:
+            return None
+        if not self._allowance.admits():
+            self.figures.excess += 1
+            return None
+        try:
+            message = _read(label, data)
+        except InputError as fault:
+            self.figures.malformed += 1
+            self.last_fault = str(fault)
+            return None
+        self.figures.read += 1
+        return message
+
+
+def _read(label: Label, data: str | bytes) -> Message:
+    if isinstance(data, bytes):
+        raise InputError("the message is not a text")
+    # A text has at least as many bytes as characters.
+    if len(data) > MESSAGE_LIMIT or len(data.encode("utf-8", "surrogatepass")) > MESSAGE_LIMIT:
+        raise InputError(f"the message has more than {MESSAGE_LIMIT} bytes")
+    return read_state(data) if label == "input" else read_change(data)

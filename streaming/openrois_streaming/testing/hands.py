@@ -1,0 +1,56 @@
+"""The hands of a viewer that measures: what a person does, sent over the data channels of one peer connection."""
+
+import json
+from collections.abc import Callable
+
+from aiortc import RTCPeerConnection
+
+from openrois_streaming.channels import CONTROL_ID, INPUT_ID
+from openrois_streaming.input.messages import Message, State
+
+
+class Hands:
+    """An application's ends of the data channels `input` and `control`.
+
+    Args:
+        connection: a peer connection that was offered an application section.
+        on_news: called when something comes, opens or closes.
+    """
+
+    def __init__(self, connection: RTCPeerConnection, on_news: Callable[[], None]) -> None:
+        self.told: list[str] = []
+        """What the session said."""
+        self._on_news = on_news
+        self._input = connection.createDataChannel(
+            "input", negotiated=True, id=INPUT_ID, ordered=False, maxRetransmits=0
+        )
+        self._control = connection.createDataChannel("control", negotiated=True, id=CONTROL_ID)
+        self._control.on("message", self._hear)
+        for channel in (self._input, self._control):
+            channel.on("open", on_news)
+            channel.on("close", on_news)
+
+    @property
+    def are_free(self) -> bool:
+        """Whether both channels are open."""
+        return bool(self._input.readyState == "open" and self._control.readyState == "open")
+
+    def do(self, message: Message) -> None:
+        """Send a message, states over `input` and all others over `control`.
+
+        Raises:
+            aiortc.InvalidStateError: the channels are not open.
+        """
+        (self._input if isinstance(message, State) else self._control).send(json.dumps(message.to_json()))
+
+    def send(self, data: str | bytes, *, over_control: bool = False) -> None:
+        """Send anything.
+
+        Raises:
+            aiortc.InvalidStateError: the channels are not open.
+        """
+        (self._control if over_control else self._input).send(data)
+
+    def _hear(self, text: str) -> None:
+        self.told.append(text)
+        self._on_news()
