@@ -19,6 +19,7 @@ TESTS = (
     ),
     "tests/streaming/test_reference_chain.py",
     "tests/streaming/adaptation",
+    "tests/streaming/input",
     "tests/streaming/rtp",
     "tests/streaming/sending/test_probe.py",
     *(
@@ -46,6 +47,7 @@ TESTS = (
     ),
     "tests/avatar/engines/animation/test_gait.py",
     "tests/avatar/engines/room",
+    "tests/avatar/teleoperation/test_steering.py",
     "tests/avatar/test_engine_sound.py",
     "tests/avatar/sensing",
     "tests/avatar/motion",

@@ -124,7 +124,7 @@ async def serve_scene(
         "sound": Supervised(voice, lambda: seen_of(audio), (sounding,)),
     }
     async with AsyncExitStack() as stack:
-        streams = AvatarStreams(engine_id, published, clock, network, cap)
+        streams = AvatarStreams(engine_id, published, clock, network, cap, scene.seat)
         await stack.enter_async_context(streams.sessions)
         if scene.voice is not None:
             scene.voice.audience.gather(streams.sessions, reference(engine_id, AUDIO))

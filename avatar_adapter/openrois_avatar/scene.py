@@ -14,10 +14,12 @@ from openrois_streaming.synthetic import ColourBars, Tone
 from openrois.component import Component
 from openrois.listeners import Listeners
 from openrois.types.codes import ComponentStatus
+from openrois.types.references import reference
 from openrois_avatar.body import Body
 from openrois_avatar.components.gaze import Gaze
 from openrois_avatar.components.reaction import Reaction
 from openrois_avatar.components.speech_synthesis import SpeechSynthesis
+from openrois_avatar.components.teleoperation import Teleoperation
 from openrois_avatar.health import Health, Observed
 from openrois_avatar.legs import Legs
 from openrois_avatar.link.embedded import EmbeddedEngine
@@ -27,6 +29,8 @@ from openrois_avatar.link.messages import Event, Hello, VideoShape
 from openrois_avatar.pauses import Pauses
 from openrois_avatar.sound import AvatarSound
 from openrois_avatar.speech.synthesizer import Synthesizer
+from openrois_avatar.teleoperation.controls import FigureControls
+from openrois_avatar.teleoperation.seat import Seat
 from openrois_avatar.voice import Voice
 from openrois_avatar.world import World
 
@@ -46,7 +50,7 @@ class Scene:
     `observe` says what is seen of it now, for who keeps `engine` up to date; `pauses` whether its
     pictures are not to be shown now. `hear` lets it hear the operator. `world` is what is known of the scene, `legs`
     move the figure in it, `voice` is what it speaks with; None where there is no figure. `announced` tells of the
-    pictures to be expected of another game engine that has come.
+    pictures to be expected of another game engine that has come. `seat` says who operates the figure by hand.
     """
 
     video: MediaSource[RawVideo]
@@ -62,6 +66,7 @@ class Scene:
     legs: Legs | None = None
     voice: Voice | None = None
     announced: Listeners[VideoShape] = field(default_factory=Listeners)
+    seat: Seat | None = None
 
     def status(self) -> ComponentStatus:
         """How the thing that renders the scene fares."""
@@ -174,14 +179,19 @@ async def _engine_scene(
         def walks() -> bool:
             return engine.hello is not None and engine.hello.walks
 
+        def takes_input() -> bool:
+            return engine.hello is not None and engine.hello.input
+
         def reactions() -> tuple[str, ...]:
             return engine.hello.reactions if engine.hello is not None else ()
 
         voice = Voice(synthesizer, sound, body)
+        seat = Seat(reference(engine_id, "Teleoperation"), clock)
         components = (
             SpeechSynthesis(voice),
             Reaction(body, reactions, status),
             Gaze(body, status),
+            Teleoperation(seat, FigureControls(legs, body, engine.send, takes_input), status, clock),
         )
         shape = _UNKNOWN if engine.hello is None else engine.hello.video
         size = (shape.width, shape.height)
@@ -199,4 +209,5 @@ async def _engine_scene(
             legs,
             voice,
             announced,
+            seat,
         )

@@ -29,8 +29,15 @@ from openrois.types.codes import ReturnCode, StreamStatus
 from openrois.types.messages import Parameter
 from openrois.types.model import Model
 from openrois.types.references import new_id
-from openrois.types.streams import STREAM_METHODS, ConnectStreamParams, StreamParams, StreamStatusNotification
+from openrois.types.streams import (
+    STREAM_METHODS,
+    ConnectStreamParams,
+    HolderNotification,
+    StreamParams,
+    StreamStatusNotification,
+)
 from openrois.types.values import date_time
+from openrois_avatar.teleoperation.seat import Seat
 
 __all__ = ["AvatarStreams", "Published"]
 
@@ -96,9 +103,13 @@ class _EncodingParameters(Model, extra="ignore"):
 
 
 class _TransportParameters(Model, extra="ignore"):
-    """What of `transport_parameters` is read: `recvonly` is a stream that the application receives."""
+    """What of `transport_parameters` is read: `recvonly` is a stream that the application receives.
+
+    With `input` the application wants data channels for what its person does.
+    """
 
     direction: str = Field(default="recvonly", max_length=32)
+    input: bool = False
 
 
 Read = TypeVar("Read", bound=Model)
@@ -115,6 +126,7 @@ class AvatarStreams:
         clock: the media clock.
         network: how the streams use the network.
         cap: what a client is sent at most of each stream, whatever it asks for; None: as much as its path carries.
+        seat: who operates the avatar by hand; None: it cannot be operated.
     """
 
     def __init__(
@@ -124,8 +136,10 @@ class AvatarStreams:
         clock: MediaClock,
         network: NetworkSettings | None = None,
         cap: Callable[[Client], Caps] | None = None,
+        seat: Seat | None = None,
     ) -> None:
         self._cap = cap
+        self._seat = seat
         self.guarded = GuardFigures()
         """What did not get in from the network, of all sessions together."""
         self._network = network
@@ -178,6 +192,9 @@ class AvatarStreams:
             case "rois.stream.disconnect_stream":
                 session, stream_id = self._stream(params, client)
                 session.disconnect(stream_id)
+            case HolderNotification.method:
+                if self._seat is not None:
+                    self._seat.take_holder(HolderNotification.model_validate(params), client)
             case _:
                 await self._signal(method, params, client)
         return {}
@@ -231,6 +248,8 @@ class AvatarStreams:
             inlet=None if direction == "recvonly" else published.inlet,
             caps=encoding.caps() if self._cap is None else encoding.caps().within(self._cap(client)),
         )
+        if transport.input:
+            session.input.open()
         if direction != "recvonly":
             self._senders[params.component_ref] = stream_id
         return {"stream_id": stream_id}
@@ -250,7 +269,7 @@ class AvatarStreams:
                 del self._senders[change.component_ref]
             self._announce(client, change)
 
-        return StreamSession(
+        session = StreamSession(
             mint=lambda: new_id(self._engine_id),
             send=send,
             on_change=changed,
@@ -258,7 +277,9 @@ class AvatarStreams:
             network=self._network,
             guarded=self.guarded,
             name=f"session {session_name}",
+            sink=None if self._seat is None else self._seat.hands(client, lambda text: session.input.tell(text)),
         )
+        return session
 
     @staticmethod
     def _announce(client: Client, change: StreamChange) -> None:
@@ -276,7 +297,9 @@ class AvatarStreams:
             client.notify(notice.method, notice.model_dump(mode="json"))
 
     async def forget(self, client: Client) -> None:
-        """End the streams of an application that is gone."""
+        """End the streams of an application that is gone, and what it holds."""
+        if self._seat is not None:
+            self._seat.forget(client)
         session_name = self._names.pop(client, None)
         if session_name is not None:
             await self.sessions.close(session_name, "the application is gone")

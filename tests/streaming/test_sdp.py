@@ -1,4 +1,5 @@
 import contextlib
+from typing import Any
 
 import aiortc.sdp
 import pytest
@@ -11,7 +12,7 @@ from openrois_streaming.errors import InvalidCandidate, InvalidDescription
 from openrois_streaming.network.policy import CandidatePolicy
 from openrois_streaming.sdp import Answered, OfferedSection, clean_answer, read_candidate
 
-from tests.support.answers import CANDIDATES, answer, section, video_and_audio
+from tests.support.answers import CANDIDATES, answer, channels, section, video_and_audio
 from tests.support.steps import lines_run
 
 VIDEO, AUDIO = OfferedSection("0", "video", "recvonly"), OfferedSection("1", "audio", "recvonly")
@@ -248,3 +249,48 @@ def test_a_candidate_that_cannot_be_read_is_refused(text: str) -> None:
 def test_hostile_candidates_raise_nothing_else(words: list[str]) -> None:
     with contextlib.suppress(InvalidCandidate):
         read_candidate(" ".join(words), "0", POLICY)
+
+
+CHANNELS = OfferedSection("1", "application", "inactive")
+
+
+def with_channels(**bent: Any) -> str:
+    return answer(section("0", "video"), channels("1", **bent), section("2", "audio"), bundle="0 1 2")
+
+
+def test_data_channels_are_answered_between_media() -> None:
+    clean = clean_answer(with_channels(), [VIDEO, CHANNELS, OfferedSection("2", "audio", "recvonly")])
+    assert clean.directions == ("recvonly", "recvonly")
+    assert "max-message-size" not in clean.sdp
+    parsed = SessionDescription.parse(clean.sdp)
+    assert [(media.kind, media.sctp_port) for media in parsed.media] == [
+        ("video", None),
+        ("application", 5000),
+        ("audio", None),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("bent", "told"),
+    [
+        ({"port": 0}, "rejected"),
+        ({"lines": ()}, "SCTP port"),
+        ({"lines": ("a=sctp-port:0",)}, "SCTP port"),
+        ({"lines": ("a=sctp-port:65536",)}, "SCTP port"),
+        ({"lines": ("a=sctp-port:5000", "a=sctp-port:5001")}, "SCTP port"),
+    ],
+)
+def test_data_channels_that_cannot_be_used(bent: dict[str, Any], told: str) -> None:
+    with pytest.raises(InvalidDescription, match=told):
+        clean_answer(with_channels(**bent), [VIDEO, CHANNELS, OfferedSection("2", "audio", "recvonly")])
+
+
+def test_media_is_not_answered_with_data_channels() -> None:
+    with pytest.raises(InvalidDescription, match="video section"):
+        clean_answer(answer(channels("0"), bundle="0"), [VIDEO])
+    with pytest.raises(InvalidDescription, match="application section"):
+        clean_answer(answer(section("1", "video"), bundle="1"), [CHANNELS])
+
+
+def test_the_names_of_sections() -> None:
+    assert sdp.mids_of(with_channels()) == ("0", "1", "2")

@@ -42,6 +42,24 @@ def section(mid: str, kind: str, direction: str = "recvonly", *, port: int = 9, 
     ]
 
 
+SCTP = ("a=sctp-port:5000", "a=max-message-size:262144")
+
+
+def channels(mid: str, *, port: int = 9, lines: Sequence[str] = SCTP) -> list[str]:
+    """The lines of a section for data channels, as Chromium answers it."""
+    return [
+        f"m=application {port} UDP/DTLS/SCTP webrtc-datachannel",
+        "c=IN IP4 0.0.0.0",
+        "a=ice-ufrag:aBcD",
+        "a=ice-pwd:0123456789abcdefghijklmn",
+        "a=ice-options:trickle",
+        "a=fingerprint:sha-256 " + ":".join(["AB"] * 32),
+        "a=setup:active",
+        f"a=mid:{mid}",
+        *lines,
+    ]
+
+
 def answer(*sections: Sequence[str], bundle: str) -> str:
     """A whole answer."""
     head = ["v=0", "o=- 4611731400430051336 2 IN IP4 127.0.0.1", "s=-", "t=0 0", f"a=group:BUNDLE {bundle}"]

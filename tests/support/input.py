@@ -37,5 +37,5 @@ CHANGES: st.SearchStrategy[Change] = st.one_of(
     st.builds(Wheel, **STAMP, dx=st.floats(-1e5, 1e5), dy=st.floats(-1e5, 1e5), x=UNIT, y=UNIT),
     st.builds(TouchPoint, **STAMP, down=st.booleans(), touch=TOUCHES),
     st.builds(Pad, **STAMP, button=st.integers(0, 16), down=st.booleans()),
-    st.builds(Release, **STAMP, why=st.sampled_from(["blur", "hidden", "bye"])),
+    st.builds(Release, **STAMP, why=st.sampled_from(["blur", "hidden", "bye", "lost"])),
 )

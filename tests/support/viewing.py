@@ -9,7 +9,7 @@ from typing import Any
 from aiortc import RTCPeerConnection
 from openrois_signaling.messages import Answer, Bye, Candidate, Downward, IceServer, Offer, StreamSection
 from openrois_streaming.adaptation.rung import Rung
-from openrois_streaming.channels import Take
+from openrois_streaming.channels import InputSink, Take
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.encoded import EncodedFrame
 from openrois_streaming.errors import InvalidCandidate, InvalidDescription, PeerClosed, TooManySections
@@ -292,7 +292,7 @@ class WirelessConnection:
 class Application:
     """The other end of a session, as far as signaling goes, on a clock that stands still."""
 
-    def __init__(self) -> None:
+    def __init__(self, sink: InputSink | None = None) -> None:
         self.clock = VirtualClock()
         self.offers: list[Offer] = []
         self.byes: list[Bye] = []
@@ -304,6 +304,7 @@ class Application:
             send=self._receive,
             on_change=self.changes.append,
             clock=self.clock,
+            sink=sink,
         )
 
     def _receive(self, message: Downward) -> None:

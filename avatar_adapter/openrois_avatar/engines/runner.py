@@ -35,6 +35,7 @@ from openrois_avatar.link.messages import (
     Event,
     Halt,
     Hello,
+    Input,
     LinkError,
     Log,
     Look,
@@ -248,8 +249,8 @@ class Runner:
                 self._coming.append((self._sent, command))
             case Walk() | Drive() | Halt():
                 self._life.obey(now, command)
-            case Quit():
-                pass
+            case Quit() | Input():
+                pass  # its greeting does not ask for input
             case _:
                 assert_never(command)
 

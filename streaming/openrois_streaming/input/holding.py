@@ -1,7 +1,6 @@
 """What is held now, from messages of which some are lost and some come late. Pure."""
 
 from dataclasses import replace
-from typing import assert_never
 
 from openrois_streaming.input.messages import (
     MAX_BUTTONS,
@@ -81,10 +80,9 @@ def changed(held: Held, change: Change) -> Held:
             buttons = [pad.button(index) for index in range(MAX_BUTTONS)]
             buttons[button] = 1.0 if down else 0.0
             return replace(held, gamepad=replace(pad, buttons=tuple(buttons)))
-        case Release():
-            return NOTHING
         case _:
-            assert_never(change)
+            assert isinstance(change, Release), "there is no other change"
+            return NOTHING
 
 
 _BITS = (1, 4, 2, 8, 16)

@@ -45,8 +45,11 @@ _FAR: Final = 100_000.0
 _MOUSE_BUTTONS: Final = 5
 _CODE: Final = re.compile(r"[A-Za-z0-9]{1,32}")
 
-Why: TypeAlias = Literal["blur", "hidden", "bye"]
-"""Why all is let go: the page lost the focus, is not seen any more, or does not want to operate any more."""
+_AT_REST: Final = 0.05
+"""How far from the middle a stick may stand that nobody touches, and a button be down that nobody presses."""
+
+Why: TypeAlias = Literal["blur", "hidden", "bye", "lost"]
+"""Why all is let go: the page lost the focus, is not seen any more, does not want to operate any more, or is gone."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,6 +93,11 @@ class Gamepad:
         """A button from 0 (up) to 1 (down), or 0 if it has no such one."""
         return self.buttons[index] if index < len(self.buttons) else 0.0
 
+    @property
+    def is_active(self) -> bool:
+        """Whether somebody has a hand on it."""
+        return any(abs(each) > _AT_REST for each in (*self.axes, *self.buttons))
+
     def to_json(self) -> dict[str, Any]:
         """As it stands in a message."""
         return {"axes": list(self.axes), "buttons": list(self.buttons)}
@@ -103,6 +111,12 @@ class Held:
     pointer: Pointer | None = None
     touches: tuple[Touch, ...] = ()
     gamepad: Gamepad | None = None
+
+    @property
+    def is_active(self) -> bool:
+        """Whether anything is pressed, touched or deflected: while it is, states keep coming."""
+        pressed = self.pointer is not None and self.pointer.buttons != 0
+        return bool(self.keys or self.touches or pressed or (self.gamepad is not None and self.gamepad.is_active))
 
     def to_json(self) -> dict[str, Any]:
         """The members of a message; what is not there is left out."""

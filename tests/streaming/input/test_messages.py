@@ -117,3 +117,20 @@ def test_whatever_comes_is_a_message_or_an_error_with_a_name(text: str) -> None:
         except InputError:
             continue
         assert read(json.dumps(message.to_json())) == message
+
+
+@pytest.mark.parametrize(
+    ("held", "active"),
+    [
+        (NOTHING, False),
+        (Held(pointer=Pointer(0.5, 0.5)), False),
+        (Held(gamepad=Gamepad((0.05, -0.05), (0.0,))), False),
+        (Held(frozenset({"KeyW"})), True),
+        (Held(pointer=Pointer(0.5, 0.5, 1)), True),
+        (Held(touches=(Touch(1, 0.5, 0.5),)), True),
+        (Held(gamepad=Gamepad((0.0, -0.06))), True),
+        (Held(gamepad=Gamepad((), (0.0, 1.0))), True),
+    ],
+)
+def test_whether_a_hand_is_on_it(held: Held, active: bool) -> None:
+    assert held.is_active == active

@@ -13,6 +13,7 @@ from openrois_avatar.link.messages.events import Completed, Log, Pause, Status
 from openrois_avatar.link.messages.gestures import (
     MAX_VISEMES,
     VISEMES,
+    Input,
     Look,
     Quit,
     React,
@@ -66,6 +67,7 @@ __all__ = [
     "Floor",
     "Halt",
     "Hello",
+    "Input",
     "LinkError",
     "Log",
     "Look",
@@ -90,7 +92,7 @@ __all__ = [
     "event_from_json",
 ]
 
-Command: TypeAlias = React | Speak | Silence | Look | Stop | Walk | Drive | Halt | Quit
+Command: TypeAlias = React | Speak | Silence | Look | Stop | Walk | Drive | Halt | Input | Quit
 Event: TypeAlias = Completed | Log | Pause | Reached | Place | Floor | Things
 
 _COMMANDS: Final[Mapping[str, Callable[[Mapping[str, Any]], Command]]] = {
@@ -102,6 +104,7 @@ _COMMANDS: Final[Mapping[str, Callable[[Mapping[str, Any]], Command]]] = {
     "walk": Walk.from_json,
     "drive": Drive.from_json,
     "halt": Halt.from_json,
+    "input": Input.from_json,
     "quit": Quit.from_json,
 }
 _EVENTS: Final[Mapping[str, Callable[[Mapping[str, Any]], Event]]] = {

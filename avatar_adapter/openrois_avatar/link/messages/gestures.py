@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any, Final
 
-from openrois_avatar.link.messages.reading import INT64, MAX_NAME, LinkError, integer, real, text
+from openrois_avatar.link.messages.reading import INT64, MAX_NAME, LinkError, integer, mapping, real, text
 
 MAX_VISEMES: Final = 2_000
 """Most mouth shapes in one `Speak`: as many as surely fit 64 KiB. Longer speech takes several commands."""
@@ -128,6 +128,22 @@ class Stop:
     def from_json(cls, body: Mapping[str, Any]) -> Stop:
         """Read the body of COMMAND."""
         return cls(None if body.get("id") is None else text(body, "id", MAX_NAME))
+
+
+@dataclass(frozen=True, slots=True)
+class Input:
+    """What the operator does with keyboard, mouse, touch and gamepad: a message as the application sent it, checked."""
+
+    message: Mapping[str, Any]
+
+    def to_json(self) -> dict[str, Any]:
+        """The body of COMMAND."""
+        return {"command": "input", "message": dict(self.message)}
+
+    @classmethod
+    def from_json(cls, body: Mapping[str, Any]) -> Input:
+        """Read the body of COMMAND; what is in the message is as `docs/wire.md` says, and not checked again."""
+        return cls(mapping(body, "message"))
 
 
 @dataclass(frozen=True, slots=True)

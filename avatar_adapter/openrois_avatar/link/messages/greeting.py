@@ -72,6 +72,8 @@ class Hello:
     """Whether its figure can be sent about: it takes `Walk`, `Drive` and `Halt`, and tells its `Place`."""
     ring: bool = False
     """Whether it wants a ring for its pictures: memory that it shares with the adapter."""
+    input: bool = False
+    """Whether it takes `Input`: what the operator does with keyboard, mouse, touch and gamepad."""
 
     def to_json(self) -> dict[str, Any]:
         """The body of HELLO."""
@@ -85,6 +87,7 @@ class Hello:
             "hears": self.hears,
             "walks": self.walks,
             "ring": self.ring,
+            "input": self.input,
         }
 
     @classmethod
@@ -106,6 +109,7 @@ class Hello:
             hears="hears" in body and truth(body, "hears"),
             walks="walks" in body and truth(body, "walks"),
             ring="ring" in body and truth(body, "ring"),
+            input="input" in body and truth(body, "input"),
         )
 
 

@@ -1,0 +1,118 @@
+"""Teleoperation: the avatar is operated by hand, with keyboard, mouse, touch and gamepad. A component of our own."""
+
+from collections.abc import Callable
+from typing import Annotated
+
+from openrois_streaming.clock import MediaClock
+from pydantic import Field
+
+from openrois.adapter import Component, ComponentStatus, Payload, command, event, parameter, query
+from openrois.errors import Aborted
+from openrois.tasks import TaskScope
+from openrois_avatar.teleoperation.pilot import Controls, Pilot
+from openrois_avatar.teleoperation.seat import Seat
+from openrois_avatar.teleoperation.steering import STANDING, Steering
+
+__all__ = ["Teleoperation"]
+
+
+class OperationResult(Payload):
+    """How it goes: `active` while something is held or moves; messages are counted since the adapter began."""
+
+    operated: bool
+    active: bool
+    ahead: float
+    left: float
+    turn: float
+    stopped_because: str
+    taken: int
+    refused: int
+    malformed: int
+    dropped: int
+
+
+class Teleoperation(Component, authority="OpenRoIS", function="actuation"):
+    """Lets the application that has bound it drive the figure and turn its eyes, over the data channels of its streams.
+
+    Args:
+        seat: who may.
+        controls: of the figure.
+        engine_status: tells whether the game engine works now.
+        clock: the media clock.
+    """
+
+    max_speed: Annotated[float, Field(ge=0.05, le=5)] = parameter(0.8, description="m/s at full deflection")
+    max_turn: Annotated[float, Field(ge=0.05, le=10)] = parameter(1.5, description="rad/s at full deflection")
+    dead_zone: Annotated[float, Field(ge=0, le=0.9)] = parameter(0.12, description="of a stick's deflection")
+    expo: Annotated[float, Field(ge=0, le=1)] = parameter(0.5, description="of a stick: 0 linear, 1 cubic")
+
+    def __init__(
+        self, seat: Seat, controls: Controls, engine_status: Callable[[], ComponentStatus], clock: MediaClock
+    ) -> None:
+        super().__init__("Teleoperation")
+        self.seat = seat
+        self._controls = controls
+        self._engine_status = engine_status
+        self._clock = clock
+        self._pilot: Pilot | None = None
+        self._stopped_because = ""
+
+    def condition(self) -> ComponentStatus:
+        """Follow the game engine."""
+        return self._engine_status()
+
+    @command
+    async def start(self) -> None:
+        """Take the input of the application that has bound the component, until `stop`, or until nobody has bound it.
+
+        Raises:
+            OutOfResources: nobody has bound it.
+            Aborted: it was released, or the application is gone.
+        """
+        pilot = Pilot(self._controls, self._steering, self._clock, self._tell_stopped)
+        with self.seat.operated(pilot) as vacated:
+            self._pilot, self._stopped_because = pilot, ""
+            try:
+                async with TaskScope() as tasks:
+                    tasks.start(pilot.watch())
+                    raise Aborted(await vacated)
+            finally:
+                self._pilot = None
+
+    @command
+    async def stop(self) -> None:
+        """Take no more input; the figure stands."""
+
+    @query
+    async def operation(self) -> OperationResult:
+        """Return who operates, and how it goes."""
+        pilot, figures = self._pilot, self.seat.figures
+        velocity = pilot.velocity if pilot is not None else STANDING
+        return OperationResult(
+            operated=pilot is not None,
+            active=pilot is not None and pilot.is_active,
+            ahead=velocity.ahead,
+            left=velocity.left,
+            turn=velocity.turn,
+            stopped_because=self._stopped_because,
+            taken=figures.taken,
+            refused=figures.refused,
+            malformed=figures.malformed,
+            dropped=figures.dropped,
+        )
+
+    @event
+    def stopped(self, reason: str) -> None:
+        """The figure was stopped, or what was held counts no more, though nobody let go of it.
+
+        Args:
+            reason: a sentence for a person
+        """
+
+    def _steering(self) -> Steering:
+        return Steering(self.max_speed, self.max_turn, self.dead_zone, self.expo)
+
+    def _tell_stopped(self, reason: str) -> None:
+        self._stopped_because = reason
+        self.seat.tell_operator("stopped", reason)
+        self.stopped(reason)

@@ -1,0 +1,156 @@
+"""What operating by hand does to the figure, and the dead man's switch: without news from the hand it stops."""
+
+import asyncio
+import logging
+from collections.abc import Callable, Mapping
+from typing import Any, Final, Protocol
+
+from openrois_streaming.clock import MediaClock
+from openrois_streaming.input.messages import Held, Message, Release
+
+from openrois.errors import ComponentFailed
+from openrois_avatar.teleoperation.steering import STANDING, Steering, Velocity
+
+__all__ = ["PATIENCE", "Controls", "Pilot"]
+
+PATIENCE: Final = 0.4
+"""Seconds without a message, while something is held, after which the figure stops. Pages send ten or more a second."""
+
+_REASONS: Final = {
+    "blur": "the operator's page lost the focus",
+    "hidden": "the operator's page is not seen any more",
+    "bye": "the operator let go",
+    "lost": "the operator's page is gone",
+}
+
+_log = logging.getLogger(__name__)
+
+
+class Controls(Protocol):
+    """What of the game engine is operated."""
+
+    def drive(self, velocity: Velocity) -> None:
+        """Go so for half a second at most.
+
+        Raises:
+            ComponentFailed: the game engine is gone, or its figure does not walk.
+        """
+        ...
+
+    def halt(self, reason: str) -> None:
+        """Stand still now."""
+        ...
+
+    def look(self, x: float, y: float) -> None:
+        """Look somewhere.
+
+        Raises:
+            ComponentFailed: the game engine is gone.
+        """
+        ...
+
+    def pass_on(self, message: Mapping[str, Any]) -> None:
+        """Give the message to a game engine that wants to know; never raises."""
+        ...
+
+
+class Pilot:
+    """Operates the figure for one application, from its `start` to its end; `watch` has to run meanwhile.
+
+    Args:
+        controls: of the figure.
+        steering: returns how much is asked for, now.
+        clock: for the dead man's switch.
+        stopped: is told why, when the figure stops or what was held counts no more, though nobody let go of it.
+    """
+
+    def __init__(
+        self,
+        controls: Controls,
+        steering: Callable[[], Steering],
+        clock: MediaClock,
+        stopped: Callable[[str], None],
+    ) -> None:
+        self.velocity = STANDING
+        self._controls = controls
+        self._steering = steering
+        self._clock = clock
+        self._stopped = stopped
+        self._gaze: tuple[float, float] | None = None
+        self._fed_at = clock.now()
+        self._active = asyncio.Event()
+        self._last: tuple[int, float] = (0, 0.0)
+        self._refusal = ""
+
+    @property
+    def is_active(self) -> bool:
+        """Whether something is held, or moves."""
+        return self._active.is_set()
+
+    def take(self, message: Message, held: Held) -> None:
+        """Do what a message asks for; `held` is all that is held with it."""
+        self._fed_at = self._clock.now()
+        self._last = message.seq, message.t
+        self._controls.pass_on(message.to_json())
+        if isinstance(message, Release):
+            if self.is_active:
+                self._stop(_REASONS[message.why])
+            return
+        steering = self._steering()
+        try:
+            self._look(steering.gaze(held))
+            self._go(steering.velocity(held))
+        except ComponentFailed as error:
+            self._fail(str(error))
+        else:
+            self._refusal = ""
+            if held.is_active or self.velocity != STANDING:
+                self._active.set()
+            else:
+                self._active.clear()
+
+    def lose(self, reason: str) -> None:
+        """Nothing that is held counts any more: its messages do not come, or nothing follows them."""
+        if self.is_active:
+            seq, t = self._last
+            self._controls.pass_on(Release(seq + 1, t, "lost").to_json())
+            self._stop(reason)
+
+    async def watch(self) -> None:
+        """Stop the figure when messages stay away, for ever."""
+        while True:
+            await self._active.wait()
+            due = self._fed_at + PATIENCE
+            if self._clock.now() < due:
+                await self._clock.sleep_until(due)
+            else:
+                self.lose(f"no input came for {PATIENCE:g} s")
+
+    def _fail(self, reason: str) -> None:
+        """The game engine does not do it; that is told once, and tried again with each message."""
+        self.velocity = STANDING
+        self._active.clear()
+        if reason != self._refusal:
+            self._refusal = reason
+            self._stop(reason)
+
+    def _go(self, velocity: Velocity) -> None:
+        if velocity != STANDING:
+            self.velocity = velocity
+            self._controls.drive(velocity)
+        elif self.velocity != STANDING:
+            self.velocity = STANDING
+            self._controls.halt("the operator let go")
+
+    def _look(self, gaze: tuple[float, float] | None) -> None:
+        if gaze is not None and gaze != self._gaze:
+            self._gaze = gaze
+            self._controls.look(*gaze)
+
+    def _stop(self, reason: str) -> None:
+        moved, self.velocity = self.velocity != STANDING, STANDING
+        self._active.clear()
+        if moved:
+            self._controls.halt(reason)
+        _log.info("the avatar is not operated: %s", reason)
+        self._stopped(reason)

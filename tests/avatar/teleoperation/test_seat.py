@@ -1,0 +1,167 @@
+"""Whose input is taken: that of the application that holds the component while it is started."""
+
+import asyncio
+import json
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from typing import Any
+
+import pytest
+from openrois_avatar.teleoperation.pilot import Pilot
+from openrois_avatar.teleoperation.seat import Seat
+from openrois_avatar.teleoperation.steering import Steering
+from openrois_streaming.channels import InputSink
+from openrois_streaming.input.reader import AT_ONCE, MALFORMED_LIMIT
+
+from openrois.contract import Client
+from openrois.errors import OutOfResources
+from openrois.types.streams import HolderNotification
+from tests.support.streaming import VirtualClock
+from tests.support.teleoperation import Hand, LoggedControls, text
+
+REF = "avatar/Teleoperation"
+
+
+class Room:
+    """A seat, and applications that would like to have it."""
+
+    def __init__(self) -> None:
+        self.clock = VirtualClock()
+        self.controls = LoggedControls(self.clock)
+        self.seat = Seat(REF, self.clock)
+        self.told: dict[str, list[Any]] = {"ann": [], "bob": []}
+        self.clients = {name: Client(name, lambda _method, _params: None) for name in self.told}
+        self.hands: dict[str, InputSink] = {name: self.sit(name) for name in self.told}
+        self.hand = Hand()
+        self.reasons: list[str] = []
+        self.pilot = Pilot(self.controls, Steering, self.clock, self.reasons.append)
+
+    def sit(self, name: str) -> InputSink:
+        return self.seat.hands(self.clients[name], lambda said: self.told[name].append(json.loads(said)))
+
+    def tell(self, name: str, *, holds: bool = True, epoch: int = 1, component_ref: str = REF) -> None:
+        told = HolderNotification(component_ref=component_ref, holds=holds, epoch=epoch)
+        self.seat.take_holder(told, self.clients[name])
+
+    def press(self, name: str) -> None:
+        self.hands[name].input_came("input", text(self.hand.state()))
+
+    @asynccontextmanager
+    async def operated(self) -> AsyncIterator["asyncio.Future[str]"]:
+        with self.seat.operated(self.pilot) as vacated:
+            yield vacated
+
+
+@pytest.fixture
+def room() -> Room:
+    return Room()
+
+
+async def test_the_holder_operates_once_it_is_started(room: Room) -> None:
+    room.tell("ann")
+    room.press("ann")
+    assert room.controls.done == []
+    async with room.operated():
+        room.press("ann")
+        room.hands["ann"].input_came("control", text(room.hand.key("KeyA")))
+        assert room.controls.words == ["drive", "drive"]
+    room.press("ann")
+    assert room.controls.words == ["drive", "drive", "halt"]
+    assert (room.seat.figures.taken, room.seat.figures.refused) == (2, 2)
+    assert room.reasons == ["teleoperation was stopped"]
+
+
+async def test_nobody_else_operates_and_is_told_so_now_and_then(room: Room) -> None:
+    room.tell("ann")
+    async with room.operated():
+        for _ in range(3):
+            room.press("bob")
+        await room.clock.advance(1)
+        room.press("bob")
+    assert room.controls.done == []
+    assert room.seat.figures.refused == 4
+    assert room.told["bob"] == [{"event": "refused", "reason": f"{REF} has to be bound and started first"}] * 2
+
+
+async def test_where_nobody_holds_it_nobody_can_start(room: Room) -> None:
+    room.tell("ann", component_ref="avatar/Reaction")
+    with pytest.raises(OutOfResources, match=REF):
+        async with room.operated():
+            pass
+    room.tell("ann")
+    room.tell("ann", holds=False)
+    with pytest.raises(OutOfResources, match=REF):
+        async with room.operated():
+            pass
+
+
+@pytest.mark.parametrize("how", ["released", "gone", "bound"])
+async def test_who_does_not_hold_it_any_more_is_stopped_at_once(room: Room, how: str) -> None:
+    room.tell("ann")
+    async with room.operated() as vacated:
+        room.press("ann")
+        if how == "released":
+            room.tell("ann", holds=False)
+        elif how == "gone":
+            room.seat.forget(room.clients["ann"])
+        else:
+            room.tell("bob", epoch=2)
+        assert room.controls.words == ["drive", "halt"]
+        assert how in await vacated
+        room.press("ann")
+        assert room.controls.words == ["drive", "halt"]
+
+
+async def test_what_is_said_again_or_too_late_changes_nothing(room: Room) -> None:
+    room.tell("ann", epoch=5)
+    async with room.operated() as vacated:
+        room.press("ann")
+        room.tell("ann", epoch=5)
+        room.tell("bob", epoch=4)
+        room.tell("bob", holds=False, epoch=4)
+        room.seat.forget(room.clients["bob"])
+        room.press("ann")
+        assert not vacated.done()
+        assert room.controls.words == ["drive", "drive"]
+
+
+async def test_a_lost_link_lets_go(room: Room) -> None:
+    room.tell("ann")
+    async with room.operated():
+        room.press("ann")
+        room.hands["bob"].input_lost("the viewer is gone")
+        assert room.reasons == []
+        room.hands["ann"].input_lost("the viewer is gone")
+        assert room.reasons == ["the viewer is gone"]
+        room.seat.tell_operator("stopped", "the viewer is gone")
+    assert room.told["ann"] == [{"event": "stopped", "reason": "the viewer is gone"}]
+    room.seat.tell_operator("stopped", "nobody hears this")
+    assert len(room.told["ann"]) == 1
+
+
+async def test_stale_malformed_and_excessive_messages_are_counted_and_do_nothing(room: Room) -> None:
+    room.tell("ann")
+    async with room.operated():
+        late = text(room.hand.state())
+        room.press("ann")
+        room.hands["ann"].input_came("input", late)
+        room.hands["ann"].input_came("input", b"")
+        assert (room.seat.figures.dropped, room.seat.figures.malformed) == (1, 1)
+        for _ in range(AT_ONCE):
+            room.press("ann")
+        assert room.seat.figures.dropped == 4
+        assert room.controls.words == ["drive"] * (AT_ONCE - 2)
+
+
+async def test_who_sends_nonsense_is_cut_and_told(room: Room) -> None:
+    room.tell("ann")
+    async with room.operated():
+        for _ in range(MALFORMED_LIMIT):
+            room.hands["ann"].input_came("control", "nonsense")
+        assert room.told["ann"][0]["event"] == "refused"
+        assert "not JSON" in room.told["ann"][0]["reason"]
+        room.press("ann")
+        assert room.controls.done == []
+        room.hands["ann"] = room.sit("ann")
+        room.press("ann")
+        assert room.controls.words == ["drive"]
