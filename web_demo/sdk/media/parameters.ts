@@ -8,10 +8,11 @@ export function streamParameters(
   codecs: readonly string[],
   limits: EncodingLimits,
   direction: Direction,
+  input = false,
 ): Parameter[] {
   return [
     jsonParameter("encoding_parameters", { codecs, ...limits }),
-    jsonParameter("transport_parameters", { direction }),
+    jsonParameter("transport_parameters", input ? { direction, input } : { direction }),
   ];
 }
 

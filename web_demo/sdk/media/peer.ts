@@ -1,5 +1,6 @@
 /** One RTCPeerConnection of the answering side. */
 
+import { InputChannels } from "../input/channels.ts";
 import type { Offer } from "../rois/generated/types.ts";
 import type { Candidate } from "./negotiation.ts";
 
@@ -30,6 +31,8 @@ export interface MediaPeerEvents {
 export class MediaPeer {
   readonly peerId: string;
   readonly connection: RTCPeerConnection;
+  /** For what a person does; null where the engine offers no data channels. */
+  input: InputChannels | null = null;
   #sections = new Map<string, RTCRtpTransceiver>();
   #closed = false;
 
@@ -69,6 +72,7 @@ export class MediaPeer {
    */
   async apply(offer: Offer, outgoing: Outgoing): Promise<string> {
     await this.connection.setRemoteDescription({ type: "offer", sdp: offer.sdp });
+    if (offer.sdp.includes("m=application ")) this.input ??= new InputChannels(this.connection);
     const idle = new Map(this.connection.getTransceivers().map((each) => [each.mid, each]));
     const sections = new Map<string, RTCRtpTransceiver>();
     for (const { mid, stream_id, direction } of offer.streams) {

@@ -3,11 +3,11 @@
 import type { Notification } from "../jsonrpc/peer.ts";
 import type { BackoffOptions } from "../rois/backoff.ts";
 import type { ConnectionState } from "../rois/connection.ts";
+import { engineOf } from "../rois/discovery.ts";
 import { RoISError } from "../rois/errors.ts";
 import type { Bye, MediaKind, Offer, StreamStatusNotification } from "../rois/generated/types.ts";
-import type { Call } from "../rois/link.ts";
+import type { InputChannels } from "../input/channels.ts";
 import { Capture } from "./capture.ts";
-import type { Devices } from "./capture.ts";
 import { decodableCodecs, encodableCodecs } from "./codecs.ts";
 import { progress, readCounters } from "./counters.ts";
 import { IceServers } from "./ice_servers.ts";
@@ -17,37 +17,11 @@ import type { CandidateMessage, Effect } from "./negotiation.ts";
 import { FIRST_FRAME_WITHIN, PathWatch } from "./path_watch.ts";
 import { sizeWanted, streamParameters } from "./parameters.ts";
 import { MediaPeer } from "./peer.ts";
-import type { CreatePeerConnection } from "./peer.ts";
+import type { MediaLink, ReceiverOptions, SendingOptions } from "./receiver_options.ts";
 import type { Problem, Verb } from "./reconciler.ts";
 import type { Sample } from "./statistics.ts";
 import { RemoteStream } from "./stream.ts";
 import type { ControlledStream, EncodingLimits, StreamOperations } from "./stream.ts";
-
-/** What a `Client` offers to the receiver. */
-export interface MediaLink {
-  readonly state: ConnectionState;
-  readonly call: Call;
-  on(name: "state", listener: (state: ConnectionState) => void): () => void;
-  on(name: "notification", listener: (notification: Notification) => void): () => void;
-}
-
-export interface ReceiverOptions {
-  readonly backoff?: BackoffOptions;
-  readonly createPeerConnection?: CreatePeerConnection;
-  /** What this application can decode, best first. */
-  readonly codecs?: (kind: MediaKind) => string[];
-  /** Microphones and cameras; replaced in tests. */
-  readonly devices?: Devices;
-}
-
-/** How a stream of this application's own is connected. */
-export interface SendingOptions {
-  /** `sendrecv` also hears what comes back; for sound only. */
-  readonly direction?: "sendonly" | "sendrecv";
-  readonly limits?: EncodingLimits;
-  /** What else is wanted of the device. */
-  readonly constraints?: MediaTrackConstraints;
-}
 
 /** When an engine comes back its profile changes, and that is tried at once; the waits only bound what that misses. */
 const BACKOFF: BackoffOptions = { first: 1000, factor: 2, max: 15_000 };
@@ -124,6 +98,13 @@ export class MediaReceiver {
     for (const { peer, leaving } of this.#peers.values()) if (!leaving) void this.#restart(peer.peerId);
   }
 
+  /** The data channels to an engine that are open, the newest first; none without the option `input`. */
+  inputs(engineId: string): InputChannels[] {
+    const peers = [...this.#peers.values()].map(({ peer }) => peer);
+    const own = peers.filter(({ peerId, input }) => engineOf(peerId) === engineId && input?.open);
+    return own.flatMap(({ input }) => input ?? []).reverse();
+  }
+
   /** Ends every stream and every peer connection. */
   async close(): Promise<void> {
     this.#closed = true;
@@ -154,7 +135,10 @@ export class MediaReceiver {
     const usable = direction === "recvonly" ? decodableCodecs : encodableCodecs;
     const codecs = (this.#options.codecs ?? usable)(kind);
     await this.#iceServers.refresh();
-    const params = { component_ref: componentRef, parameters: streamParameters(codecs, limits, direction) };
+    const params = {
+      component_ref: componentRef,
+      parameters: streamParameters(codecs, limits, direction, this.#options.input),
+    };
     const { stream_id: streamId = "" } = await this.#link.call(
       "rois.stream.connect_stream",
       params,

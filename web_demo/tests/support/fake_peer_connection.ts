@@ -68,6 +68,23 @@ export class FakeReceiver {
   }
 }
 
+/** A data channel that is open. */
+export class FakeChannel {
+  readonly options: object;
+  readonly sent: string[] = [];
+  readyState = "open";
+  bufferedAmount = 0;
+  onmessage: ((event: { data: string }) => void) | null = null;
+
+  constructor(options: object) {
+    this.options = options;
+  }
+
+  send(text: string): void {
+    this.sent.push(text);
+  }
+}
+
 export class FakePeerConnection {
   static readonly all: FakePeerConnection[] = [];
   static refuse = false;
@@ -80,6 +97,7 @@ export class FakePeerConnection {
   readonly configuration: RTCConfiguration;
   readonly candidates: (object | undefined)[] = [];
   readonly transceivers = new Map<string, FakeTransceiver>();
+  readonly channels = new Map<string, FakeChannel>();
   #offers = 0;
 
   constructor(configuration: RTCConfiguration) {
@@ -93,13 +111,25 @@ export class FakePeerConnection {
     this.#offers += 1;
     for (const section of sdp.split(",")) {
       const [mid = "", kind = ""] = section.split(" ");
-      if (this.transceivers.has(mid)) continue;
+      if (this.transceivers.has(mid) || mid === "m=application") continue;
       const id = `${FakePeerConnection.all.indexOf(this)}/${mid}`;
       const of = kind === "video" ? "video" : "audio";
       const ends = { receiver: new FakeReceiver(id, of), sender: new FakeSender(of) };
       this.transceivers.set(mid, { mid, ...ends, direction: "recvonly" });
     }
     return Promise.resolve();
+  }
+
+  createDataChannel(label: string, options: object): FakeChannel {
+    const channel = new FakeChannel(options);
+    this.channels.set(label, channel);
+    return channel;
+  }
+
+  channel(label: string): FakeChannel {
+    const found = this.channels.get(label);
+    if (!found) throw new Error(`there is no channel ${label}`);
+    return found;
   }
 
   createAnswer(): Promise<{ sdp: string }> {

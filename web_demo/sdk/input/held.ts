@@ -1,0 +1,98 @@
+/** What is held now, from what keyboard, mouse, fingers and gamepad say. Pure. */
+
+import type { Change, Gamepad4, HeldState } from "./messages.ts";
+
+const MAX_KEYS = 16;
+const MAX_TOUCHES = 10;
+const MAX_BUTTONS = 17;
+const MAX_AXES = 4;
+/** How far from the middle a stick may stand that nobody touches, and a button be down that nobody presses. */
+const AT_REST = 0.05;
+const CODE = /^[A-Za-z0-9]{1,32}$/;
+/** What counts as pressed, as browsers have it. */
+const PRESSED = 0.5;
+
+const fine = (value: number, low: number): number =>
+  Math.round(Math.min(1, Math.max(low, Number.isFinite(value) ? value : 0)) * 10_000) / 10_000;
+
+/** Each method returns the change to tell; null where nothing changed that is worth a word of its own. */
+export class Held {
+  readonly #keys = new Set<string>();
+  readonly #touches = new Map<number, readonly [number, number]>();
+  #pointer: readonly [number, number, number] | null = null;
+  #gamepad: Gamepad4 | null = null;
+
+  /** As a message has it. */
+  get state(): HeldState {
+    return {
+      ...(this.#keys.size > 0 && { keys: [...this.#keys] }),
+      ...(this.#pointer && { pointer: this.#pointer }),
+      ...(this.#touches.size > 0 && {
+        touches: [...this.#touches].map(([id, [x, y]]) => [id, x, y] as const),
+      }),
+      ...(this.#gamepad && { gamepad: this.#gamepad }),
+    };
+  }
+
+  /** Something is pressed, touched or deflected: while it is, states have to be sent. */
+  get active(): boolean {
+    const pad = this.#gamepad;
+    const deflected = pad !== null && [...pad.axes, ...pad.buttons].some((each) => Math.abs(each) > AT_REST);
+    return this.#keys.size > 0 || this.#touches.size > 0 || (this.#pointer?.[2] ?? 0) !== 0 || deflected;
+  }
+
+  key(code: string, down: boolean): Change | null {
+    if (!CODE.test(code) || this.#keys.has(code) === down) return null;
+    if (down && this.#keys.size >= MAX_KEYS) return null;
+    if (down) this.#keys.add(code);
+    else this.#keys.delete(code);
+    return { event: "key", code, down };
+  }
+
+  /** The pointer is at a place, with these buttons down. */
+  move(x: number, y: number, buttons: number): void {
+    this.#pointer = [fine(x, 0), fine(y, 0), buttons & 31];
+  }
+
+  button(button: number, down: boolean, x: number, y: number, buttons: number): Change | null {
+    this.move(x, y, buttons);
+    if (button < 0 || button > 4) return null;
+    return { event: "button", button, down, x: fine(x, 0), y: fine(y, 0) };
+  }
+
+  wheel(dx: number, dy: number, x: number, y: number): Change {
+    this.move(x, y, this.#pointer?.[2] ?? 0);
+    const far = (value: number): number => Math.round(Math.min(100_000, Math.max(-100_000, value)) * 10) / 10;
+    return { event: "wheel", dx: far(dx), dy: far(dy), x: fine(x, 0), y: fine(y, 0) };
+  }
+
+  touch(id: number, down: boolean, x: number, y: number): Change | null {
+    const at = [fine(x, 0), fine(y, 0)] as const;
+    const known = this.#touches.has(id);
+    if (down && !known && this.#touches.size >= MAX_TOUCHES) return null;
+    if (down) this.#touches.set(id, at);
+    else this.#touches.delete(id);
+    return known === down ? null : { event: "touch", id, down, x: at[0], y: at[1] };
+  }
+
+  /** Takes the gamepad as it is now, null for none; returns the buttons that went down or up. */
+  pad(now: { axes: readonly number[]; buttons: readonly { value: number }[] } | null): Change[] {
+    const before = this.#gamepad?.buttons ?? [];
+    this.#gamepad = now && {
+      axes: now.axes.slice(0, MAX_AXES).map((each) => fine(each, -1)),
+      buttons: now.buttons.slice(0, MAX_BUTTONS).map(({ value }) => fine(value, 0)),
+    };
+    const after = this.#gamepad?.buttons ?? [];
+    return Array.from({ length: MAX_BUTTONS }, (_, button) => button)
+      .filter((button) => (before[button] ?? 0) >= PRESSED !== (after[button] ?? 0) >= PRESSED)
+      .map((button) => ({ event: "pad", button, down: (after[button] ?? 0) >= PRESSED }));
+  }
+
+  /** Nothing is held any more, and nothing points anywhere. */
+  clear(): void {
+    this.#keys.clear();
+    this.#touches.clear();
+    this.#pointer = null;
+    this.#gamepad = null;
+  }
+}

@@ -1,0 +1,5 @@
+/** What a person does with keyboard, mouse, fingers and gamepad, sent to an avatar. */
+
+export type { CollectorOptions } from "./collector.ts";
+export { Teleoperation } from "./teleoperation.ts";
+export type { InputMedia, TeleoperationEvents } from "./teleoperation.ts";

@@ -1,0 +1,169 @@
+/** Operating an avatar by hand: takes its component, collects what the person does, and sends it. */
+
+import { Emitter } from "../events.ts";
+import type { Client } from "../rois/client.ts";
+import { onlyComponent } from "../rois/conditions.ts";
+import { engineOf } from "../rois/discovery.ts";
+import { resultValue } from "../rois/payload.ts";
+import type { InputChannels } from "./channels.ts";
+import { Collector } from "./collector.ts";
+import type { CollectorOptions } from "./collector.ts";
+import { Held } from "./held.ts";
+import { message } from "./messages.ts";
+import type { Change, Told, Why } from "./messages.ts";
+
+/** Milliseconds between two looks at the gamepad and at what moved: as often as a screen shows pictures. */
+const PACE = 16;
+/** Milliseconds after which a state is sent again while something is held; the engine stops without one for 400. */
+const REPEAT = 80;
+/** How often, and how many milliseconds apart, the engine is asked whether it has begun. */
+const ASKED = 20;
+const ASK_AGAIN = 50;
+
+/** Where the data channels are: a `MediaReceiver` that was made with `input: true`. */
+export interface InputMedia {
+  inputs(engineId: string): InputChannels[];
+}
+
+export interface TeleoperationEvents {
+  /** The engine does not take what is sent, or has stopped the figure: a sentence says why. */
+  refused: string;
+  stopped: string;
+  /** This application does not operate any more, and did not end that itself. */
+  ended: string;
+}
+
+export class Teleoperation {
+  readonly componentRef: string;
+  readonly #client: Client;
+  readonly #media: InputMedia;
+  readonly #events = new Emitter<TeleoperationEvents>();
+  readonly #held = new Held();
+  #collector: Collector | null = null;
+  #timer: ReturnType<typeof setInterval> | undefined;
+  #command: string | null = null;
+  #moved = false;
+  #sentAt = -Infinity;
+
+  constructor(client: Client, media: InputMedia, componentRef: string) {
+    this.#client = client;
+    this.#media = media;
+    this.componentRef = componentRef;
+  }
+
+  /** Whether this application operates. */
+  get operating(): boolean {
+    return this.#command !== null;
+  }
+
+  /** Whether what the person does can be sent now: a stream of the avatar is there, and its channels are open. */
+  get linked(): boolean {
+    return this.#media.inputs(engineOf(this.componentRef)).length > 0;
+  }
+
+  on<Name extends keyof TeleoperationEvents>(
+    name: Name,
+    listener: (value: TeleoperationEvents[Name]) => void,
+  ): () => void {
+    return this.#events.on(name, listener);
+  }
+
+  /**
+   * Takes the component and begins to operate.
+   *
+   * @throws RoISError (OUT_OF_RESOURCES: another application has it)
+   */
+  async start(): Promise<void> {
+    if (this.#command !== null) return;
+    await this.#client.bind(this.componentRef);
+    const [command = ""] = await this.#client.execute([
+      { component_ref: this.componentRef, command_type: "start" },
+    ]);
+    this.#command = command;
+    void this.#client.completed(command).then(
+      ({ status, reason }) => this.#ended(command, reason || status),
+      (error: unknown) => this.#ended(command, error instanceof Error ? error.message : String(error)),
+    );
+    // What is sent takes a shorter way than the command: it must not be there first.
+    for (let asked = 0; asked < ASKED && this.#command === command; asked += 1) {
+      const results = await this.#client.query("operation", onlyComponent(this.componentRef));
+      if (resultValue(results, "operated") === "true") break;
+      await new Promise((resolve) => setTimeout(resolve, ASK_AGAIN));
+    }
+  }
+
+  /** Lets go of everything, and gives the component back. */
+  async stop(): Promise<void> {
+    if (this.#command === null) return;
+    this.#release("bye");
+    this.#command = null;
+    await this.#client.execute([{ component_ref: this.componentRef, command_type: "stop" }]);
+    await this.#client.release(this.componentRef);
+  }
+
+  /**
+   * Sends what the person does at an element (the video), from now on and while this application operates.
+   *
+   * @returns ends it
+   */
+  attach(element: HTMLElement, options: CollectorOptions = {}): () => void {
+    this.detach();
+    const events = {
+      onChange: (change: Change) => this.#change(change),
+      onMove: () => (this.#moved = true),
+      onRelease: (why: Why) => this.#release(why),
+    };
+    const collector = new Collector(element, this.#held, events, options);
+    this.#collector = collector;
+    this.#timer = setInterval(() => this.#look(), PACE);
+    return () => {
+      if (this.#collector === collector) this.detach();
+    };
+  }
+
+  detach(): void {
+    if (!this.#collector) return;
+    this.#release("bye");
+    clearInterval(this.#timer);
+    this.#collector.detach();
+    this.#collector = null;
+  }
+
+  get #channels(): InputChannels | null {
+    if (this.#command === null) return null;
+    const channels = this.#media.inputs(engineOf(this.componentRef))[0] ?? null;
+    if (channels) channels.onTold = (told: Told) => this.#events.emit(told.event, told.reason);
+    return channels;
+  }
+
+  #look(): void {
+    this.#collector?.poll();
+    const now = performance.now();
+    const due = this.#held.active && now - this.#sentAt >= REPEAT;
+    if (!this.#moved && !due) return;
+    if (this.#channels?.sendState(message(this.#held.state)) !== true) return;
+    this.#moved = false;
+    this.#sentAt = now;
+  }
+
+  #change(change: Change): void {
+    this.#moved = true;
+    this.#channels?.sendChange(message(change));
+    this.#look();
+  }
+
+  #release(why: Why): void {
+    this.#held.clear();
+    this.#moved = false;
+    const channels = this.#channels;
+    channels?.sendChange(message({ event: "release", why }));
+    channels?.sendState(message(this.#held.state));
+  }
+
+  #ended(command: string, reason: string): void {
+    if (this.#command !== command) return;
+    this.#command = null;
+    this.#held.clear();
+    this.#events.emit("ended", reason);
+  }
+}
