@@ -102,7 +102,7 @@ class InputPath:
     Args:
         make: makes them.
         renegotiate: offers them.
-        on_closed: called when they are closed.
+        on_closed: called once, when they are closed before the connection ends.
     """
 
     def __init__(
@@ -115,21 +115,31 @@ class InputPath:
         self._renegotiate = renegotiate
         self._on_closed = on_closed
         self._channels: OpenChannels | None = None
+        self._ended = False
 
     def want(self, take: Take) -> None:
         """Have them from the next offer on, and give `take` what comes; wanting them twice is fine."""
         if self._channels is None:
-            self._channels = self._make(take, self._on_closed)
+            self._channels = self._make(take, self._closed)
             self._renegotiate()
 
     @property
     def is_open(self) -> bool:
         """Whether messages can come."""
-        return self._channels is not None and self._channels.are_open
+        return self._channels is not None and not self._ended and self._channels.are_open
 
     def tell(self, text: str) -> bool:
         """Tell the application a text; False if it cannot be told over this way."""
-        return self._channels is not None and self._channels.tell(text)
+        return self._channels is not None and not self._ended and self._channels.tell(text)
+
+    def end(self) -> None:
+        """The connection has ended."""
+        self._ended = True
+
+    def _closed(self) -> None:
+        if not self._ended:
+            self._ended = True
+            self._on_closed()
 
 
 class SessionInput:

@@ -311,6 +311,7 @@ class Peer:
     def _finish(self, bye: Bye) -> None:
         self.ended = True
         self.reason = bye.reason
+        self.input.end()
         if self._work is not None and self._work is not asyncio.current_task():
             self._work.cancel()
         self.follow()

@@ -11,6 +11,8 @@ import pytest
 from openrois_avatar.speech import markup
 from openrois_signaling import messages as signaling
 from openrois_signaling import relay
+from openrois_streaming.input import reader
+from openrois_streaming.input.messages import MESSAGE_LIMIT
 from openrois_streaming.sessions import SESSIONS_LIMIT
 
 from openrois import command_log, condition, engine, error_log, event_log, faults, registry, remembered
@@ -204,6 +206,14 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
     "candidates of one peer": (
         (signaling.CANDIDATES_LIMIT,),
         ("tests/conformance/test_signaling.py::test_candidates_and_messages_are_bounded",),
+    ),
+    "input of one application: messages; bytes of one; unreadable ones": (
+        (reader.PER_SECOND, reader.AT_ONCE, MESSAGE_LIMIT, reader.MALFORMED_LIMIT),
+        (
+            "tests/streaming/input/test_reader.py::test_too_many_are_counted",
+            "tests/streaming/input/test_reader.py::test_what_is_no_text_or_too_long",
+            "tests/avatar/teleoperation/test_seat.py::test_who_sends_nonsense_is_cut_and_told",
+        ),
     ),
     "characters of a text to speak": (
         (markup.MAX_TEXT,),
