@@ -113,7 +113,7 @@ async def serve_scene(
     sounding = AudioStreaming(_codecs("audio/"), sounds.directions, lambda: voice.status)
     information, operator = SystemInformation(engine_id, scene.status), Operator(microphone, camera)
     eyes, ears = camera_senses(engine_id, camera, clock), microphone_senses(engine_id, microphone, clock)
-    progress = () if scene.voice is None else (SpeechProgress(scene.voice, ears.hearing.speech_began),)
+    progress = () if scene.voice is None else (SpeechProgress(scene.voice, ears.hearing),)
     sensing = (*eyes.components, *ears.components)
     components = (information, showing, sounding, operator, *progress, *sensing, *scene.components)
     # A voice is heard also while nothing moves.

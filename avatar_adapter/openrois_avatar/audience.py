@@ -1,9 +1,10 @@
 """How much later than it sounds the avatar is heard by those who listen: the way to them, and their buffers."""
 
+from collections.abc import Iterable
 from typing import Final
 
 from openrois_streaming.errors import UnknownStream
-from openrois_streaming.sessions import StreamSessions
+from openrois_streaming.session import StreamSession
 from openrois_streaming.state import StreamStatus
 from openrois_streaming.stats import StreamStats
 
@@ -28,11 +29,11 @@ class Audience:
     """The viewers that hear the avatar now. Nobody does until `gather` has said where they are."""
 
     def __init__(self) -> None:
-        self._sessions: StreamSessions | None = None
+        self._sessions: Iterable[StreamSession] = ()
         self._component_ref = ""
 
-    def gather(self, sessions: StreamSessions, component_ref: str) -> None:
-        """Count those who play the sound of a component."""
+    def gather(self, sessions: Iterable[StreamSession], component_ref: str) -> None:
+        """Count those who play the sound of a component from now on; `sessions` is asked anew each time."""
         self._sessions, self._component_ref = sessions, component_ref
 
     async def lateness(self) -> float:
@@ -42,7 +43,7 @@ class Audience:
 
     async def _listening(self) -> list[StreamStats]:
         found = []
-        for session in self._sessions or ():
+        for session in self._sessions:
             for stream_id in session.stream_ids:
                 try:
                     stream = await session.stats(stream_id)

@@ -9,13 +9,13 @@ from dataclasses import replace
 
 import numpy as np
 from openrois_avatar.link.client import LinkClient, connect_from_environment
-from openrois_avatar.link.messages import Completed, Log, Pause, Quit, React
+from openrois_avatar.link.messages import Completed, Log, Pause, Quit, React, Speak
 from openrois_avatar.link.protocol import PixelFormat
 
 from tests.support.avatar_link import HELLO
 
 
-def main(behaviour: str) -> None:
+def main(behaviour: str = "good") -> None:
     if behaviour == "broken":
         print("first line")
         raise SystemExit("no graphics pipe is available")
@@ -35,6 +35,8 @@ def render(link: LinkClient, *, stubborn: bool) -> None:
         for command in link.poll_commands(0.01):
             if isinstance(command, Quit) and not stubborn:
                 return
+            if isinstance(command, Speak):
+                link.send_event(Log(f"{os.getpid()} speaks {command.id}"))
             if isinstance(command, React):
                 paused = {"pause": True, "go on": False}.get(command.reaction, paused)
                 react(link, command)
@@ -62,4 +64,4 @@ def react(link: LinkClient, command: React) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1])
+    main(*sys.argv[1:])

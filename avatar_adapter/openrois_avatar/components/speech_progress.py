@@ -1,7 +1,8 @@
 """SpeechProgress: what the avatar is heard to say, word by word, and whether it lets itself be interrupted."""
 
+from collections.abc import Callable
 from datetime import UTC, datetime
-from typing import TypeVarTuple
+from typing import Any, Protocol
 
 from openrois.adapter import Component, ComponentStatus, event, parameter
 from openrois.listeners import Listeners
@@ -9,9 +10,18 @@ from openrois.types.codes import CompletedStatus
 from openrois_avatar.utterance import MarkReached, Progress, SpeechEnded, WordSpoken
 from openrois_avatar.voice import Voice
 
-__all__ = ["SpeechProgress"]
+__all__ = ["Attention", "SpeechProgress"]
 
-What = TypeVarTuple("What")
+
+class Attention(Protocol):
+    """Notices that somebody speaks to the avatar, while anybody attends; see `openrois_avatar.hearing.hearing`."""
+
+    speech_began: Listeners[float]
+    """Are told when speech began."""
+
+    def attend(self) -> Callable[[], None]:
+        """Look for speech from now on; return what ends that."""
+        ...
 
 
 class SpeechProgress(Component, authority="OpenRoIS", function="actuation"):
@@ -21,16 +31,28 @@ class SpeechProgress(Component, authority="OpenRoIS", function="actuation"):
 
     Args:
         voice: what speaks.
-        speech_began: tells when somebody begins to speak to the avatar.
+        attention: notices that somebody speaks to the avatar.
     """
 
     barge_in: bool = parameter(False, description="whether the avatar stops speaking when somebody speaks to it")
 
-    def __init__(self, voice: Voice, speech_began: Listeners[*What]) -> None:
+    def __init__(self, voice: Voice, attention: Attention) -> None:
         super().__init__("SpeechProgress")
         self._voice = voice
+        self._attention = attention
+        self._desert: Callable[[], None] | None = None
         voice.progress.add(self._progressed)
-        speech_began.add(self._spoken_to)
+        attention.speech_began.add(self._spoken_to)
+
+    def accept_parameters(self, changes: dict[str, Any]) -> dict[str, Any]:
+        """Attend to who speaks as long as that is of use."""
+        wanted = changes.get("barge_in")
+        if wanted and self._desert is None:
+            self._desert = self._attention.attend()
+        if wanted is False and self._desert is not None:
+            self._desert()
+            self._desert = None
+        return changes
 
     def condition(self) -> ComponentStatus:
         """READY where speech synthesis is installed, else ERROR."""
@@ -79,7 +101,7 @@ class SpeechProgress(Component, authority="OpenRoIS", function="actuation"):
             position: of that word
         """
 
-    def _spoken_to(self, *_: *What) -> None:
+    def _spoken_to(self, _at: float) -> None:
         if self.barge_in:
             self._voice.interrupt("somebody spoke, and the avatar stopped")
 

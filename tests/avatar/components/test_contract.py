@@ -16,9 +16,9 @@ from openrois_avatar.sound import AvatarSound
 from openrois_avatar.voice import Voice
 
 from openrois.component import Component
-from openrois.listeners import Listeners
 from openrois.testing import ComponentContract
 from openrois.types.codes import ComponentStatus
+from tests.avatar.components.test_speech_progress import Attention
 from tests.support.listening import ScriptedRecognizer
 from tests.support.streaming import VirtualClock
 from tests.support.voice import ScriptedSynthesizer
@@ -44,7 +44,7 @@ class TestSpeechSynthesis(ComponentContract):
 class TestSpeechProgress(ComponentContract):
     async def component(self) -> Component:
         voice = Voice(ScriptedSynthesizer(), AvatarSound(VirtualClock()), Body(lambda _command: None))
-        return SpeechProgress(voice, Listeners[()]())
+        return SpeechProgress(voice, Attention())
 
 
 class TestReaction(ComponentContract):

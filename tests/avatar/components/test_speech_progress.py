@@ -1,6 +1,7 @@
 """SpeechProgress as an engine sees it, beside SpeechSynthesis."""
 
 import asyncio
+from collections.abc import Callable
 
 import pytest
 from openrois_avatar.body import Body
@@ -22,14 +23,29 @@ from tests.support.voice import ScriptedSynthesizer
 PROGRESS, SYNTHESIS = "avatar/SpeechProgress", "avatar/SpeechSynthesis"
 
 
+class Attention:
+    """Somebody who speaks when the test says so, and is heard by those who attend."""
+
+    def __init__(self) -> None:
+        self.speech_began: Listeners[float] = Listeners()
+        self.attending = 0
+
+    def attend(self) -> Callable[[], None]:
+        self.attending += 1
+        return self._desert
+
+    def _desert(self) -> None:
+        self.attending -= 1
+
+
 class Stage:
     def __init__(self) -> None:
         self.clock = VirtualClock()
         self.synthesizer = ScriptedSynthesizer()
-        self.speech_began: Listeners[()] = Listeners()
+        self.attention = Attention()
         self.commands: list[Command] = []
         voice = Voice(self.synthesizer, AvatarSound(self.clock), Body(self.commands.append))
-        self.component = SpeechProgress(voice, self.speech_began)
+        self.component = SpeechProgress(voice, self.attention)
         self.registry = LocalRegistry("avatar", [SpeechSynthesis(voice), self.component])
         self.events: list[tuple[str, dict[str, str]]] = []
 
@@ -124,7 +140,7 @@ async def test_suspended_it_is_silent_until_it_is_resumed(stage: Stage) -> None:
 async def test_whoever_speaks_is_not_heeded_unless_that_is_wanted(stage: Stage) -> None:
     speaking = await stage.start("one two")
     await stage.clock.advance(0.3)
-    stage.speech_began.tell()
+    stage.attention.speech_began.tell(stage.clock.now())
     await stage.clock.advance(1.0)
     assert await speaking == ()
 
@@ -133,13 +149,21 @@ async def test_who_barges_in_is_let_speak(stage: Stage) -> None:
     await stage.set(PROGRESS, barge_in="true")
     speaking = await stage.start("one two")
     await stage.clock.advance(0.3)
-    stage.speech_began.tell()
+    stage.attention.speech_began.tell(stage.clock.now())
     await settle()
     assert stage.commands[-1] == Silence()
     with pytest.raises(Aborted, match=r"somebody spoke, and the avatar stopped at the word 'one' \(character 0\)"):
         await speaking
-    stage.speech_began.tell()
+    stage.attention.speech_began.tell(stage.clock.now())
     assert len([kind for kind, _ in stage.events if kind == "speech_ended"]) == 1
+
+
+async def test_it_is_attended_to_who_speaks_only_while_that_is_of_use(stage: Stage) -> None:
+    attending = []
+    for barge_in in ("false", "true", "true", "false", "false", "true"):
+        await stage.set(PROGRESS, barge_in=barge_in)
+        attending.append(stage.attention.attending)
+    assert attending == [0, 1, 1, 0, 0, 1]
 
 
 async def test_only_who_has_bound_it_lets_others_barge_in(stage: Stage) -> None:

@@ -1,0 +1,151 @@
+"""Speech over real WebRTC: what a viewer hears of it, and what is told of that."""
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+from openrois_avatar.audience import PLAYOUT, Audience
+from openrois_avatar.body import Body
+from openrois_avatar.link.messages import Silence, Viseme
+from openrois_avatar.sound import AvatarSound
+from openrois_avatar.speech.synthesizer import Speech, Synthesizer, Word
+from openrois_avatar.utterance import Progress, Utterance, WordSpoken
+from openrois_streaming.clock import SystemClock
+from openrois_streaming.publisher import AudioPublisher
+from openrois_streaming.session import StreamSession
+from openrois_streaming.source import RawAudio, RawVideo
+from openrois_streaming.testing import ImpairedPath, Impairments, MeasuringSink
+from openrois_streaming.testing.stage import AUDIO, playing
+
+from openrois.errors import Aborted
+
+pytestmark = pytest.mark.media
+
+LOUD = 300
+"""Of 32,767; what Opus makes of silence is below."""
+
+
+@dataclass
+class Hearing:
+    """An avatar's voice, and a viewer on this machine that hears it."""
+
+    clock: SystemClock
+    sound: AvatarSound
+    sink: MeasuringSink
+    session: StreamSession
+    audience: Audience
+    heard: list[tuple[float, RawAudio]]
+    """Blocks with the moments at which they were played."""
+    progress: list[Progress] = field(default_factory=list)
+    silences: list[float] = field(default_factory=list)
+
+    def utterance(self) -> Utterance:
+        body = Body(lambda command: self.silences.append(self.clock.now()) if command == Silence() else None)
+        return Utterance(self.sound, body, self.audience, self.progress.append)
+
+    def loud(self) -> list[tuple[float, float]]:
+        """The moments of samples that are heard, by the media clock, and when the last of its block was played."""
+        found: list[tuple[float, float]] = []
+        for played, block in self.heard:
+            for index in np.flatnonzero(np.abs(block.samples[:, 0]) > LOUD):
+                found.append((block.captured_at + float(index) / 48_000, played + len(block.samples) / 48_000))
+        return found
+
+    def onsets(self) -> list[float]:
+        """The media times at which sound begins after 50 ms of silence or more."""
+        moments = np.array([moment for moment, _ in self.loud()])
+        return [float(moments[0]), *(float(moments[index + 1]) for index in np.flatnonzero(np.diff(moments) > 0.05))]
+
+    async def until(self, so: Callable[[], object]) -> None:
+        await self.sink.until(so)
+
+    async def heard_until(self, moment: float) -> None:
+        """Wait until the viewer has heard what was captured at a moment of the media clock."""
+        await self.until(lambda: self.heard and self.heard[-1][1].captured_at >= moment)
+
+
+@asynccontextmanager
+async def hearing(path: ImpairedPath | None = None) -> AsyncIterator[Hearing]:
+    clock, blocks = SystemClock(), list[tuple[float, RawAudio]]()
+
+    def take(media: RawVideo | RawAudio) -> None:
+        assert isinstance(media, RawAudio)
+        blocks.append((clock.now(), media))
+
+    sound, audience = AvatarSound(clock), Audience()
+    async with (
+        asyncio.timeout(30),
+        MeasuringSink(path=path, on_media=take) as sink,
+        playing(sink, audio=AudioPublisher(sound, clock=clock)) as session,
+    ):
+        audience.gather((session,), "stage/Audio")
+        await sink.hears(20)
+        yield Hearing(clock, sound, sink, session, audience, blocks)
+
+
+def bursts(count: int) -> Speech:
+    """So many words, each a hum of 100 ms, with as much silence between them."""
+    hum = np.sin(2 * np.pi * 300 * np.arange(4_800) / 48_000) * 12_000
+    samples = np.tile(np.concatenate((hum, np.zeros(4_800))).astype(np.int16), count)[:-4_800]
+    words = tuple(Word(200.0 * number, f"w{number}", 3 * number) for number in range(count))
+    return Speech(samples, words, (Viseme(0.0, "aa", 1.0),))
+
+
+async def test_the_end_of_a_speech_comes_when_its_last_sample_was_heard() -> None:
+    async with hearing() as viewer, Synthesizer() as synthesizer:
+        speech = await synthesizer.synthesize("Papa, the end comes now!", volume=100)
+        await viewer.utterance().play(speech)
+        ended = viewer.clock.now()
+        await viewer.heard_until(ended + 0.3)
+        loud = viewer.loud()
+        assert loud[-1][0] - loud[0][0] == pytest.approx(speech.duration, abs=0.6)
+        assert loud[-1][1] < ended
+        told = [each.word for each in viewer.progress if isinstance(each, WordSpoken)]
+        assert told == ["Papa", "the", "end", "comes", "now"]
+
+
+async def test_over_a_long_way_it_comes_so_much_later() -> None:
+    far = Impairments(delay=0.15)
+    async with ImpairedPath(far, far, seed=5) as path, hearing(path) as viewer:
+        stats = await viewer.session.stats(AUDIO)
+        while (stats.round_trip_time or 0) < 0.25:
+            await viewer.sink.hears(20)
+            stats = await viewer.session.stats(AUDIO)
+        begun = viewer.clock.now()
+        await viewer.utterance().play(bursts(3))
+        ended = viewer.clock.now()
+        await viewer.heard_until(ended + 0.3)
+        loud = [each for each in viewer.loud() if each[0] > begun]
+        assert await viewer.audience.lateness() > PLAYOUT + 0.12
+        assert loud[0][1] > begun + far.delay
+        assert loud[-1][1] < ended
+
+
+async def test_words_are_told_in_order_with_the_times_at_which_they_sound() -> None:
+    async with hearing() as viewer:
+        late = await viewer.audience.lateness()
+        await viewer.utterance().play(bursts(4))
+        told = [each for each in viewer.progress if isinstance(each, WordSpoken)]
+        assert [each.word for each in told] == ["w0", "w1", "w2", "w3"]
+        offset = viewer.clock.wall() - viewer.clock.now()
+        moments = [each.at - offset - late for each in told]
+        assert moments == pytest.approx(viewer.onsets(), abs=0.02)
+
+
+async def test_what_is_cut_is_silent_within_150_ms_and_so_is_the_mouth() -> None:
+    async with hearing() as viewer, Synthesizer() as synthesizer:
+        speech = await synthesizer.synthesize("a " + "very " * 30 + "long story", volume=100)
+        utterance = viewer.utterance()
+        playing = asyncio.ensure_future(utterance.play(speech))
+        await viewer.until(lambda: len(viewer.loud()) > 24_000)
+        stopped = viewer.clock.now()
+        utterance.cut("it was stopped")
+        with pytest.raises(Aborted, match="it was stopped at the word 'very'"):
+            await playing
+        await viewer.heard_until(stopped + 0.4)
+        # By media time: 20 ms of a block, 5 of the fading, and what the codec smears.
+        assert max(moment for moment, _ in viewer.loud()) < stopped + 0.05
+        assert viewer.silences == [pytest.approx(stopped, abs=0.02)]
