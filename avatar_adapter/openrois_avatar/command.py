@@ -19,6 +19,7 @@ from openrois.errors import BadParameter
 from openrois.logs import set_up_logging
 from openrois.transport.address import adapter_url
 from openrois_avatar.adapter import run_avatar
+from openrois_avatar.check import command as check
 from openrois_avatar.game_engines import NoGameEngine
 from openrois_avatar.link.messages import LinkError
 from openrois_avatar.link_options import add_link_options, link_secret
@@ -36,8 +37,14 @@ _SWITCH_INTERVAL: Final = 0.0005
 
 def main(arguments: Sequence[str]) -> int:
     """Run the command and return its exit status: 0 when stopped, 1 when it could not start, 2 for wrong usage."""
+    if arguments[:1] == ["check"]:
+        return check.main(arguments[1:])
     defaults = AvatarSettings()
-    parser = argparse.ArgumentParser(prog="openrois avatar", description="An avatar behind a gateway.")
+    parser = argparse.ArgumentParser(
+        prog="openrois avatar",
+        description="An avatar behind a gateway.",
+        epilog="`openrois avatar check --help`: try a game engine of your own.",
+    )
     parser.add_argument("--gateway", default=defaults.gateway, metavar="URL", help="where it is (%(default)s)")
     parser.add_argument("--engine-id", default=defaults.engine_id, help="unique behind its gateway (%(default)s)")
     parser.add_argument("--engine", choices=ENGINES, default=defaults.engine, help="what renders it (%(default)s)")

@@ -9,28 +9,25 @@ async with LinkServer.listen() as server:           # a Unix socket in a private
 from __future__ import annotations
 
 import asyncio
-import ipaddress
 import logging
 import secrets
 import socket
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
-from pathlib import Path
 from typing import Final
 
 from openrois_streaming.clock import MediaClock, SystemClock
 from openrois_streaming.source import RawAudio
 
-from openrois_avatar.link.address import Address, TcpAddress, UnixAddress, parse_address
 from openrois_avatar.link.connection import FAREWELL_TIMEOUT, EngineConnection
 from openrois_avatar.link.inlet import EngineVideo
-from openrois_avatar.link.messages import Event, Hello, LinkError
-from openrois_avatar.link.private import clear, private_path
+from openrois_avatar.link.listening import BACKLOG, listening
+from openrois_avatar.link.messages import Event, Hello
 from openrois_avatar.link.receivers import Receivers
 
 GREETING_TIMEOUT: Final = 5.0
 """Seconds from the connection to its HELLO."""
-MAX_STRANGERS: Final = 8
+MAX_STRANGERS: Final = BACKLOG
 """Connections that have not greeted yet; one more is sent away."""
 
 ACCEPT_PAUSE: Final = 1.0
@@ -89,18 +86,14 @@ class LinkServer:
         clock = clock or SystemClock()
         receivers = Receivers(clock, EngineVideo(clock), on_audio, on_event, on_hello, on_gone)
         server = cls(secrets.token_urlsafe(32) if secret is None else secret, receivers, greeting_timeout)
-        with private_path() as private:
-            place = parse_address(address or f"unix:{private}")
-            with _listen(place) as listener:
-                server.address = _address_of(place, listener)
-                accepting = asyncio.create_task(server._accept_all(listener), name="engine link")
-                try:
-                    yield server
-                finally:
-                    accepting.cancel()
-                    await asyncio.wait({accepting})
-                    await server._dismiss()
-                    _remove(place)
+        with listening(address) as (listener, server.address):
+            accepting = asyncio.create_task(server._accept_all(listener), name="engine link")
+            try:
+                yield server
+            finally:
+                accepting.cancel()
+                await asyncio.wait({accepting})
+                await server._dismiss()
 
     @property
     def engine(self) -> EngineConnection | None:
@@ -169,31 +162,6 @@ class LinkServer:
                     await connection.closed()
 
 
-def _listen(place: Address) -> socket.socket:
-    """A socket that listens and does not block."""
-    family = socket.AF_UNIX
-    name: str | tuple[str, int]
-    if isinstance(place, UnixAddress):
-        name = place.path
-        clear(place.path)
-    else:
-        name = place.host, place.port
-        family = socket.AF_INET6 if ":" in place.host else socket.AF_INET
-        _check_loopback(place.host)
-    listener = socket.socket(family, socket.SOCK_STREAM)
-    try:
-        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        listener.bind(name)
-        if isinstance(place, UnixAddress):
-            Path(place.path).chmod(0o600)
-        listener.listen(MAX_STRANGERS)
-        listener.setblocking(False)
-    except OSError as error:
-        listener.close()
-        raise LinkError(f"cannot listen on {place}: {error}") from error
-    return listener
-
-
 async def _readable(listener: socket.socket) -> None:
     loop = asyncio.get_running_loop()
     ready = asyncio.Event()
@@ -202,24 +170,3 @@ async def _readable(listener: socket.socket) -> None:
         await ready.wait()
     finally:
         loop.remove_reader(listener)
-
-
-def _address_of(place: Address, listener: socket.socket) -> str:
-    """Where `listener` is, with the port that the system chose."""
-    if isinstance(place, UnixAddress):
-        return str(place)
-    return str(TcpAddress(place.host, listener.getsockname()[1]))
-
-
-def _remove(place: Address) -> None:
-    if isinstance(place, UnixAddress):
-        Path(place.path).unlink(missing_ok=True)
-
-
-def _check_loopback(host: str) -> None:
-    try:
-        loopback = host == "localhost" or ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        loopback = False
-    if not loopback:
-        raise LinkError(f"the engine link stays on this machine: {host} is not a loopback address")

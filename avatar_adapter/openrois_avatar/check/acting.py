@@ -1,0 +1,229 @@
+"""Tries what an engine can be told to do: reactions, the mouth, the eyes, hearing, and walking."""
+
+import math
+import time
+from collections.abc import AsyncIterator
+from dataclasses import dataclass
+from itertools import count
+from typing import Final
+
+from openrois_avatar.check.finding import Finding, failed, judged, not_tried, passed
+from openrois_avatar.check.line import Line
+from openrois_avatar.link.media import Audio
+from openrois_avatar.link.messages import (
+    Completed,
+    Drive,
+    Halt,
+    Hello,
+    Look,
+    Place,
+    Reached,
+    React,
+    Silence,
+    Speak,
+    Stop,
+    Viseme,
+    Walk,
+    Waypoint,
+)
+
+__all__ = ["Patience", "acting"]
+
+MESSAGES: Final = "JSON messages"
+_UNKNOWN: Final = "a reaction that no engine has"
+_STEP: Final = 0.5
+_SPEED: Final = 0.5
+"""Metres that the figure is sent, and metres a second."""
+_NEAR: Final = 0.1
+"""Metres by which it may miss its target."""
+_BLOCK: Final = 480
+_ON_ITS_WAY: Final = 0.3
+"""Seconds."""
+_ids: Final = (f"check-{number}" for number in count(1))
+
+
+@dataclass(frozen=True, slots=True)
+class Patience:
+    """Seconds that an engine is given, and for which it is watched."""
+
+    connect: float = 60.0
+    greet: float = 5.0
+    watch: float = 3.0
+    answer: float = 2.0
+    react: float = 30.0
+    come_back: float = 15.0
+    end: float = 5.0
+
+
+async def acting(line: Line, hello: Hello, patience: Patience) -> AsyncIterator[Finding]:
+    """Try everything that its greeting says it can do, one after another."""
+    if hello.reactions:
+        yield await _reaction(line, hello, patience)
+        yield await _stopped(line, hello, patience)
+    else:
+        yield not_tried("reaction", "HELLO lists none", MESSAGES)
+    yield await _unknown(line, patience)
+    yield await _gestures(line, patience)
+    yield await _hearing(line, hello, patience)
+    if hello.walks:
+        yield await _walk(line, patience)
+        yield await _halt(line, patience)
+        yield await _drive(line, patience)
+    else:
+        yield not_tried("walk", "HELLO does not say `walks`", MESSAGES)
+    yield _answers(line)
+
+
+async def _completed(line: Line, id: str, seconds: float) -> str:
+    """How something ended, empty if it has not in time."""
+    await line.until(lambda: bool(line.completed(id)), seconds)
+    return next(iter(line.completed(id)), "")
+
+
+async def _reaction(line: Line, hello: Hello, patience: Patience) -> Finding:
+    id, name = next(_ids), hello.reactions[0]
+    began = time.monotonic()
+    line.tell(React(id, name))
+    status = await _completed(line, id, patience.react)
+    took = time.monotonic() - began
+    wrong = {
+        "": f"{name} was not completed within {patience.react:g} s",
+        "ABORT": f"{name} was completed with ABORT, and nobody had stopped it",
+        "ERROR": f"{name} was completed with ERROR, and HELLO lists it",
+    }
+    faults = [wrong[status]] if status in wrong else []
+    return judged("reaction", faults, f"{name} was completed with OK after {took:.1f} s", MESSAGES)
+
+
+async def _stopped(line: Line, hello: Hello, patience: Patience) -> Finding:
+    id, name = next(_ids), hello.reactions[0]
+    line.tell(React(id, name))
+    line.tell(Stop(id))
+    status = await _completed(line, id, patience.answer)
+    if status == "":
+        return failed("stop", f"{name} was not completed within {patience.answer:g} s of `stop`", MESSAGES)
+    wrong = [f"{name} was completed with ERROR when it was stopped, not with ABORT"] if status == "ERROR" else []
+    told = "completed with ABORT" if status == "ABORT" else "it was over before it could be stopped"
+    return judged("stop", wrong, told, MESSAGES)
+
+
+async def _unknown(line: Line, patience: Patience) -> Finding:
+    id = next(_ids)
+    line.tell(React(id, _UNKNOWN))
+    status = await _completed(line, id, patience.answer)
+    if status == "":
+        told = f"a reaction that there is not was not answered within {patience.answer:g} s: ERROR is expected"
+        return failed("unknown", told, MESSAGES)
+    faults = [] if status == "ERROR" else [f"a reaction that there is not was completed with {status}, not with ERROR"]
+    return judged("unknown", faults, "a reaction that there is not was completed with ERROR", MESSAGES)
+
+
+async def _gestures(line: Line, patience: Patience) -> Finding:
+    """Mouth and eyes have no answer: the engine lives on, and so do its pictures."""
+    start = time.monotonic_ns() + 100_000_000
+    visemes = tuple(Viseme(60.0 * number, shape, 1.0) for number, shape in enumerate(("PP", "aa", "E", "sil")))
+    line.tell(Speak(next(_ids), start, visemes, 240))
+    line.tell(Speak(next(_ids), start + 10_000_000_000, visemes, 240))
+    line.tell(Look(1.0, 0.5))
+    line.tell(Silence())
+    line.tell(Look(0.0, 0.0))
+    line.tell(Stop(None))
+    told = "speak, silence, look and stop"
+    return await _lives(line, patience, "mouth and eyes", told)
+
+
+async def _hearing(line: Line, hello: Hello, patience: Patience) -> Finding:
+    if not hello.hears:
+        return not_tried("hearing", "HELLO does not say `hears`", "Frames")
+    for number in range(20):
+        line.hear(Audio(number, time.monotonic_ns(), 1, bytes(2 * _BLOCK)))
+    return await _lives(line, patience, "hearing", "20 blocks of the operator's sound")
+
+
+async def _lives(line: Line, patience: Patience, check: str, told: str) -> Finding:
+    # What is on its way already says nothing.
+    await line.watch(_ON_ITS_WAY)
+    before = len(line.seen.pictures)
+    await line.until(lambda: len(line.seen.pictures) > before, patience.answer)
+    if line.is_over():
+        return failed(check, f"after {told}: {line.end}", MESSAGES)
+    if len(line.seen.pictures) == before and not line.paused:
+        return failed(check, f"after {told} no picture came for {patience.answer:g} s", MESSAGES)
+    return passed(check, f"{told} were taken, and pictures go on", MESSAGES)
+
+
+def _place(line: Line) -> Place | None:
+    return next((told.event for told in reversed(line.seen.events) if isinstance(told.event, Place)), None)
+
+
+def _there(place: Place | None) -> str:
+    return "nowhere" if place is None else f"{place.x:.2f}, {place.y:.2f}"
+
+
+async def _walk(line: Line, patience: Patience) -> Finding:
+    await line.until(lambda: _place(line) is not None, patience.answer)
+    start = _place(line)
+    if start is None:
+        return failed("walk", "no `place` came after the greeting", MESSAGES)
+    id = next(_ids)
+    target = Waypoint(start.x + _STEP, start.y)
+    line.tell(Walk(id, (target, Waypoint(start.x, start.y, start.th)), _SPEED))
+    status = await _completed(line, id, 4 * _STEP / _SPEED + patience.answer + 4.0)
+    reached = [told.event.index for told in line.seen.events if isinstance(told.event, Reached) and told.event.id == id]
+    places = [told.event for told in line.seen.events if isinstance(told.event, Place)]
+    halfway = [math.dist((place.x, place.y), (target.x, target.y)) for place in places]
+    now = _place(line)
+    assert now is not None, "it was there before"
+    faults = []
+    if status != "OK":
+        faults.append(f"a walk of {_STEP} m and back was completed with {status or 'nothing'}")
+    if reached != [0, 1]:
+        faults.append(f"`reached` came for the points {reached}, not for 0 and 1")
+    if min(halfway) > _NEAR:
+        faults.append(f"the nearest `place` to {target.x:.2f}, {target.y:.2f} was {min(halfway):.2f} m away")
+    if math.dist((now.x, now.y), (start.x, start.y)) > _NEAR:
+        faults.append(f"it ended at {_there(now)}, not at {_there(start)}")
+    return judged("walk", faults, f"{_STEP} m and back to {_there(now)}, each point told when it was reached", MESSAGES)
+
+
+async def _halt(line: Line, patience: Patience) -> Finding:
+    start = _place(line)
+    if start is None:
+        return not_tried("halt", "nobody knows where the figure is", MESSAGES)
+    id = next(_ids)
+    line.tell(Walk(id, (Waypoint(start.x - 3 * _STEP, start.y),), _SPEED))
+    line.tell(Halt())
+    status = await _completed(line, id, patience.answer)
+    fault = "" if status == "ABORT" else f"a walk that was halted was completed with {status or 'nothing'}, not ABORT"
+    told = f"the walk was completed with ABORT at {_there(_place(line))}"
+    return judged("halt", [fault] if fault else [], told, MESSAGES)
+
+
+async def _drive(line: Line, patience: Patience) -> Finding:
+    start = _place(line)
+    line.tell(Drive(0.0, 0.0, 1.0))
+    moved = await line.until(lambda: _turned(_place(line), start), patience.answer)
+    await line.watch(1.0)
+    then = _place(line)
+    await line.watch(0.5)
+    faults = []
+    if not moved:
+        faults.append(f"`drive` with a turn moved nothing within {patience.answer:g} s")
+    elif _place(line) != then:
+        faults.append("it still moves 1.5 s after one `drive`: it holds for 0.5 s at most")
+    line.tell(Halt())
+    return judged("drive", faults, "it moved, and stood still by itself when nothing followed", MESSAGES)
+
+
+def _turned(place: Place | None, start: Place | None) -> bool:
+    return place is not None and start is not None and abs(place.th - start.th) > 0.05
+
+
+def _answers(line: Line) -> Finding:
+    """Each thing is completed once, and nothing that was never begun."""
+    ids = [told.event.id for told in line.seen.events if isinstance(told.event, Completed)]
+    twice = sorted({id for id in ids if ids.count(id) > 1})
+    strange = sorted({id for id in ids if not id.startswith("check-")})
+    faults = [f"{', '.join(twice)} completed more than once"] if twice else []
+    faults += [f"{', '.join(strange)} completed, and nobody had asked for it"] if strange else []
+    return judged("answers", faults, f"{len(ids)} completed, each once", MESSAGES)

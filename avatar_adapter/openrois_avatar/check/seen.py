@@ -1,0 +1,67 @@
+"""What is kept of an engine's pictures, sound and events: all but the pixels and samples."""
+
+from collections import deque
+from dataclasses import dataclass, field
+from typing import Final
+
+from openrois_avatar.link.media import Audio, Doorbell, PixelFormat, Video
+from openrois_avatar.link.messages import Event
+
+__all__ = ["Block", "Picture", "Seen", "Told"]
+
+_KEPT: Final = 100_000
+"""Of each kind; the oldest are forgotten."""
+
+
+@dataclass(frozen=True, slots=True)
+class Picture:
+    """A picture, and when it was there: both times in seconds of CLOCK_MONOTONIC."""
+
+    at: float
+    claimed: float
+    sequence: int
+    size: tuple[int, int]
+    format: PixelFormat
+    in_ring: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """A block of sound, when it was there, and when it is to be heard: in seconds of CLOCK_MONOTONIC."""
+
+    at: float
+    claimed: float
+    sequence: int
+    channels: int
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """An event, and when it was there."""
+
+    at: float
+    event: Event
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """All that one connection has brought, in order."""
+
+    pictures: deque[Picture] = field(default_factory=lambda: deque(maxlen=_KEPT))
+    blocks: deque[Block] = field(default_factory=lambda: deque(maxlen=_KEPT))
+    events: deque[Told] = field(default_factory=lambda: deque(maxlen=_KEPT))
+
+    def take(self, message: Video | Doorbell | Audio | Event, at: float) -> None:
+        """Keep what is of interest of a message that arrived at that moment."""
+        match message:
+            case Video() | Doorbell():
+                size, claimed = (message.width, message.height), message.timestamp_ns / 1e9
+                in_ring = isinstance(message, Doorbell)
+                self.pictures.append(Picture(at, claimed, message.sequence, size, message.format, in_ring))
+            case Audio():
+                samples = len(message.samples) // (2 * message.channels)
+                claimed, seconds = message.timestamp_ns / 1e9, samples / 48_000
+                self.blocks.append(Block(at, claimed, message.sequence, message.channels, seconds))
+            case _:
+                self.events.append(Told(at, message))

@@ -1,0 +1,78 @@
+"""A socket that listens for engines: on this machine alone, and gone with the context, or with who is killed."""
+
+from __future__ import annotations
+
+import ipaddress
+import socket
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Final
+
+from openrois_avatar.link.address import Address, TcpAddress, UnixAddress, parse_address
+from openrois_avatar.link.messages import LinkError
+from openrois_avatar.link.private import clear, private_path
+
+BACKLOG: Final = 8
+
+
+@contextmanager
+def listening(address: str | None = None) -> Iterator[tuple[socket.socket, str]]:
+    """Listen for as long as the context lasts; gives a socket that does not block, and its address.
+
+    Args:
+        address: `unix:/path` or `tcp:host:port` on a loopback address (port 0: a free one); without it a Unix socket in
+            a directory of its own that only this user may enter.
+
+    Raises:
+        LinkError: the address is malformed, not of this machine alone, or cannot be listened on.
+    """
+    with private_path() as private:
+        place = parse_address(address or f"unix:{private}")
+        with _listen(place) as listener:
+            try:
+                yield listener, _address_of(place, listener)
+            finally:
+                if isinstance(place, UnixAddress):
+                    Path(place.path).unlink(missing_ok=True)
+
+
+def _listen(place: Address) -> socket.socket:
+    family = socket.AF_UNIX
+    name: str | tuple[str, int]
+    if isinstance(place, UnixAddress):
+        name = place.path
+        clear(place.path)
+    else:
+        name = place.host, place.port
+        family = socket.AF_INET6 if ":" in place.host else socket.AF_INET
+        _check_loopback(place.host)
+    listener = socket.socket(family, socket.SOCK_STREAM)
+    try:
+        listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listener.bind(name)
+        if isinstance(place, UnixAddress):
+            # Nobody gets in before it listens.
+            Path(place.path).chmod(0o600)
+        listener.listen(BACKLOG)
+        listener.setblocking(False)
+    except OSError as error:
+        listener.close()
+        raise LinkError(f"cannot listen on {place}: {error}") from error
+    return listener
+
+
+def _address_of(place: Address, listener: socket.socket) -> str:
+    """Where `listener` is, with the port that the system chose."""
+    if isinstance(place, UnixAddress):
+        return str(place)
+    return str(TcpAddress(place.host, listener.getsockname()[1]))
+
+
+def _check_loopback(host: str) -> None:
+    try:
+        loopback = host == "localhost" or ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        loopback = False
+    if not loopback:
+        raise LinkError(f"the engine link stays on this machine: {host} is not a loopback address")

@@ -1,0 +1,206 @@
+"""`openrois avatar check` with engines that do all as they should, and with engines that each do one thing wrong."""
+
+import asyncio
+import json
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from openrois_avatar import command as avatar
+from openrois_avatar.check import command
+from openrois_avatar.check.acting import Patience
+from openrois_avatar.check.finding import Finding, Outcome
+from openrois_avatar.check.visit import visiting
+
+from tests.support.odd_engine import odd_engine
+
+ROOT = Path(__file__).parents[3]
+SHORT = Patience(connect=10, greet=0.5, watch=0.5, answer=0.6, react=1.0, come_back=1.0, end=5.0)
+LONG = Patience(connect=20, watch=1.0)
+SECRET = "s3cret"
+
+ODD = {
+    "says nothing": ("greeting", "no HELLO came within 0.5 s"),
+    "speaks HTTP": ("greeting", "bad magic"),
+    "wrong secret": ("greeting", "HELLO does not have the secret"),
+    "shows nothing": ("pictures", "none has come"),
+    "is slow": ("pictures", "a second, 50 announced"),
+    "counts from 1": ("sequence", "the first is number 1: a connection counts from 0"),
+    "does not count": ("sequence", "number 0 follows 0"),
+    "is small": ("size", "HELLO announced 16x8 bgra, and 8x8 bgra came"),
+    "has no time": ("moments", "the timestamp is 0"),
+    "has the time of day": ("moments", "CLOCK_MONOTONIC in nanoseconds, no other clock"),
+    "is late": ("moments", "ago, which is not believed"),
+    "is ahead": ("moments", "later than now, which is not believed"),
+    "stands still": ("moments", "do not show a later moment"),
+    "silent says HELLO": ("sound", "HELLO has no `audio`, and sound came"),
+    "is stereo": ("sound", "1 channels were announced, and blocks have 2"),
+    "counts no sound": ("sound", "not counted from 0 on"),
+    "sounds late": ("sound moments", "s too late"),
+    "sounds of the past": ("sound moments", "from -1 to 0.5 s is believed"),
+    "stumbles": ("sound moments", "do not begin within 30 ms"),
+    "nods for ever": ("reaction", "nod was not completed within 1 s"),
+    "nods twice": ("answers", "completed more than once"),
+    "does not stop": ("stop", "nod was not completed within 0.6 s of `stop`"),
+    "stops with ERROR": ("stop", "completed with ERROR when it was stopped"),
+    "knows everything": ("unknown", "completed with OK, not with ERROR"),
+    "ignores what it does not know": ("unknown", "was not answered within 0.6 s"),
+    "dies of sound": ("hearing", "after 20 blocks of the operator's sound: "),
+    "has no place": ("walk", "no `place` came after the greeting"),
+    "does not tell": ("walk", "`reached` came for the points [], not for 0 and 1"),
+    "does not halt": ("halt", "completed with OK, not ABORT"),
+    "does not drive": ("drive", "moved nothing"),
+    "drives for ever": ("drive", "it still moves"),
+    "ring unused": ("ring", "no picture came through it"),
+    "ring with wrong locks": ("protocol", "its lock word is 1 and should be "),
+}
+"""What is wrong with an engine, the check that finds it, and what it says."""
+
+RIGHT = ("nothing", "ring used", "can nothing", "comes back", "pauses", "is mute")
+"""Engines with which nothing is wrong."""
+
+
+@dataclass
+class Found:
+    """What a check has found, by the name of what was tried."""
+
+    findings: list[Finding]
+
+    def __contains__(self, check: str) -> bool:
+        return any(finding.check == check for finding in self.findings)
+
+    def __getitem__(self, check: str) -> Finding:
+        (finding,) = (finding for finding in self.findings if finding.check == check)
+        return finding
+
+    @property
+    def failed(self) -> list[str]:
+        return [f"{each.check}: {each.seen}" for each in self.findings if each.outcome is Outcome.FAILED]
+
+
+async def of_thread(odd: str) -> Found:
+    """Check an engine in a thread."""
+    async with visiting("tcp:127.0.0.1:0", SECRET, (), SHORT) as visit:
+        engine = odd_engine(visit.address, SECRET, odd)
+        engine.__enter__()
+        found = [finding async for finding in visit.findings()]
+        await asyncio.to_thread(engine.__exit__, None, None, None)
+    return Found(found)
+
+
+async def of_process(*program: str) -> Found:
+    """Check an engine that the check starts."""
+    async with visiting("tcp:127.0.0.1:0", SECRET, [sys.executable, *program], LONG) as visit:
+        return Found([finding async for finding in visit.findings()])
+
+
+@pytest.fixture(scope="module")
+def found() -> dict[str, Found]:
+    """All of them at once: they wait most of the time."""
+
+    async def check_all() -> dict[str, Found]:
+        async with asyncio.timeout(60), asyncio.TaskGroup() as tasks:
+            running = {odd: tasks.create_task(of_thread(odd)) for odd in (*ODD, *RIGHT)}
+            running["puppet"] = tasks.create_task(of_process("-m", "openrois_avatar.engines.puppet"))
+            running["example"] = tasks.create_task(of_process(str(ROOT / "docs/examples/engine.py")))
+        return {odd: task.result() for odd, task in running.items()}
+
+    return asyncio.run(check_all())
+
+
+@pytest.mark.engine
+@pytest.mark.timeout(90)
+@pytest.mark.parametrize("odd", ODD)
+def test_what_is_wrong_is_named(found: dict[str, Found], odd: str) -> None:
+    check, said = ODD[odd]
+    assert said in found[odd][check].seen
+    assert found[odd][check].outcome is Outcome.FAILED
+
+
+@pytest.mark.engine
+@pytest.mark.timeout(90)
+@pytest.mark.parametrize("engine", [*RIGHT, "puppet", "example"])
+def test_what_is_right_passes(found: dict[str, Found], engine: str) -> None:
+    assert found[engine].failed == []
+
+
+@pytest.mark.engine
+@pytest.mark.timeout(90)
+def test_how_engines_end_is_told(found: dict[str, Found]) -> None:
+    ends = {
+        engine: (found[engine]["adapter gone"].seen, found[engine]["quit"].seen)
+        for engine in found
+        if "quit" in found[engine]
+    }
+    assert ends["comes back"] == ("the engine connected again, and greeted anew", "the engine closed its connection")
+    assert ends["nothing"][0].startswith("the engine did not connect again within 1 s")
+    assert ends["nothing"][1] == "the engine does not connect again"
+    for started in ("puppet", "example"):
+        assert ends[started] == ("the engine ended, with status 0", "the engine ended with status 0")
+
+
+@pytest.mark.engine
+@pytest.mark.timeout(90)
+def test_every_section_is_on_the_page(found: dict[str, Found]) -> None:
+    page = (ROOT / "docs/engine-link.md").read_text()
+    sections = {finding.section for each in found.values() for finding in each.findings}
+    assert [section for section in sections if f"\n## {section}\n" not in page] == []
+
+
+def test_the_page_has_the_example_as_it_is() -> None:
+    page = (ROOT / "docs/engine-link.md").read_text()
+    assert (ROOT / "docs/examples/engine.py").read_text() in page.replace("```\n", "")
+
+
+def hanging(told: str) -> list[str]:
+    """A program that says it is an engine and is none."""
+    return [sys.executable, "-c", told]
+
+
+@pytest.mark.parametrize(
+    ("program", "said"),
+    [
+        ("raise SystemExit(7)", "the engine ended with status 7 before it connected"),
+        ("import time; time.sleep(60)", "no engine came to tcp:127.0.0.1:"),
+    ],
+)
+def test_an_engine_that_does_not_come(capsys: pytest.CaptureFixture[str], program: str, said: str) -> None:
+    patience = Patience(connect=1.0)
+    status = asyncio.run(command.check("tcp:127.0.0.1:0", SECRET, hanging(program), patience, json=True))
+    told = json.loads(capsys.readouterr().out)
+    assert (status, told["passed"], told["engine"]) == (1, False, None)
+    assert [(each["check"], each["outcome"]) for each in told["findings"]] == [("connection", "failed")]
+    assert said in told["findings"][0]["seen"]
+
+
+def test_the_command_says_what_it_waits_for_and_what_it_found(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    address = f"unix:{tmp_path}/engine"
+    assert avatar.main(["check", "--link", address, "--wait", "0"]) == 1
+    waiting, finding, _, summed_up = capsys.readouterr().out.splitlines()
+    assert waiting == f"waiting for an engine at {address}"
+    assert finding == (
+        f"FAILED connection       no engine came to {address} within 0 s "
+        "(docs/engine-link.md, From the greeting to the end)"
+    )
+    assert summed_up == "The engine does not follow docs/engine-link.md: 1 failed."
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["--link", "tcp:192.0.2.1:1"], "not a loopback address"),
+        (["--", "no/such/engine"], "no/such/engine cannot be started: No such file or directory"),
+    ],
+)
+def test_what_cannot_be_checked_is_said(capsys: pytest.CaptureFixture[str], arguments: list[str], said: str) -> None:
+    assert avatar.main(["check", *arguments]) == 1
+    assert said in capsys.readouterr().err
+
+
+def test_wrong_usage_is_explained(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        avatar.main(["check", "--link-secret-file", "no/such/file"])
+    assert "--link-secret-file" in capsys.readouterr().err
