@@ -9,11 +9,13 @@ from panda3d.core import (
     GeomVertexData,
     GeomVertexFormat,
     InternalName,
+    LMatrix4f,
     NodePath,
     OmniBoundingVolume,
 )
 
 from openrois_avatar.engines.sculpt.mesh import Faces
+from openrois_avatar.engines.sculpt.rig import Frame
 from openrois_avatar.engines.sculpt.shading import Bytes, Floats
 
 _VERTICES, _COLOURS = 0, 1
@@ -72,3 +74,10 @@ class Solid:
     def _write(self, array: int, values: Floats | Bytes) -> None:
         buffer = self._geometry.modify_vertex_data().modify_array(array)
         memoryview(buffer).cast("B")[:] = values.data.cast("B")
+
+
+def matrix(frame: Frame) -> LMatrix4f:
+    """A frame as Panda has it, whose matrices multiply rows from the left."""
+    (a, b, c), (d, e, f), (g, h, i) = frame.rotation
+    x, y, z = frame.origin
+    return LMatrix4f(a, d, g, 0, b, e, h, 0, c, f, i, 0, x, y, z, 1)

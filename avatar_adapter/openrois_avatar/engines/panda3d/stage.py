@@ -1,4 +1,4 @@
-"""The stage: the figure's parts and the backdrop as a scene of Panda3D, drawn pose by pose."""
+"""The stage: the figure and its room as a scene of Panda3D, drawn pose by pose."""
 
 from collections.abc import Sequence
 from itertools import groupby
@@ -6,23 +6,26 @@ from typing import Final
 
 import cv2
 import numpy as np
-from panda3d.core import GraphicsEngine, LMatrix4f, NodePath
+from panda3d.core import GraphicsEngine, NodePath
 
-from openrois_avatar.engines import palette
 from openrois_avatar.engines.animation.pose import Pose
-from openrois_avatar.engines.panda3d.geometry import Solid
-from openrois_avatar.engines.panda3d.view import EYE_LEVEL, View
+from openrois_avatar.engines.panda3d.geometry import Solid, matrix
+from openrois_avatar.engines.panda3d.room import Room
+from openrois_avatar.engines.panda3d.view import View
 from openrois_avatar.engines.room.scene import AT_HOME, Scene
+from openrois_avatar.engines.room.shot import DISTANCE, METRE, SPAN, Shot
 from openrois_avatar.engines.sculpt import figure
 from openrois_avatar.engines.sculpt.distance import Array
-from openrois_avatar.engines.sculpt.mesh import grid_faces
 from openrois_avatar.engines.sculpt.part import Part, State
-from openrois_avatar.engines.sculpt.rig import Frame
-from openrois_avatar.engines.sculpt.shading import Floats, Lighting, linear
+from openrois_avatar.engines.sculpt.rig import Frame, standing
+from openrois_avatar.engines.sculpt.shading import Floats, Lighting
 from openrois_avatar.engines.settings import Picture, Pixels
 
 _RELIGHT: Final = 0.006
-"""A part is lit anew once it has turned by about so many radians."""
+_RELIGHT_FAR: Final = 0.03
+"""A part is lit anew once it has turned by about so many radians, seen closely and from farther away."""
+_BROAD: Final = 2.5
+"""Half of how broad the visitor is, in dm, with swinging arms."""
 _NARROW: Final = 0.90
 """Width, in heights of the picture, of what the figure fills while it keeps its hands down."""
 
@@ -30,7 +33,7 @@ _NARROW: Final = 0.90
 class Stage:
     """Draws the figure; one per process.
 
-    While the hands are down only the middle of the picture is drawn anew: what is beside it does not change.
+    In a close view of calm hands only the middle of the picture is drawn anew: what is beside it does not change.
 
     Raises:
         RuntimeError: Panda3D cannot draw here.
@@ -44,38 +47,50 @@ class Stage:
         first = (picture.width - columns) // 2
         self._middle = slice(first, first + columns)
         self._narrow, self._wide = View(scene, columns, picture.height), View(scene, picture.width, picture.height)
-        _backdrop(scene)
-        self._engine.render_frame()
-        self._beside = self._wide.read().copy()
-        self._pixels = self._beside.copy()
-        self._is_wide = False
+        self._pixels = np.empty((picture.height, picture.width, 4), np.uint8)
+        self._beside: Shot | None = None
+        """The shot in which the picture shows nothing but the wall beside its middle."""
+        self._slope = SPAN / 2 / DISTANCE * picture.width / picture.height
         # Nearest first, what never changes its shape apart from what does.
         parts = sorted(figure.build(), key=lambda part: (figure.SPACES.index(part.space), _moves(part)))
         self._groups = [
             _Group(list(group), scene) for _, group in groupby(parts, lambda part: (part.space, _moves(part)))
         ]
+        self._room = Room(scene)
 
     def draw(self, pose: Pose, scene: Scene = AT_HOME) -> Pixels:
         """The figure in this pose as BGRA, (height, width, 4), top row first; the next call reuses the array."""
-        frames, visible = figure.frames(pose), figure.visible(pose)
+        place, shot = scene.place, scene.shot
+        world = standing(place.x * METRE, place.y * METRE, place.th)
+        frames, visible = figure.frames(pose, world), figure.visible(pose, whole=not shot.is_close)
         for group in self._groups:
             group.show(visible[group.space])
             if visible[group.space]:
-                group.update(pose, frames[group.space])
-        self._choose(wide=visible["hand_left"] or visible["hand_right"])
+                group.update(pose, frames[group.space], _RELIGHT if shot.is_close else _RELIGHT_FAR)
+        self._room.update(scene)
+        calm = (
+            shot.is_close and not visible["hand_left"] and not visible["hand_right"] and not self._sees_visitor(scene)
+        )
+        narrow = calm and shot == self._beside
+        self._beside = shot if calm else None
+        for view, on in ((self._narrow, narrow), (self._wide, not narrow)):
+            view.turn(on)
+            if on:
+                view.aim(shot)
         self._engine.render_frame()
-        if self._is_wide:
-            np.copyto(self._pixels, self._wide.read())
-        else:
+        if narrow:
             np.copyto(self._pixels[:, self._middle], self._narrow.read())
+        else:
+            np.copyto(self._pixels, self._wide.read())
         return self._pixels
 
-    def _choose(self, wide: bool) -> None:
-        if self._is_wide and not wide:
-            np.copyto(self._pixels, self._beside)
-        self._is_wide = wide
-        self._wide.turn(wide)
-        self._narrow.turn(not wide)
+    def _sees_visitor(self, scene: Scene) -> bool:
+        """Whether the visitor may be in the picture."""
+        if scene.visitor is None:
+            return False
+        across = scene.visitor.place.x * METRE - scene.shot.x
+        away = scene.visitor.place.y * METRE - scene.shot.y
+        return away > 0 and abs(across) < away * self._slope + _BROAD
 
 
 def _moves(part: Part) -> bool:
@@ -99,15 +114,18 @@ class _Group:
         faces = np.concatenate([part.faces + start for part, start in zip(parts, starts, strict=True)])
         self._solid = Solid(self.space, self._node, faces, ends[-1])
 
-    def update(self, pose: Pose, frame: Frame) -> None:
-        """Bring everything that depends on the pose up to date; `frame` is where the space is."""
-        self._node.set_mat(_matrix(frame))
+    def update(self, pose: Pose, frame: Frame, relight: float) -> None:
+        """Bring everything that depends on the pose up to date.
+
+        `frame` is where the space is; it is lit anew once it has turned by about `relight` radians.
+        """
+        self._node.set_mat(matrix(frame))
         rotation = frame.rotation
         changed = [entry for entry in self._entries if entry.part.state(pose) != entry.state]
         relit = [entry.place for entry in changed if self._reshape(entry, pose)]
         if changed:
             self._solid.move(self._vertices)
-        if self._rotation is None or float(np.abs(rotation - self._rotation).max()) > _RELIGHT:
+        if self._rotation is None or float(np.abs(rotation - self._rotation).max()) > relight:
             self._rotation = rotation.astype(np.float32)
             relit = [slice(None)]
         for place in relit:
@@ -140,22 +158,3 @@ class _Entry:
         self.part, self.place = part, place
         self.state: State | None = None
         self.source: Array | None = None
-
-
-def _backdrop(scene: NodePath) -> None:
-    """A soft light on a wall behind the figure; it fills the whole picture, so that nothing need be cleared."""
-    columns, rows = np.linspace(-24, 24, 49), np.linspace(-9, 9, 23)
-    z, x = np.meshgrid(rows, columns, indexing="ij")
-    vertices = np.stack([x, np.full_like(x, 30.0), z + EYE_LEVEL], axis=-1).reshape(-1, 3)
-    share = 1 - np.exp(-((x / 7.0) ** 2) - ((z - 0.8) / 5.2) ** 2).reshape(-1, 1)
-    colours = np.sqrt(linear(palette.BACKDROP_CENTRE)) * (1 - share) + np.sqrt(linear(palette.BACKDROP_EDGE)) * share
-    wall = Solid("backdrop", scene, grid_faces(len(rows), len(columns), closed=False), len(vertices))
-    wall.move(vertices.astype(np.float32))
-    wall.paint(np.concatenate([colours * 255, np.full((len(colours), 1), 255.0)], axis=1).astype(np.uint8))
-
-
-def _matrix(frame: Frame) -> LMatrix4f:
-    """Panda's matrices multiply rows from the left."""
-    (a, b, c), (d, e, f), (g, h, i) = frame.rotation
-    x, y, z = frame.origin
-    return LMatrix4f(a, d, g, 0, b, e, h, 0, c, f, i, 0, x, y, z, 1)

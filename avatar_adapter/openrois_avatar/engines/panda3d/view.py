@@ -18,15 +18,13 @@ from panda3d.core import (
     load_prc_file_data,
 )
 
+from openrois_avatar.engines.room.shot import DISTANCE, SPAN, Shot
 from openrois_avatar.engines.settings import Pixels
 
 _OVERSAMPLING: Final = 2
 """A buffer is so many times larger than its picture: the renderer itself does not smooth edges."""
-_DISTANCE: Final = 15.0
-_SPAN: Final = 4.7
-"""From the camera to the head, and the height of the picture there, in dm."""
-EYE_LEVEL: Final = -0.66
-"""The camera's height in body space, in dm."""
+_NEAR_WALL, _FAR_WALL = 60.0, 160.0
+"""Farther than the wall in close views and in others, in dm: depth is the finer the less there is of it."""
 
 load_prc_file_data(
     "",
@@ -46,14 +44,21 @@ class View:
         self._texture = Texture()
         self._buffer = _opened(columns * _OVERSAMPLING, height * _OVERSAMPLING)
         self._buffer.add_render_texture(self._texture, GraphicsOutput.RTM_copy_ram)
-        # The backdrop covers every pixel.
+        # Wall and ground cover every pixel.
         self._buffer.set_clear_color_active(False)
-        self._buffer.make_display_region().set_camera(_camera(scene, columns / height))
+        self._lens = _lens(columns / height)
+        self._camera: NodePath = scene.attach_new_node(Camera("camera", self._lens))
+        self._buffer.make_display_region().set_camera(self._camera)
         self._small = np.empty((height, columns, 4), np.uint8)
 
     def turn(self, on: bool) -> None:
         """Let Panda3D draw this view with every frame from now on, or not."""
         self._buffer.set_active(on)
+
+    def aim(self, shot: Shot) -> None:
+        """Look from there."""
+        self._lens.set_far(_NEAR_WALL if shot.is_close else _FAR_WALL)
+        self._camera.set_pos_hpr(shot.x, shot.y, shot.z, 0.0, -float(np.degrees(shot.tilt)), 0.0)
 
     def read(self) -> Pixels:
         """What was drawn last as BGRA, (height, columns, 4), top row first; a view of an array that is used again."""
@@ -80,10 +85,8 @@ def _opened(width: int, height: int) -> GraphicsOutput:
     return buffer
 
 
-def _camera(scene: NodePath, aspect: float) -> NodePath:
+def _lens(aspect: float) -> PerspectiveLens:
     lens = PerspectiveLens()
-    lens.set_fov(*(float(np.degrees(2 * np.arctan(extent / 2 / _DISTANCE))) for extent in (_SPAN * aspect, _SPAN)))
-    lens.set_near_far(4.0, 60.0)
-    path = scene.attach_new_node(Camera("camera", lens))
-    path.set_pos(0.0, -_DISTANCE, EYE_LEVEL)
-    return path
+    lens.set_fov(*(float(np.degrees(2 * np.arctan(extent / 2 / DISTANCE))) for extent in (SPAN * aspect, SPAN)))
+    lens.set_near_far(4.0, _NEAR_WALL)
+    return lens

@@ -10,7 +10,7 @@ import numpy as np
 
 from openrois_avatar.engines import palette
 from openrois_avatar.engines.sculpt.distance import Array, ellipsoid, gradient, join
-from openrois_avatar.engines.sculpt.head import face_field
+from openrois_avatar.engines.sculpt.head import face_field, smooth
 from openrois_avatar.engines.sculpt.mesh import (
     Mesh,
     compact,
@@ -295,7 +295,9 @@ class Hair:
             meshes.append(compact(Mesh(points, flat, faces, albedo, np.ones(bright.size))))
             centres.append(grid[::2].mean(axis=1))
         points, normals, faces = polygonised(cap_field, (-1.1, -1.0, -1.1), (1.1, 1.3, 1.5), 0.12)
-        meshes.append(Mesh(points, normals, faces, np.tile(base * 0.60, (len(points), 1)), np.full(len(points), 0.5)))
+        # Behind, nothing but the cap is between the locks of both sides.
+        behind = smooth((points[:, 1] - 0.5) / 0.3)
+        meshes.append(Mesh(points, normals, faces, base * (0.60 + 0.32 * behind[:, None]), 0.5 + 0.4 * behind))
         self._mesh = merged(meshes)
         fringe = np.concatenate(centres)
         self.shadow = Shadow(fringe[(fringe[:, 1] < 0.1) & (fringe[:, 2] > -0.3)], 0.17)

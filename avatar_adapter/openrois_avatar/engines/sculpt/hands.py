@@ -7,7 +7,8 @@ from openrois_avatar.engines.animation.pose import Arm, Pose
 from openrois_avatar.engines.sculpt import paint
 from openrois_avatar.engines.sculpt.distance import Array, cone, ellipsoid, join, occlusion
 from openrois_avatar.engines.sculpt.mesh import Mesh, polygonised
-from openrois_avatar.engines.sculpt.part import Part, Shape, Space, mirrored_mesh, mirrored_shape, sided, stepped, still
+from openrois_avatar.engines.sculpt.part import Part, Shape, mirrored_mesh, mirrored_shape, sided, stepped, still
+from openrois_avatar.engines.sculpt.rig import Space
 from openrois_avatar.engines.sculpt.shading import CLOTH, SKIN, Surface, linear
 
 _FINGERS = (

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -10,9 +10,9 @@ import numpy.typing as npt
 from openrois_avatar.engines.animation.pose import Pose
 from openrois_avatar.engines.sculpt.distance import Array
 from openrois_avatar.engines.sculpt.mesh import Faces, Mesh
+from openrois_avatar.engines.sculpt.rig import Space
 from openrois_avatar.engines.sculpt.shading import Finish, Surface, linear
 
-Space = Literal["body", "head", "hand_left", "hand_right"]
 State = tuple[float, ...]
 _MIRROR = np.asarray((-1.0, 1.0, 1.0))
 

@@ -1,6 +1,9 @@
 """Where each space of the figure is in the world for a pose."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from math import pi
+from typing import Final, Literal
 
 import numpy as np
 
@@ -9,7 +12,16 @@ from openrois_avatar.engines.sculpt.distance import Array
 
 NECK = np.asarray((0.0, 0.20, -0.72))
 """The joint the head turns around, in body space."""
+HIP, KNEE, ANKLE = (np.asarray(joint) for joint in ((0.47, 0.36, -5.15), (0.49, 0.34, -7.85), (0.50, 0.42, -10.55)))
+"""The joints of the left leg of one who stands, in body space; the floor is 0.45 dm below the ankle."""
 _HIPS = np.asarray((0.0, 0.45, -5.6))
+
+
+Leg = Literal["thigh_left", "shin_left", "foot_left", "thigh_right", "shin_right", "foot_right"]
+Space = Literal["body", "back", "head", "hand_left", "hand_right", "hips"] | Leg
+"""The parts of the figure that move as one: the back of the jumper goes along with the body."""
+_LEFT: Final[Sequence[Leg]] = ("thigh_left", "shin_left", "foot_left")
+_RIGHT: Final[Sequence[Leg]] = ("thigh_right", "shin_right", "foot_right")
 
 
 @dataclass(frozen=True)
@@ -18,6 +30,10 @@ class Frame:
 
     rotation: Array
     origin: Array
+
+    def raised(self, height: float) -> "Frame":
+        """This frame, so many dm higher."""
+        return Frame(self.rotation, self.origin + np.asarray((0.0, 0.0, height)))
 
     def within(self, outer: "Frame") -> "Frame":
         """This frame, given in the space of `outer`, in the world."""
@@ -46,6 +62,31 @@ def body_frame(pose: Pose) -> Frame:
 def head_frame(pose: Pose) -> Frame:
     """The head, which turns on the neck of the leaning body."""
     return _around(head_turn(pose), NECK).within(body_frame(pose))
+
+
+AT_ORIGIN = Frame(np.eye(3), np.zeros(3))
+"""The world itself."""
+
+
+def leg_frames(pose: Pose) -> tuple[dict[Leg, Frame], float]:
+    """Thighs, shins and feet by name, in body space, and how far (dm) the body rises on its legs: down, if below 0."""
+    frames: dict[Leg, Frame] = {}
+    soles = []
+    for side, spaces, leg in ((1, _LEFT, pose.left_leg), (-1, _RIGHT, pose.right_leg)):
+        hip, knee, ankle = (np.asarray((side, 1.0, 1.0)) * joint for joint in (HIP, KNEE, ANKLE))
+        thigh = _around(turned(0.0, leg.hip, 0.0), hip)
+        bent = turned(0.0, leg.hip - leg.knee, 0.0)
+        shin = Frame(bent, thigh.rotation @ knee + thigh.origin - bent @ knee)
+        flat = turned(0.0, leg.foot, 0.0)
+        foot = Frame(flat, bent @ ankle + shin.origin - flat @ ankle)
+        frames.update(zip(spaces, (thigh, shin, foot), strict=True))
+        soles.append(float((bent @ ankle + shin.origin)[2]))
+    return frames, float(ANKLE[2]) - min(soles)
+
+
+def standing(x: float, y: float, heading: float) -> Frame:
+    """The world of a figure that stands at x, y (dm) with the heading `heading` (radians), -pi/2 towards the viewer."""
+    return Frame(turned(heading + pi / 2, 0.0, 0.0), np.asarray((x, y, 0.0)))
 
 
 def _around(rotation: Array, pivot: Array) -> Frame:

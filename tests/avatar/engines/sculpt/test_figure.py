@@ -5,12 +5,13 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from openrois_avatar.engines.animation.pose import Arm, Mouth, Pose
+from openrois_avatar.engines.animation.pose import Arm, Leg, Mouth, Pose
 from openrois_avatar.engines.animation.visemes import SHAPES
 from openrois_avatar.engines.sculpt import arms, figure
 from openrois_avatar.engines.sculpt.distance import Array
 from openrois_avatar.engines.sculpt.head import EYE, EYE_RADIUS, MOUTH
 from openrois_avatar.engines.sculpt.part import Part
+from openrois_avatar.engines.sculpt.rig import ANKLE, HIP, KNEE, Space, standing
 
 
 @pytest.fixture(scope="module")
@@ -63,13 +64,29 @@ def test_every_part_is_a_sound_mesh_in_every_pose(parts: list[Part], pose: Pose)
 
 def test_solid_parts_are_seen_from_outside(parts: list[Part]) -> None:
     for part in parts:
-        if part.name in {"hair", "skull", "ear", "eyeball", "lid", "lips", "neck", "jumper", "hand", "watch"}:
+        if part.name in {
+            "hair",
+            "skull",
+            "ear",
+            "eyeball",
+            "lid",
+            "lips",
+            "neck",
+            "jumper",
+            "hand",
+            "watch",
+            "hips",
+            "thigh",
+            "shin",
+            "foot",
+        }:
             assert outwards(part) > 0.9, part.name
 
 
 def test_the_whole_figure_is_small_enough_for_a_software_renderer(parts: list[Part]) -> None:
-    hands_down = [part for part in parts if not part.space.startswith("hand")]
-    assert sum(len(part.faces) for part in hands_down) < 36_000
+    close = figure.visible(Pose())
+    assert sum(len(part.faces) for part in parts if close[part.space]) < 36_000
+    assert sum(len(part.faces) for part in parts) < 52_000
 
 
 def test_parts_that_depend_on_nothing_never_change(parts: list[Part]) -> None:
@@ -196,8 +213,45 @@ def test_both_arms_are_each_others_mirror() -> None:
 
 
 def test_hands_are_drawn_only_when_they_may_be_seen() -> None:
-    assert figure.visible(Pose()) == {"body": True, "head": True, "hand_left": False, "hand_right": False}
-    assert figure.visible(Pose(right=Arm(z=-2.0)))["hand_right"]
+    def seen(pose: Pose) -> set[str]:
+        return {space for space, is_visible in figure.visible(pose).items() if is_visible}
+
+    assert seen(Pose()) == {"body", "head"}
+    assert seen(Pose(right=Arm(z=-2.0))) == {"body", "head", "hand_right"}
+    assert all(figure.visible(Pose(), whole=True).values())
+
+
+def test_who_stands_at_home_is_where_the_close_view_expects_it() -> None:
+    for space, frame in figure.frames(Pose()).items():
+        at_home = figure.frames(Pose(), standing(0.0, 0.0, -np.pi / 2))[space]
+        assert at_home.rotation == pytest.approx(frame.rotation)
+        assert at_home.origin == pytest.approx(frame.origin)
+    assert figure.frames(Pose())["hips"].origin == pytest.approx(np.zeros(3))
+
+
+def test_who_turns_to_the_right_of_the_picture_looks_there() -> None:
+    mouth = np.asarray(MOUTH)
+    frame = figure.frames(Pose(), standing(5.0, 3.0, 0.0))["head"]
+    at = frame.rotation @ mouth + frame.origin
+    assert at[0] > 5.5
+    assert at[1] == pytest.approx(3.0, abs=0.1)
+
+
+@pytest.mark.parametrize("leg", [Leg(0.4, 0.1), Leg(-0.5, 0.2, -0.3), Leg(0.2, 1.1, 0.2)])
+def test_legs_keep_together_and_one_foot_on_the_floor(leg: Leg) -> None:
+    frames = figure.frames(Pose(left_leg=leg))
+
+    def joint(space: Space, at: Array) -> Array:
+        return np.asarray(frames[space].rotation @ at + frames[space].origin)
+
+    assert joint("thigh_left", HIP) == pytest.approx(joint("hips", HIP))
+    assert joint("thigh_left", KNEE) == pytest.approx(joint("shin_left", KNEE))
+    assert joint("shin_left", ANKLE) == pytest.approx(joint("foot_left", ANKLE))
+    other = ANKLE * (-1, 1, 1)
+    assert min(joint("foot_left", ANKLE)[2], joint("foot_right", other)[2]) == pytest.approx(ANKLE[2])
+    # Ahead is towards the viewer.
+    if leg.hip > leg.knee:
+        assert joint("foot_left", ANKLE)[1] < joint("foot_right", other)[1]
 
 
 def test_a_fist_is_smaller_than_an_open_hand(parts: list[Part]) -> None:

@@ -1,0 +1,131 @@
+"""The room in Panda3D: wall, floor, furniture, the visitor, and a soft shadow under whoever stands on the floor."""
+
+from typing import Final
+
+import numpy as np
+from panda3d.core import NodePath, TransparencyAttrib
+
+from openrois_avatar.engines import palette
+from openrois_avatar.engines.panda3d.geometry import Solid, matrix
+from openrois_avatar.engines.room.scene import Scene, Somebody
+from openrois_avatar.engines.room.shot import EYE_LEVEL, GROUND, HOME_SHOT, METRE
+from openrois_avatar.engines.sculpt import furniture, visitor
+from openrois_avatar.engines.sculpt.distance import Array
+from openrois_avatar.engines.sculpt.mesh import Mesh, grid_faces
+from openrois_avatar.engines.sculpt.shading import CLOTH, PLAIN, Bytes, Floats, Lighting, Surface, linear
+
+_WALL: Final = 30.0
+"""How far behind the figure's home the wall is, in dm."""
+_UNDER: Final = 0.15
+"""How far the ground is under the floor, and shadows over it, in dm: from far away the renderer's depth is no finer."""
+_RELIGHT: Final = 0.05
+"""The visitor is lit anew once it has turned by about so many radians."""
+_SHADOW: Final = 75
+"""How dark a shadow is in its middle, 0 to 255."""
+
+
+class Room:
+    """Everything in the scene but the figure. What is nearest is drawn first."""
+
+    def __init__(self, scene: NodePath) -> None:
+        self._visitor = _Visitor(scene)
+        self._furniture = _still("furniture", scene, furniture.furniture())
+        self._below = [_still("floor", scene, furniture.floor()), _ground(scene)]
+        _wall(scene)
+        self._shadows = [_shadow(scene), _shadow(scene)]
+
+    def update(self, scene: Scene) -> None:
+        """Bring up to date who is where. Close views see no floor, that of home no furniture."""
+        self._furniture.show(scene.shot != HOME_SHOT)
+        for solid in (*self._below, *self._shadows):
+            solid.show(not scene.shot.is_close)
+        self._visitor.update(scene.visitor)
+        places = [scene.place] if scene.visitor is None else [scene.place, scene.visitor.place]
+        for shadow, place in zip(self._shadows, places, strict=False):
+            shadow.path.set_pos(place.x * METRE, place.y * METRE, GROUND + _UNDER)
+
+
+class _Visitor:
+    """The visitor's limbs, each a mesh that is only moved."""
+
+    def __init__(self, scene: NodePath) -> None:
+        self._limbs = []
+        for name, mesh in visitor.build().items():
+            solid = Solid(name, scene, mesh.faces, len(mesh.vertices))
+            solid.move(mesh.vertices.astype(np.float32))
+            lighting = Lighting([Surface(mesh.albedo, finish=CLOTH)])
+            self._limbs.append((name, solid, mesh.normals.astype(np.float32), lighting))
+        self._rotation: Floats | None = None
+
+    def update(self, somebody: Somebody | None) -> None:
+        """Show it where it is, if it is there."""
+        for _, solid, _, _ in self._limbs:
+            solid.show(somebody is not None)
+        if somebody is None:
+            return
+        frames = visitor.frames(somebody)
+        for name, solid, _, _ in self._limbs:
+            solid.path.set_mat(matrix(frames[name]))
+        rotation = frames["hips"].rotation
+        if self._rotation is None or float(np.abs(rotation - self._rotation).max()) > _RELIGHT:
+            self._rotation = rotation.astype(np.float32)
+            for _, solid, normals, lighting in self._limbs:
+                solid.paint(_opaque(lighting.colours(slice(None), normals, self._rotation)))
+
+
+def _opaque(colours: Bytes) -> Bytes:
+    return np.concatenate([colours, np.full((len(colours), 1), 255, np.uint8)], axis=1)
+
+
+def _still(name: str, scene: NodePath, mesh: Mesh) -> Solid:
+    """A mesh that never moves."""
+    solid = Solid(name, scene, mesh.faces, len(mesh.vertices))
+    solid.move(mesh.vertices.astype(np.float32))
+    light = Lighting([Surface(mesh.albedo, finish=PLAIN)])
+    solid.paint(_opaque(light.colours(slice(None), mesh.normals.astype(np.float32), np.eye(3, dtype=np.float32))))
+    return solid
+
+
+def _shadow(scene: NodePath) -> Solid:
+    """A disc that darkens the floor, most in its middle."""
+    angle = np.arange(24) * 2 * np.pi / 24
+    circle = np.stack([np.cos(angle) * 1.15, np.sin(angle), 0 * angle], axis=1)
+    points = np.concatenate([circle * radius for radius in (0.05, 2.1)])
+    colours = np.zeros((len(points), 4), np.uint8)
+    colours[:, 3] = np.repeat((_SHADOW, 0), 24)
+    solid = Solid("shadow", scene, grid_faces(2, 24, closed=True)[:, ::-1], len(points))
+    solid.move(points.astype(np.float32))
+    solid.paint(colours)
+    solid.path.set_transparency(TransparencyAttrib.M_alpha)
+    solid.path.set_depth_write(False)
+    return solid
+
+
+def _ground(scene: NodePath) -> Solid:
+    """What is around the floor; it gets dark towards the sides, as the wall does."""
+    columns, rows = np.linspace(-75, 75, 31), np.linspace(-45, _WALL, 16)
+    y, x = np.meshgrid(rows, columns, indexing="ij")
+    points = np.stack([x, y, np.full_like(x, GROUND - _UNDER)], axis=-1).reshape(-1, 3)
+    share = 1 - np.exp(-((x / 26.0) ** 2) - ((y - 8.0) / 26.0) ** 2).reshape(-1, 1)
+    solid = Solid("ground", scene, grid_faces(len(rows), len(columns), closed=False), len(points))
+    solid.move(points.astype(np.float32))
+    solid.paint(_mixed(palette.GROUND, palette.BACKDROP_EDGE, share))
+    return solid
+
+
+def _wall(scene: NodePath) -> Solid:
+    """A soft light on the wall behind the figure."""
+    columns = np.concatenate([[-75.0, -40.0], np.linspace(-24, 24, 49), [40.0, 75.0]])
+    rows = np.concatenate([[GROUND - _UNDER - EYE_LEVEL], np.linspace(-9, 9, 23)])
+    z, x = np.meshgrid(rows, columns, indexing="ij")
+    vertices = np.stack([x, np.full_like(x, _WALL), z + EYE_LEVEL], axis=-1).reshape(-1, 3)
+    share = 1 - np.exp(-((x / 7.0) ** 2) - ((z - 0.8) / 5.2) ** 2).reshape(-1, 1)
+    wall = Solid("wall", scene, grid_faces(len(rows), len(columns), closed=False), len(vertices))
+    wall.move(vertices.astype(np.float32))
+    wall.paint(_mixed(palette.BACKDROP_CENTRE, palette.BACKDROP_EDGE, share))
+    return wall
+
+
+def _mixed(one: str, other: str, share: Array) -> Bytes:
+    colours = np.sqrt(linear(one)) * (1 - share) + np.sqrt(linear(other)) * share
+    return _opaque((colours * 255).astype(np.uint8))
