@@ -111,7 +111,7 @@ async def serve_scene(
     picture, voice = Health("the picture", clock.now()), Health("the sound", clock.now())
     showing = VideoStreaming(_codecs("video/"), pictures.directions, lambda: worst(scene.status(), picture.status))
     sounding = AudioStreaming(_codecs("audio/"), sounds.directions, lambda: voice.status)
-    information, operator = SystemInformation(engine_id, scene.status), Operator(microphone, camera)
+    information, operator = SystemInformation(engine_id, scene.status, scene.place), Operator(microphone, camera)
     eyes, ears = camera_senses(engine_id, camera, clock), microphone_senses(engine_id, microphone, clock)
     progress = () if scene.voice is None else (SpeechProgress(scene.voice, ears.hearing),)
     sensing = (*eyes.components, *ears.components)

@@ -16,8 +16,13 @@ from openrois.listeners import Listeners
 from openrois.types.codes import ComponentStatus
 from openrois.types.references import reference
 from openrois_avatar.body import Body
+from openrois_avatar.components.follow import Follow
 from openrois_avatar.components.gaze import Gaze
+from openrois_avatar.components.move import Move
+from openrois_avatar.components.moving import Figure
+from openrois_avatar.components.navigation import Navigation
 from openrois_avatar.components.reaction import Reaction
+from openrois_avatar.components.scene_senses import scene_senses
 from openrois_avatar.components.speech_synthesis import SpeechSynthesis
 from openrois_avatar.components.teleoperation import Teleoperation
 from openrois_avatar.health import Health, Observed
@@ -25,13 +30,14 @@ from openrois_avatar.legs import Legs
 from openrois_avatar.link.embedded import EmbeddedEngine
 from openrois_avatar.link.external import ExternalEngine
 from openrois_avatar.link.linked import LinkedEngine
-from openrois_avatar.link.messages import Event, Hello, VideoShape
+from openrois_avatar.link.messages import Event, Hello, Place, VideoShape
 from openrois_avatar.pauses import Pauses
 from openrois_avatar.sound import AvatarSound
 from openrois_avatar.speech.synthesizer import Synthesizer
 from openrois_avatar.teleoperation.controls import FigureControls
 from openrois_avatar.teleoperation.seat import Seat
 from openrois_avatar.voice import Voice
+from openrois_avatar.wayfinding import Ways
 from openrois_avatar.world import World
 
 __all__ = ["Scene", "embedded_scene", "external_scene", "synthetic_scene"]
@@ -67,6 +73,10 @@ class Scene:
     voice: Voice | None = None
     announced: Listeners[VideoShape] = field(default_factory=Listeners)
     seat: Seat | None = None
+
+    def place(self) -> Place | None:
+        """Where the figure is, as far as the game engine has told."""
+        return None if self.world is None else self.world.place
 
     def status(self) -> ComponentStatus:
         """How the thing that renders the scene fares."""
@@ -187,11 +197,16 @@ async def _engine_scene(
 
         voice = Voice(synthesizer, sound, body)
         seat = Seat(reference(engine_id, "Teleoperation"), clock)
+        figure = Figure(legs, world, Ways(world), status)
         components = (
             SpeechSynthesis(voice),
             Reaction(body, reactions, status),
             Gaze(body, status),
             Teleoperation(seat, FigureControls(legs, body, engine.send, takes_input), status, clock),
+            Navigation(figure),
+            Follow(figure),
+            Move(figure),
+            *scene_senses(world, clock, status),
         )
         shape = _UNKNOWN if engine.hello is None else engine.hello.video
         size = (shape.width, shape.height)

@@ -3,14 +3,17 @@
 import time
 from collections.abc import Callable
 from datetime import UTC, datetime
+from math import pi
 from typing import Final
 
 from openrois.adapter import ComponentStatus, components
 from openrois.catalog.system_information import EngineStatusResult, RobotPositionResult
+from openrois_avatar.link.messages import Place
 
 __all__ = ["SystemInformation"]
 
-_ORIGIN: Final = "0.0,0.0,0.0"
+_BEGINNING: Final = Place(0.0, 0.0, -pi / 2)
+"""Where a figure begins: in the middle, with its face to the viewer."""
 
 
 class SystemInformation(components.SystemInformation, function="sensing"):
@@ -19,6 +22,7 @@ class SystemInformation(components.SystemInformation, function="sensing"):
     Args:
         avatar_ref: the id by which the avatar is known, the only entry of `robot_ref`.
         engine_status: tells whether the game engine works now.
+        place: tells where the figure is; None where the game engine does not tell: then it has not left where it began.
         wall_clock: epoch seconds.
     """
 
@@ -26,11 +30,13 @@ class SystemInformation(components.SystemInformation, function="sensing"):
         self,
         avatar_ref: str,
         engine_status: Callable[[], ComponentStatus],
+        place: Callable[[], Place | None] = lambda: None,
         wall_clock: Callable[[], float] = time.time,
     ) -> None:
         super().__init__("SystemInformation")
         self._avatar_ref = avatar_ref
         self._engine_status = engine_status
+        self._place = place
         self._wall_clock = wall_clock
         self._operable_since = self._now()
 
@@ -38,8 +44,10 @@ class SystemInformation(components.SystemInformation, function="sensing"):
         return datetime.fromtimestamp(self._wall_clock(), UTC)
 
     async def robot_position(self) -> RobotPositionResult:
-        """Return the moment, the avatar and its place `x,y,th`: it stands at the origin of its scene."""
-        return RobotPositionResult(position_data=(_ORIGIN,), robot_ref=(self._avatar_ref,), timestamp=self._now())
+        """Return the moment, the avatar and its place `x,y,th` in its scene."""
+        place = self._place() or _BEGINNING
+        position = f"{place.x:.3f},{place.y:.3f},{place.th:.4f}"
+        return RobotPositionResult(position_data=(position,), robot_ref=(self._avatar_ref,), timestamp=self._now())
 
     async def engine_status(self) -> EngineStatusResult:
         """Return whether the game engine works, and since when the adapter has been operable."""

@@ -8,7 +8,7 @@ from openrois_avatar.body import Body
 from openrois_avatar.components.gaze import Gaze
 from openrois_avatar.components.reaction import Reaction, reaction_ref
 from openrois_avatar.components.system_information import SystemInformation
-from openrois_avatar.link.messages import Command, Completed, Look, React, Stop
+from openrois_avatar.link.messages import Command, Completed, Look, Place, React, Stop
 
 from openrois.errors import Aborted, BadParameter, ComponentFailed, Unsupported
 from openrois.registry import LocalRegistry
@@ -21,13 +21,14 @@ class Stage:
 
     def __init__(self) -> None:
         self.status = ComponentStatus.READY
+        self.place: Place | None = None
         self.told: list[Command] = []
         self.reacting: asyncio.Queue[React] = asyncio.Queue()
         self.body = Body(self._tell)
         self.registry = LocalRegistry(
             "avatar",
             [
-                SystemInformation("avatar", lambda: self.status, lambda: 1_700_000_000.25),
+                SystemInformation("avatar", lambda: self.status, lambda: self.place, lambda: 1_700_000_000.25),
                 Reaction(self.body, lambda: ("nod", "wave"), lambda: self.status),
                 Gaze(self.body, lambda: self.status),
             ],
@@ -62,8 +63,10 @@ async def test_system_information_tells_place_time_and_engine_status(stage: Stag
     assert await values(stage, "SystemInformation", "robot_position") == {
         "timestamp": "2023-11-14T22:13:20.250000+00:00",
         "robot_ref": '["avatar"]',
-        "position_data": '["0.0,0.0,0.0"]',
+        "position_data": '["0.000,0.000,-1.5708"]',
     }
+    stage.place = Place(1.25, -2.5, 0.5)
+    assert (await values(stage, "SystemInformation", "robot_position"))["position_data"] == '["1.250,-2.500,0.5000"]'
     stage.status = ComponentStatus.ERROR
     assert (await values(stage, "SystemInformation", "engine_status"))["status"] == "ERROR"
 

@@ -6,14 +6,21 @@ from openrois_avatar.body import Body
 from openrois_avatar.components.gaze import Gaze
 from openrois_avatar.components.operator import Operator
 from openrois_avatar.components.reaction import Reaction, reaction_ref
+from openrois_avatar.components.scene_senses import (
+    ScenePersonDetection,
+    ScenePersonLocalization,
+    SceneSoundLocalization,
+)
 from openrois_avatar.components.speech_progress import SpeechProgress
 from openrois_avatar.components.speech_synthesis import SpeechSynthesis
 from openrois_avatar.components.streaming import AudioStreaming, VideoStreaming
 from openrois_avatar.components.system_information import SystemInformation
+from openrois_avatar.link.messages import Thing
 from openrois_avatar.microphone_senses import microphone_senses
 from openrois_avatar.operator import Camera, Microphone
 from openrois_avatar.sound import AvatarSound
 from openrois_avatar.voice import Voice
+from openrois_avatar.world import World
 
 from openrois.component import Component
 from openrois.testing import ComponentContract
@@ -22,6 +29,7 @@ from tests.avatar.components.test_speech_progress import Attention
 from tests.support.listening import ScriptedRecognizer
 from tests.support.streaming import VirtualClock
 from tests.support.voice import ScriptedSynthesizer
+from tests.support.walker import Walking
 
 
 def ready() -> ComponentStatus:
@@ -39,6 +47,46 @@ class TestSpeechSynthesis(ComponentContract):
     async def component(self) -> Component:
         clock = VirtualClock()
         return SpeechSynthesis(Voice(ScriptedSynthesizer(), AvatarSound(clock), Body(lambda _command: None)))
+
+
+class TestNavigation(ComponentContract):
+    parameters: Mapping[str, str] = {"target_positions": '["1,0","0,1,0.5"]'}
+
+    async def component(self) -> Component:
+        return Walking().navigation
+
+
+class TestMove(ComponentContract):
+    parameters: Mapping[str, str] = {"line": "[1000,90]"}
+
+    async def component(self) -> Component:
+        return Walking().move
+
+
+class TestFollow(ComponentContract):
+    parameters: Mapping[str, str] = {"target_object_ref": "anna", "distance": "500"}
+
+    async def component(self) -> Component:
+        walking = Walking()
+        walking.populate(Thing("anna", "person", 3, 0))
+        return walking.follow
+
+
+class TestScenePersonDetection(ComponentContract):
+    async def component(self) -> Component:
+        return ScenePersonDetection(World("avatar"), VirtualClock(), ready)
+
+
+class TestScenePersonLocalization(ComponentContract):
+    parameters: Mapping[str, str] = {"detection_threshold": "50", "minimum_interval": "100"}
+
+    async def component(self) -> Component:
+        return ScenePersonLocalization(World("avatar"), VirtualClock(), ready)
+
+
+class TestSceneSoundLocalization(TestScenePersonLocalization):
+    async def component(self) -> Component:
+        return SceneSoundLocalization(World("avatar"), VirtualClock(), ready)
 
 
 class TestSpeechProgress(ComponentContract):

@@ -1,0 +1,100 @@
+"""Move: the avatar walks a line or a curve from where it stands (component 15)."""
+
+from math import hypot
+from typing import Annotated, Any
+
+from pydantic import Field
+
+from openrois.adapter import BadParameter, ComponentFailed, components, parameter
+from openrois.errors import Aborted
+from openrois_avatar.components.moving import Figure, Moving
+from openrois_avatar.legs import Motion
+from openrois_avatar.link.messages import Floor, Place, Things, Waypoint
+from openrois_avatar.motion.moves import curve, curve_length, line, speed_for
+
+__all__ = ["Move"]
+
+_HERE = Place(0, 0, 0)
+
+
+class Move(Moving, components.Move):
+    """Walks `line` or `curve`, whichever was set last, in `time`.
+
+    Args:
+        figure: what walks.
+    """
+
+    time: Annotated[int, Field(ge=0)] | None = parameter(None)
+
+    def __init__(self, figure: Figure) -> None:
+        super().__init__("Move", figure)
+
+    def accept_parameters(self, changes: dict[str, Any]) -> dict[str, Any]:
+        """Let one motion replace the other; refuse two at once, and what cannot be done in that time."""
+        straight, bent = changes.get("line"), changes.get("curve")
+        if straight is not None and bent is not None:
+            raise BadParameter("line or curve, not both")
+        if straight is not None:
+            changes = {**changes, "curve": None}
+        elif bent is not None:
+            changes = {**changes, "line": None}
+        wanted = {"line": self.line, "curve": self.curve, "time": self.time, **changes}
+        _speed(wanted["line"], wanted["curve"], wanted["time"])
+        return changes
+
+    async def start(self) -> None:
+        """Walk it to its end."""
+        if self.line is None and self.curve is None:
+            raise BadParameter("set line or curve first")
+        speed = _speed(self.line, self.curve, self.time)
+        place = self.figure.place()
+        path = line(place, self.line) if self.line is not None else curve(place, self.curve or ())
+        async with self.moving() as motion:
+            leave = self.figure.world.changed.add(lambda change: _interrupt(motion, change))
+            try:
+                await self._walk(motion, path, speed)
+            finally:
+                leave()
+
+    async def _walk(self, motion: Motion, path: list[Waypoint], speed: float) -> None:
+        """Walk a path to its end, in several walks where it is suspended or the floor changes."""
+        while path:
+            await self.going()
+            await self._check(path)
+            gone = 0
+
+            def reached(index: int) -> None:
+                nonlocal gone
+                gone = index + 1
+
+            ended = await motion.walk(path, speed, reached)
+            if ended == "OK":
+                return
+            if ended == "ABORT":
+                raise Aborted("the game engine broke the motion off")
+            path = path[gone:]
+
+    async def _check(self, path: list[Waypoint]) -> None:
+        place = self.figure.place()
+        if any(hypot(at.x - place.x, at.y - place.y) > 0 for at in path):
+            try:
+                await self.figure.ways.check(place, path)
+            except ComponentFailed as error:
+                raise ComponentFailed(f"Move: {error}") from error
+
+
+def _speed(straight: tuple[int, ...] | None, bent: tuple[int, ...] | None, time: int | None) -> float:
+    """Return the speed at which the figure walks; raises BadParameter where that cannot be done."""
+    if straight is not None:
+        line(_HERE, straight)
+        return speed_for(straight[0] / 1000, time)
+    if bent is not None:
+        curve(_HERE, bent)
+        return speed_for(curve_length(bent), time)
+    return speed_for(0.0, time)
+
+
+def _interrupt(motion: Motion, change: Place | Floor | Things | None) -> None:
+    """Look whether the rest is still open on another floor."""
+    if isinstance(change, Floor):
+        motion.interrupt()

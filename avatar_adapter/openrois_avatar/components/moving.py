@@ -1,0 +1,127 @@
+"""What the moving components have in common: one motion at a time, its time limit, and RoIS_Common."""
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+
+from openrois.adapter import ComponentFailed, ComponentStatus
+from openrois.errors import TimedOut
+from openrois.tasks import TaskScope
+from openrois_avatar.legs import Legs, Motion
+from openrois_avatar.link.messages import Place
+from openrois_avatar.wayfinding import Ways
+from openrois_avatar.world import World
+
+__all__ = ["Figure", "Moving"]
+
+_MILLISECOND = 0.001
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """What moves, and where: shared by all moving components.
+
+    Attributes:
+        legs: what moves it.
+        world: the scene that it is in.
+        ways: ways through that scene.
+        engine_status: tells whether the game engine works now.
+    """
+
+    legs: Legs
+    world: World
+    ways: Ways
+    engine_status: Callable[[], ComponentStatus]
+
+    def status(self) -> ComponentStatus:
+        """How the game engine fares; ERROR where its figure does not walk."""
+        return self.engine_status() if self.legs.can_walk else ComponentStatus.ERROR
+
+    def place(self) -> Place:
+        """Return where the figure is.
+
+        Raises:
+            ComponentFailed: the game engine has not told.
+        """
+        if self.world.place is None:
+            raise ComponentFailed("the game engine has not told where its figure is")
+        return self.world.place
+
+    async def rest(self, seconds: float) -> None:
+        """Wait."""
+        await self.legs.clock.sleep_until(self.legs.clock.now() + seconds)
+
+
+class Moving:
+    """Makes a component one that moves the figure, where it stands before the standard's base class.
+
+    Args:
+        name: of the instance.
+        figure: what it moves.
+    """
+
+    name: str
+
+    def __init__(self, name: str, figure: Figure) -> None:
+        super().__init__(name)  # type: ignore[call-arg]
+        self.figure = figure
+        self._clock = figure.legs.clock
+        self._motion: Motion | None = None
+        self._going = asyncio.Event()
+        self._stood = 0.0
+        self._stands_since = 0.0
+
+    def condition(self) -> ComponentStatus:
+        """Follow the game engine; ERROR while its figure does not walk."""
+        return self.figure.status()
+
+    async def stop(self) -> None:
+        """Let the figure stand still; `start` ends with ABORT."""
+
+    async def suspend(self) -> None:
+        """Let the figure stand still until `resume`; the time limit waits. What does not run cannot be suspended."""
+        if self._motion is not None and self._going.is_set():
+            self._going.clear()
+            self._stands_since = self._clock.now()
+            self._motion.halt()
+
+    async def resume(self) -> None:
+        """Go on."""
+        if not self._going.is_set():
+            self._stood += self._clock.now() - self._stands_since
+            self._going.set()
+
+    @asynccontextmanager
+    async def moving(self, limit: int | None = None) -> AsyncIterator[Motion]:
+        """Have the figure for as long as the block runs.
+
+        Args:
+            limit: the milliseconds that the block may take, without those in which it is suspended; None and 0: no end.
+
+        Raises:
+            TimedOut: the block has taken longer.
+            RoISError: what else ended the motion from outside, as `Motion` says.
+        """
+        self._stood = 0.0
+        self._going.set()
+        async with self.figure.legs.motion(self.name) as motion, TaskScope() as tasks:
+            if limit:
+                tasks.start(self._expire(motion, limit))
+            self._motion = motion
+            try:
+                yield motion
+            finally:
+                # A new start waits until this one is over: the motion is still ours.
+                self._motion = None
+
+    async def going(self) -> None:
+        """Wait while the component is suspended."""
+        await self._going.wait()
+
+    async def _expire(self, motion: Motion, limit: int) -> None:
+        began = self._clock.now()
+        while (left := began + limit * _MILLISECOND + self._stood - self._clock.now()) > 0:
+            await self._clock.sleep_until(self._clock.now() + left)
+            await self._going.wait()
+        motion.end(TimedOut(f"{self.name} took longer than {limit} ms"))

@@ -1,0 +1,166 @@
+"""What the game engine knows of people and sounds in its scene, told as the standard's senses tell it."""
+
+import asyncio
+from collections.abc import Callable
+from datetime import UTC, datetime
+from typing import Final
+
+from openrois_streaming.clock import MediaClock
+
+from openrois.adapter import Component, ComponentStatus, components
+from openrois.tasks import TaskScope
+from openrois_avatar.components.sensing import Localizing, Sense
+from openrois_avatar.link.messages.motion import Kind
+from openrois_avatar.sensing.activity import Activity
+from openrois_avatar.sensing.changes import Numbers, Place
+from openrois_avatar.world import World
+
+__all__ = ["ScenePersonDetection", "ScenePersonLocalization", "SceneSoundLocalization", "scene_senses"]
+
+_MILLISECOND: Final = 0.001
+
+
+class _InScene:
+    """Looks at the scene when something has changed in it, while the sense has to work."""
+
+    activity: Activity
+
+    def place_in(self, world: World, clock: MediaClock, engine_status: Callable[[], ComponentStatus]) -> None:
+        """Say what scene it is, and how the game engine fares; called by `__init__`."""
+        self._world = world
+        self._clock = clock
+        self._engine_status = engine_status
+        self._news = asyncio.Event()
+        self._scope = TaskScope()
+        world.changed.add(lambda _change: self._news.set())
+        self.activity.changed.add(self._activity_changed)
+
+    def condition(self) -> ComponentStatus:
+        """Follow the game engine."""
+        return self._engine_status()
+
+    async def connect(self) -> None:
+        """Begin to wait for changes."""
+        self._scope = TaskScope()
+        await self._scope.__aenter__()
+        self._scope.start(self._watch())
+
+    async def disconnect(self) -> None:
+        """Wait no more."""
+        await self._scope.__aexit__(None, None, None)
+
+    def look(self) -> int:
+        """Tell what is worth telling; return the milliseconds before which nothing more is to be told."""
+        raise NotImplementedError
+
+    def forget(self) -> None:
+        """Forget what was told: somebody new listens."""
+        raise NotImplementedError
+
+    def places(self, kind: Kind) -> dict[str, Place]:
+        """Return where the things of a kind are, by their refs."""
+        things = self._world.things
+        return {self._world.ref(each): Place(each.x, each.y, each.th) for each in things if each.kind == kind}
+
+    def now(self) -> datetime:
+        """Return the time of day."""
+        return datetime.fromtimestamp(self._clock.wall(), UTC)
+
+    def _activity_changed(self, works: bool) -> None:
+        if works:
+            self.forget()
+            self._news.set()
+
+    async def _watch(self) -> None:
+        while True:
+            await self._news.wait()
+            self._news.clear()
+            if self.activity.works:
+                # What comes too early is looked at then: nobody may say it again.
+                await self._clock.sleep_until(self._clock.now() + self.look() * _MILLISECOND)
+
+
+class ScenePersonDetection(_InScene, Sense, components.PersonDetection):
+    """Tells how many persons are in the game engine's scene: ground truth, nothing is recognised.
+
+    Args:
+        world: the scene.
+        clock: the media clock.
+        engine_status: tells whether the game engine works now.
+    """
+
+    def __init__(self, world: World, clock: MediaClock, engine_status: Callable[[], ComponentStatus]) -> None:
+        super().__init__("ScenePersonDetection")
+        self._numbers = Numbers()
+        self.place_in(world, clock, engine_status)
+
+    def look(self) -> int:
+        """Tell another number."""
+        number = len(self.places("person"))
+        if self._numbers.tells(number):
+            self.person_detected(number, self.now())
+        return 0
+
+    def forget(self) -> None:
+        """Tell the number again where it is not 0."""
+        self._numbers = Numbers()
+
+
+class _Localizing(_InScene, Localizing):
+    """Tells where the things of a kind are."""
+
+    kind: Kind
+
+    def look(self) -> int:
+        """Tell those that have moved far enough."""
+        places = self.places(self.kind)
+        if not self.tells(places, self._clock.now()):
+            return 0
+        self.tell(tuple(places), tuple(place.text for place in places.values()), self.now())
+        return self.minimum_interval or 0
+
+    def forget(self) -> None:
+        """Tell again where everybody is."""
+        self.tells({}, self._clock.now())
+
+    def tell(self, refs: tuple[str, ...], places: tuple[str, ...], moment: datetime) -> None:
+        """Announce the event."""
+        raise NotImplementedError
+
+
+class ScenePersonLocalization(_Localizing, components.PersonLocalization):
+    """Tells where the persons of the game engine's scene are; as `ScenePersonDetection`."""
+
+    kind = "person"
+
+    def __init__(self, world: World, clock: MediaClock, engine_status: Callable[[], ComponentStatus]) -> None:
+        super().__init__("ScenePersonLocalization")
+        self.place_in(world, clock, engine_status)
+
+    def tell(self, refs: tuple[str, ...], places: tuple[str, ...], moment: datetime) -> None:
+        """Announce `person_localized`."""
+        self.person_localized(refs, places, moment)
+
+
+class SceneSoundLocalization(_Localizing, components.SoundLocalization):
+    """Tells where the sounds of the game engine's scene come from; as `ScenePersonDetection`."""
+
+    kind = "sound"
+
+    def __init__(self, world: World, clock: MediaClock, engine_status: Callable[[], ComponentStatus]) -> None:
+        super().__init__("SceneSoundLocalization")
+        self.place_in(world, clock, engine_status)
+
+    def tell(self, refs: tuple[str, ...], places: tuple[str, ...], moment: datetime) -> None:
+        """Announce `sound_localized`."""
+        self.sound_localized(refs, places, moment)
+
+
+def scene_senses(
+    world: World, clock: MediaClock, engine_status: Callable[[], ComponentStatus]
+) -> tuple[Component, ...]:
+    """Return all senses of a scene."""
+    return tuple(
+        sense(world, clock, engine_status)
+        for sense in (ScenePersonDetection, ScenePersonLocalization, SceneSoundLocalization)
+    )

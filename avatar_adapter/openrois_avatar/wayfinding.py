@@ -1,0 +1,84 @@
+"""Ways over the floor that the game engine told last; where planning takes long it is done beside the event loop."""
+
+import asyncio
+from collections.abc import Callable
+from typing import Final, TypeVar
+
+from openrois_avatar.link.messages import Floor, Place, Thing, Waypoint
+from openrois_avatar.motion.approach import approach, check_path
+from openrois_avatar.motion.ground import Ground
+from openrois_avatar.motion.planning import Policy, plan
+from openrois_avatar.motion.targets import Position
+from openrois_avatar.world import World
+
+__all__ = ["BODY", "Ways"]
+
+BODY: Final = 0.25
+"""Metres around the middle of the figure that have to be free."""
+_SMALL: Final = 40
+"""Corners of a floor on which planning takes no longer than handing it to a thread."""
+
+_Found = TypeVar("_Found")
+
+
+class Ways:
+    """Plans ways in a world as it is now; what is found out about a floor is kept until there is another one.
+
+    Args:
+        world: what is known of the scene.
+    """
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self._known: tuple[Floor | None, Ground | None] = None, None
+
+    async def to(self, start: Place, target: Position, policy: Policy) -> list[Waypoint]:
+        """Return the way to a position, with a turn at its end where it says how to look.
+
+        Raises:
+            NoWay: it cannot be reached; the text says why.
+        """
+        at, goal = (start.x, start.y), (target.x, target.y)
+        points = await self._on_ground(lambda ground: plan(ground, at, start.th, goal, policy))
+        way = [Waypoint(x, y) for x, y in points]
+        return way if target.th is None else [*way, Waypoint(*goal, target.th)]
+
+    async def to_within(self, start: Place, thing: Thing, metres: float, policy: Policy) -> list[Waypoint]:
+        """Return the way to where a thing is so near, and in sight; empty where the figure is near enough.
+
+        Raises:
+            NoWay: it cannot be reached; the text says why.
+        """
+        at, centre = (start.x, start.y), (thing.x, thing.y)
+        points = await self._on_ground(lambda ground: approach(ground, at, start.th, centre, metres, policy))
+        return [Waypoint(x, y) for x, y in points]
+
+    async def check(self, start: Place, path: list[Waypoint]) -> None:
+        """Do nothing where a path is open all along.
+
+        Raises:
+            ComponentFailed: something is in the way; the text says after how many metres.
+        """
+        floor, points = self._world.floor, [(at.x, at.y) for at in path]
+        if floor is not None:
+            await self._on_ground(
+                lambda ground: None if ground is None else check_path(floor, ground, (start.x, start.y), points)
+            )
+
+    async def _on_ground(self, work: Callable[[Ground | None], _Found]) -> _Found:
+        """Do something with the floor; again, where there is another one when it is done."""
+        while True:
+            floor = self._world.floor
+            if floor is None or len(floor.outline) + sum(map(len, floor.obstacles)) <= _SMALL:
+                found = work(self._ground(floor))
+            else:
+                found = await asyncio.to_thread(lambda on: work(self._ground(on)), floor)
+            if floor is self._world.floor:
+                return found
+
+    def _ground(self, floor: Floor | None) -> Ground | None:
+        known, ground = self._known
+        if known is not floor:
+            ground = None if floor is None else Ground(floor, BODY)
+            self._known = floor, ground
+        return ground

@@ -1,0 +1,182 @@
+"""Move over an engine whose figure walks by kinematics."""
+
+import asyncio
+from math import pi, radians
+from typing import Any
+
+import pytest
+from openrois_avatar.link.messages import Floor, Walk
+
+from openrois.errors import Aborted, BadParameter, ComponentFailed
+from openrois.registry import LocalRegistry
+from openrois.types.messages import Argument
+from tests.support.floors import SQUARE, rectangle
+from tests.support.streaming import settle
+from tests.support.walker import Walking
+
+REF = "avatar/Move"
+AHEAD = rectangle(1, -1, 1.2, 1)
+
+
+class Stage(Walking):
+    def __init__(self) -> None:
+        super().__init__()
+        self.registry = LocalRegistry("avatar", self.components)
+
+    async def set(self, **values: str) -> None:
+        arguments = tuple(Argument(name=name, data_type_ref="", value=value) for name, value in values.items())
+        await self.registry.invoke(REF, "set_parameter", arguments)
+
+    async def begin(self, **values: str) -> "asyncio.Future[Any]":
+        await self.set(**values)
+        running = asyncio.ensure_future(self.registry.invoke(REF, "start"))
+        await settle()
+        return running
+
+    async def ends_at(self, running: "asyncio.Future[Any]", x: float, y: float, th: float) -> None:
+        await self.run_until(running)
+        await running
+        assert (self.engine.x, self.engine.y) == pytest.approx((x, y), abs=1e-3)
+        assert (self.engine.th - th) % (2 * pi) == pytest.approx(0, abs=1e-3) or (th - self.engine.th) % (
+            2 * pi
+        ) == pytest.approx(0, abs=1e-3)
+
+
+@pytest.fixture
+def stage() -> Stage:
+    return Stage()
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "end"),
+    [
+        ("line", "[1500,0]", (1.5, 0, 0)),
+        ("line", "[500,90]", (0.5, 0, pi / 2)),
+        ("line", "[0,-270]", (0, 0, pi / 2)),
+        ("line", "[-500,0]", (-0.5, 0, 0)),
+        ("curve", "[1000,90]", (1, 1, pi / 2)),
+        ("curve", "[1000,-180]", (0, -2, pi)),
+        ("curve", "[0,45]", (0, 0, pi / 4)),
+    ],
+)
+async def test_it_goes_as_it_is_told(stage: Stage, name: str, value: str, end: tuple[float, float, float]) -> None:
+    await stage.ends_at(await stage.begin(**{name: value}), *end)
+
+
+async def test_a_turn_of_three_quarters_goes_the_long_way(stage: Stage) -> None:
+    running = await stage.begin(line="[0,-270]")
+    await stage.run_until(running)
+    assert stage.engine.th == pytest.approx(radians(-270), abs=1e-3)
+
+
+async def test_backwards_it_looks_ahead(stage: Stage) -> None:
+    running = await stage.begin(line="[-500,0]")
+    await stage.run(0.3)
+    assert stage.engine.th == 0
+    assert stage.engine.x == pytest.approx(-0.3)
+    await stage.run_until(running)
+
+
+async def test_a_time_makes_it_as_fast(stage: Stage) -> None:
+    running = await stage.begin(line="[2000,0]", time="4000")
+    walk = stage.engine.heard[-1]
+    assert isinstance(walk, Walk)
+    assert walk.speed == 0.5
+    await stage.run_until(running, 4.2)
+
+
+@pytest.mark.parametrize(
+    ("values", "why"),
+    [
+        ({"line": "[1000,0]", "curve": "[1000,90]"}, "line or curve, not both"),
+        ({"line": "[1000]"}, "line: expected two numbers"),
+        ({"curve": "[-1,90]"}, "cannot be negative"),
+        ({"line": "[3000,0]", "time": "1000"}, "3.00 m in 1000 ms are 3 m/s; the figure walks with 0.01 to 2 m/s"),
+        ({"curve": "[2000,180]", "time": "1000"}, "6.28 m in 1000 ms"),
+        ({"time": "-1"}, "time"),
+    ],
+)
+async def test_what_cannot_be_done_is_refused(stage: Stage, values: dict[str, str], why: str) -> None:
+    with pytest.raises(BadParameter, match=why.replace(".", r"\.")):
+        await stage.set(**values)
+    with pytest.raises(BadParameter, match="set line or curve first"):
+        await stage.registry.invoke(REF, "start")
+
+
+async def test_a_time_that_was_set_before_counts(stage: Stage) -> None:
+    await stage.set(time="1000")
+    with pytest.raises(BadParameter, match="3 m/s"):
+        await stage.set(line="[3000,0]")
+    await stage.set(line="[3000,0]", time="0")
+
+
+async def test_what_was_set_last_is_done(stage: Stage) -> None:
+    await stage.set(line="[1000,0]")
+    await stage.set(curve="[1000,90]")
+    await stage.set(line="[500,0]")
+    await stage.ends_at(await stage.begin(), 0.5, 0, 0)
+
+
+@pytest.mark.parametrize(("name", "value", "metres"), [("line", "[2000,0]", "0.75"), ("curve", "[1000,-90]", "0.8")])
+async def test_what_is_in_the_way_is_told_before_the_first_step(
+    stage: Stage, name: str, value: str, metres: str
+) -> None:
+    stage.build(Floor(SQUARE, (AHEAD,)))
+    with pytest.raises(ComponentFailed, match=f"Move: an obstacle is in the way after {metres}"):
+        await (await stage.begin(**{name: value}))
+    assert stage.engine.heard == []
+
+
+async def test_what_comes_into_the_way_stops_it(stage: Stage) -> None:
+    running = await stage.begin(line="[3000,0]")
+    await stage.run(0.3)
+    stage.build(Floor(SQUARE, ()))
+    await stage.run(0.2)
+    stage.build(Floor(SQUARE, (AHEAD,)))
+    await settle()
+    with pytest.raises(ComponentFailed, match="in the way"):
+        await running
+    assert stage.engine.x < 0.6
+    assert not stage.engine.moves
+
+
+async def test_who_stands_against_a_wall_can_turn_and_leave(stage: Stage) -> None:
+    stage.build(Floor(SQUARE, (rectangle(0.1, -1, 0.2, 1),)))
+    await stage.ends_at(await stage.begin(line="[0,180]"), 0, 0, pi)
+    await stage.ends_at(await stage.begin(line="[1000,0]"), -1, 0, pi)
+
+
+async def test_suspended_it_goes_on_where_it_was(stage: Stage) -> None:
+    running = await stage.begin(curve="[1000,180]")
+    await stage.run(1)
+    await stage.registry.invoke(REF, "suspend")
+    at = stage.engine.x
+    await stage.run(10)
+    assert stage.engine.x == at
+    await stage.registry.invoke(REF, "resume")
+    await stage.ends_at(running, 0, 2, pi)
+
+
+async def test_stop_halts_it(stage: Stage) -> None:
+    running = await stage.begin(line="[3000,0]")
+    await stage.run(1)
+    await stage.registry.invoke(REF, "stop")
+    with pytest.raises(Aborted):
+        await running
+    assert not stage.engine.moves
+
+
+async def test_one_that_the_engine_breaks_off_is_aborted(stage: Stage) -> None:
+    running = await stage.begin(line="[3000,0]")
+    stage.engine.break_off()
+    with pytest.raises(Aborted, match="the game engine broke the motion off"):
+        await running
+
+
+async def test_a_hand_that_drives_comes_first(stage: Stage) -> None:
+    running = await stage.begin(line="[3000,0]")
+    stage.legs.drive(0, 1, 0)
+    with pytest.raises(Aborted, match="somebody drives the figure by hand"):
+        await running
+    await stage.run(1)
+    assert (stage.engine.x, stage.engine.y) == pytest.approx((0, 0.5))
