@@ -96,6 +96,7 @@ class _EncodingParameters(Model, extra="ignore"):
     height: int | None = Field(default=None, ge=16, le=16_384)
     fps: float | None = Field(default=None, ge=1, le=1000)
     max_bitrate: int | None = Field(default=None, ge=50_000, le=1_000_000_000)
+    channels: int = Field(default=1, ge=1, le=2)
 
     def caps(self) -> Caps:
         """What the application wants at most."""
@@ -247,6 +248,7 @@ class AvatarStreams:
             direction=direction,
             inlet=None if direction == "recvonly" else published.inlet,
             caps=encoding.caps() if self._cap is None else encoding.caps().within(self._cap(client)),
+            stereo=encoding.channels > 1,
         )
         if transport.input:
             session.input.open()

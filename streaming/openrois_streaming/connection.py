@@ -27,6 +27,7 @@ from openrois_streaming.seams.incoming import Incoming
 from openrois_streaming.seams.sending import DtlsWire
 from openrois_streaming.section import Leg, Section
 from openrois_streaming.sending.outlet import Outlet
+from openrois_streaming.stereo import with_stereo
 from openrois_streaming.stream import Stream
 
 CLOSE_TIMEOUT = 3.0
@@ -163,6 +164,8 @@ class BundledConnection:
             self._gathering.go_on(self._agent)
         levels = {each.mid: None if leg is None else level_of(leg.stream) for each, leg in described}
         sdp = with_levels(sdp, [levels.get(offered.mid) for offered in self._offered])
+        stereo = {each.mid for each, leg in described if leg is not None and leg.stream.stereo}
+        sdp = with_stereo(sdp, [offered.mid in stereo for offered in self._offered])
         return sdp if self._gathering.complete else sdp.replace(_END_OF_CANDIDATES, ""), streams
 
     async def apply(self, sdp: str) -> tuple[str, ...]:

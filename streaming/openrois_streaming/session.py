@@ -129,6 +129,7 @@ class StreamSession:
         direction: Direction = "recvonly",
         inlet: MediaInlet | None = None,
         caps: Caps | None = None,
+        stereo: bool = False,
     ) -> None:
         """Add a stream; an offer follows.
 
@@ -142,6 +143,7 @@ class StreamSession:
             direction: seen from the application (W3C's RTCRtpTransceiverDirection); `sendrecv` for audio only.
             inlet: where what the application sends arrives; None if it only receives.
             caps: what it is sent at most; None for as much as its path carries.
+            stereo: whether it is asked to send two channels of sound, where it sends any.
 
         Raises:
             NoCommonCodec: it can use nothing of what can be had here.
@@ -157,7 +159,7 @@ class StreamSession:
         intake = None if inlet is None else Intake(stream_id, inlet)
         chosen = choose_codecs(kind, codecs)
         stream = Stream(
-            stream_id, component_ref, kind, publisher, chosen, Counters(), direction, intake, caps or Caps()
+            stream_id, component_ref, kind, publisher, chosen, Counters(), direction, intake, caps or Caps(), stereo
         )
         if direction in self._held.get(component_ref, ()):
             stream.suspend(Party.ENGINE)

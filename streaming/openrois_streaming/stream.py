@@ -44,7 +44,7 @@ class Stream:
     """A stream that an application has connected. `codecs` are the media types it may be sent in, best first.
 
     `direction` is seen from the application. `publisher` is there where the application receives, `intake` where it
-    sends. `caps` limit what it is sent.
+    sends. `caps` limit what it is sent. `stereo`: it is asked for two channels of sound.
     """
 
     stream_id: str
@@ -56,6 +56,7 @@ class Stream:
     direction: Direction = "recvonly"
     intake: Intake | None = None
     caps: Caps = field(default_factory=Caps)
+    stereo: bool = False
     path_bitrate: float | None = None
     """What its viewer's path was seen to carry, in bit/s; None if nothing is known yet."""
     phase: StreamPhase = StreamPhase.CONNECTING

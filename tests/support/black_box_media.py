@@ -4,6 +4,7 @@ import itertools
 import time
 from collections import deque
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Final
 
 import numpy as np
@@ -95,6 +96,25 @@ class Microphone(AudioStreamTrack):
         told = AudioFrame.from_ndarray(tone.astype(np.int16)[np.newaxis], format="s16", layout="mono")
         told.sample_rate, told.pts, told.time_base = rate, frame.pts, frame.time_base
         return told
+
+
+class Voice(AudioStreamTrack):
+    """Says something, 48 kHz in one channel, again and again, with a pause of 1.5 s between."""
+
+    def __init__(self, said: NDArray[np.int16]) -> None:
+        super().__init__()
+        self._sound = np.concatenate([said, np.zeros(SAMPLE_RATE * 3 // 2, np.int16)])
+
+    async def recv(self) -> AudioFrame:
+        frame = await super().recv()
+        assert isinstance(frame, AudioFrame)
+        step = SAMPLE_RATE // frame.sample_rate
+        first = frame.pts * step
+        told = np.take(self._sound, np.arange(first, first + frame.samples * step), mode="wrap")
+        voice = AudioFrame.from_ndarray(told[np.newaxis], format="s16", layout="mono")
+        voice.sample_rate, voice.pts = SAMPLE_RATE, first
+        voice.time_base = Fraction(1, SAMPLE_RATE)
+        return voice
 
 
 class Camera(VideoStreamTrack):

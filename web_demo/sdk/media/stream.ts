@@ -16,6 +16,8 @@ export interface EncodingLimits {
   readonly fps?: number;
   /** Bits per second. */
   readonly max_bitrate?: number;
+  /** Of sound that is sent: 2 for what two microphones hear, if the device has them and its echo cancellation is off. */
+  readonly channels?: number;
 }
 
 export interface StreamEvents {
