@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Final
 
@@ -32,8 +33,16 @@ class CascadeFinder:
 
     def __init__(self) -> None:
         self._searched_at = -math.inf
-        self._anywhere: Any = None
-        self._again: Any = None
+
+    # The slower cascade takes fewer other things for faces; where one is known, the faster one is enough.
+
+    @cached_property
+    def _anywhere(self) -> Any:
+        return cv2.CascadeClassifier(str(_file("alt")))
+
+    @cached_property
+    def _again(self) -> Any:
+        return cv2.CascadeClassifier(str(_file("alt2")))
 
     def available(self) -> tuple[bool, str]:
         """Whether OpenCV has cascades."""
@@ -43,9 +52,6 @@ class CascadeFinder:
 
     def find(self, view: View, known: Sequence[Face]) -> Sequence[Face]:
         """Return the faces in the picture."""
-        if self._anywhere is None:
-            # The slower cascade takes fewer other things for faces; where one is known, the faster one is enough.
-            self._anywhere, self._again = (cv2.CascadeClassifier(str(_file(name))) for name in ("alt", "alt2"))
         found = [again for face in known if (again := self._look_again(view.grey, face)) is not None]
         if not 0 <= view.moment - self._searched_at < (_SEARCH if known else _SEARCH_ALONE):
             self._searched_at = view.moment
@@ -61,6 +67,8 @@ class CascadeFinder:
         """Look where a face was, twice as wide, and set upright."""
         height, width = grey.shape
         size = face.box.width * width
+        if size < _SMALLEST / 2:
+            return None  # it has gone too far away
         scale = min(1.0, _ENLARGED / size)
         side = round(2 * size * scale)
         patch, matrix = upright(grey, face, scale, side)

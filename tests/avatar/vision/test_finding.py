@@ -2,12 +2,15 @@
 
 import math
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import av
 import cv2
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from openrois_avatar.vision.box import Box, Face
 from openrois_avatar.vision.cascades import CascadeFinder
 from openrois_avatar.vision.flow import motions
@@ -58,6 +61,23 @@ def test_a_known_face_is_found_again_also_where_it_leans_more_than_a_new_one_may
     assert math.degrees(leaning.roll) == pytest.approx(28.0, abs=3.0)
     (found,) = finder.find(view, [leaning])
     assert found.box.overlap(leaning.box) > 0.7
+
+
+@cache
+def small() -> View:
+    return shown(COLLINS, width=160, height=120)
+
+
+SHARES = st.floats(-2, 2)
+
+
+@settings(max_examples=40, deadline=None)
+@given(known=st.builds(Face, st.builds(Box, SHARES, SHARES, st.floats(0, 3), st.floats(0, 3)), st.floats(-9, 9)))
+def test_wherever_a_face_is_said_to_be_it_can_be_looked_for(known: Face) -> None:
+    view = small()
+    CascadeFinder().find(view, [known])
+    (motion,) = motions(view.grey, view.grey, [known])
+    assert motion is None or motion == pytest.approx((0, 0, 1, 0), abs=0.01)
 
 
 def test_motion_is_measured_to_a_hundredth_of_a_face() -> None:
