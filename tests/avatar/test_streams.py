@@ -4,6 +4,9 @@ from typing import Any
 
 import pytest
 from openrois_avatar.streams import AvatarStreams, Published
+from openrois_avatar.teleoperation.pilot import Pilot
+from openrois_avatar.teleoperation.seat import Seat
+from openrois_avatar.teleoperation.steering import Steering
 from openrois_signaling.messages import IceServer
 from openrois_streaming import peer as peer_module
 from openrois_streaming.adaptation.caps import Caps
@@ -14,6 +17,7 @@ from openrois_streaming.sessions import SESSIONS_LIMIT
 from openrois.contract import Client
 from openrois.errors import BadParameter, OutOfResources, RoISError, Unsupported
 from tests.support.streaming import VirtualClock, settle
+from tests.support.teleoperation import Hand, LoggedControls, text
 from tests.support.viewing import FakeInlet, FedPublisher, WirelessConnection
 
 VIDEO, AUDIO, SCREEN = "avatar/VideoStreaming", "avatar/AudioStreaming", "avatar/Screen"
@@ -26,6 +30,7 @@ class Stage:
 
     def __init__(self, cap: Callable[[Client], Caps] | None = None) -> None:
         self.clock = VirtualClock()
+        self.seat = Seat("avatar/Teleoperation", self.clock)
         self.publisher = FedPublisher()
         self.camera, self.microphone = FakeInlet(), FakeInlet()
         published = {
@@ -33,7 +38,7 @@ class Stage:
             AUDIO: Published(self.publisher, "audio", self.microphone),
             SCREEN: Published(self.publisher, "video"),
         }
-        self.streams = AvatarStreams("avatar", published, self.clock, cap=cap)
+        self.streams = AvatarStreams("avatar", published, self.clock, cap=cap, seat=self.seat)
         self._reports = 0
 
     async def play(self) -> None:
@@ -57,11 +62,17 @@ class Caller:
         return await self._streams.call(method, params, self.client)
 
     async def connect(
-        self, encoding: str = VP8, component_ref: str = VIDEO, direction: str | None = None, **more: Any
+        self,
+        encoding: str = VP8,
+        component_ref: str = VIDEO,
+        direction: str | None = None,
+        *,
+        wants_input: bool = False,
+        **more: Any,
     ) -> str:
         parameters = [{"name": "encoding_parameters", "data_type_ref": "String", "value": encoding}]
         if direction is not None:
-            value = json.dumps({"direction": direction})
+            value = json.dumps({"direction": direction, "input": wants_input})
             parameters.append({"name": "transport_parameters", "data_type_ref": "String", "value": value})
         answer = await self.ask(
             "rois.stream.connect_stream", component_ref=component_ref, parameters=parameters, **more
@@ -390,3 +401,39 @@ async def test_over_a_new_connection_an_application_starts_anew(stage: Stage, al
     assert await later.ask("rois.stream.suspend_stream", stream_id=new) == OK
     await stage.streams.forget(later.client)
     assert len(stage.streams.sessions) == 0
+
+
+async def test_what_a_person_does_is_for_the_seat_and_of_who_holds_it(stage: Stage, alice: Caller) -> None:
+    await alice.connect(direction="recvonly")
+    await alice.answer()
+    assert WirelessConnection.made[-1].channels is None
+    await alice.connect(direction="recvonly", wants_input=True)
+    await alice.answer()
+    channels = WirelessConnection.made[-1].channels
+    assert channels is not None
+    channels.are_open = True
+    channels.come("input", text(Hand().state()))
+    assert json.loads(channels.told[0])["event"] == "refused"
+    holder = {"component_ref": "avatar/Teleoperation", "holds": True, "epoch": 1}
+    assert await alice.ask("openrois.holder", **holder) == OK
+    controls, reasons = LoggedControls(stage.clock), list[str]()
+    with stage.seat.operated(Pilot(controls, Steering, stage.clock, reasons.append)) as vacated:
+        hand = Hand()
+        hand.state()
+        channels.come("input", text(hand.state()))
+        assert controls.words == ["drive"]
+        await stage.streams.forget(alice.client)
+        assert controls.words == ["drive", "halt"]
+        assert await vacated == "the application that operated is gone"
+
+
+async def test_an_avatar_that_cannot_be_operated_offers_no_channels_and_hears_of_no_holder(stage: Stage) -> None:
+    published = {VIDEO: Published(stage.publisher, "video")}
+    streams = AvatarStreams("avatar", published, stage.clock)
+    async with streams.sessions:
+        wish = {"name": "transport_parameters", "data_type_ref": "String", "value": '{"input": true}'}
+        client = Client("alice", lambda _method, _params: None)
+        await streams.call("rois.stream.connect_stream", {"component_ref": VIDEO, "parameters": [wish]}, client)
+        await settle()
+        assert WirelessConnection.made[-1].channels is None
+        assert await streams.call("openrois.holder", {}, client) == OK

@@ -1,0 +1,239 @@
+"""Operating an avatar by hand, whole: application, gateway, adapter, WebRTC, and a game engine that takes notes.
+
+When the figure stops is printed, and asserted where a clock is turned by hand (`tests/avatar/teleoperation`).
+"""
+
+import asyncio
+import json
+import threading
+import time
+from collections.abc import AsyncIterator, Callable
+from contextlib import AsyncExitStack, asynccontextmanager, suppress
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, Self
+
+import pytest
+from openrois_avatar.adapter import serve_scene
+from openrois_avatar.link.client import LinkClient
+from openrois_avatar.link.messages import Command, Drive, Halt, Input, Quit, VideoShape
+from openrois_avatar.link.protocol import PixelFormat
+from openrois_avatar.scene import external_scene
+from openrois_signaling.messages import Offer
+from openrois_streaming.clock import SystemClock
+from openrois_streaming.testing import ImpairedPath, MeasuringSink
+from openrois_streaming.testing.hands import Hands
+
+from openrois.dialer import serve_parent
+from openrois.gateway.server import Gateway
+from tests.support.avatar_link import HELLO
+from tests.support.deployment import Application, application, gateway, until
+from tests.support.teleoperation import Hand
+
+pytestmark = [pytest.mark.media, pytest.mark.timeout(60)]
+
+REF = "avatar/Teleoperation"
+SHAPE = VideoShape(64, 36, 30, "i420")
+PICTURE = bytes([128]) * (64 * 36 * 3 // 2)
+
+
+class NotingEngine:
+    """A game engine in a thread: a grey picture 30 times a second, and a note of each command with its time."""
+
+    def __init__(self, address: str) -> None:
+        self.heard: list[tuple[float, Command]] = []
+        self._ends = False
+        self._loop, self._news = asyncio.get_running_loop(), asyncio.Event()
+        self._thread = threading.Thread(target=self._run, args=(address,))
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._ends = True
+        self._thread.join(10)
+
+    def _run(self, address: str) -> None:
+        hello = replace(HELLO, video=SHAPE, audio_channels=None, hears=False, walks=True, input=True)
+        with LinkClient.connect(address, hello) as link:
+            due = 0.0
+            while link.connected and not self._ends:
+                if commands := link.poll_commands(0.005):
+                    self.heard += [(time.monotonic(), each) for each in commands]
+                    self._loop.call_soon_threadsafe(self._news.set)
+                if time.monotonic() >= due:
+                    due = time.monotonic() + 1 / 30
+                    link.send_video(PICTURE, 64, 36, 64, PixelFormat.I420, time.monotonic_ns())
+
+    def times(self, kind: type[Command]) -> list[float]:
+        return [at for at, command in self.heard if isinstance(command, kind)]
+
+    @property
+    def inputs(self) -> list[str]:
+        return [str(command.message["event"]) for _, command in self.heard if isinstance(command, Input)]
+
+    async def until(self, so: Callable[[], object]) -> None:
+        async with asyncio.timeout(10):
+            while not so():
+                self._news.clear()
+                await self._news.wait()
+
+
+@dataclass
+class Operator:
+    """An application with a picture of the avatar, and hands."""
+
+    app: Application
+    sink: MeasuringSink
+    hand: Hand = field(default_factory=Hand)
+
+    @property
+    def hands(self) -> Hands:
+        assert self.sink.hands is not None
+        return self.sink.hands
+
+    async def hold(self, seconds: float) -> float:
+        """Hold a key as a page does; return when the last message left."""
+        ends = time.monotonic() + seconds
+        while True:
+            self.hands.do(self.hand.state())
+            sent = time.monotonic()
+            if sent >= ends:
+                return sent
+            await asyncio.sleep(0.08)
+
+    async def start(self) -> None:
+        while (await self.asked("component_status"))["status"] != "READY":
+            pass
+        assert await self.app.code("rois.command.bind", component_ref=REF) == "OK"
+        unit = {"component_ref": REF, "command_type": "start", "command_id": "start", "arguments": []}
+        assert await self.app.code("rois.command.execute", command_unit_list=[unit]) == "OK"
+        while (await self.operation())["operated"] != "true":
+            pass
+
+    async def operation(self) -> dict[str, str]:
+        return await self.asked("operation")
+
+    async def asked(self, query_type: str) -> dict[str, str]:
+        condition = f"component_ref = '{REF}'"
+        answer = await self.app.ask("rois.query.query", query_type=query_type, condition=condition)
+        return {each["name"]: each["value"] for each in answer["results"]}
+
+
+@dataclass
+class House:
+    gateway: Gateway
+    engine: NotingEngine
+
+    @asynccontextmanager
+    async def operator(self, path: ImpairedPath | None = None) -> AsyncIterator[Operator]:
+        """An application that sees the avatar and could operate it."""
+        async with MeasuringSink(path=path) as sink, application(self.gateway) as app:
+            await app.ask("openrois.hello", version="1", extensions=[])
+            wish = json.dumps({"direction": "recvonly", "input": True})
+            parameter = {"name": "transport_parameters", "data_type_ref": "String", "value": wish}
+            asked: dict[str, Any] = {"component_ref": "avatar/VideoStreaming", "parameters": [parameter]}
+            assert await app.code("rois.stream.connect_stream", **asked) == "OK"
+            offer = Offer.model_validate(await app.next("signaling.offer"))
+            assert await app.code("signaling.answer", **(await sink.respond(offer)).wire()) == "OK"
+            await sink.until(lambda: sink.hands is not None and sink.hands.are_free)
+            yield Operator(app, sink)
+
+
+@pytest.fixture
+async def house(tmp_path: Path) -> AsyncIterator[House]:
+    clock, address = SystemClock(), f"unix:{tmp_path}/engine"
+    async with AsyncExitStack() as stack:
+        running = await stack.enter_async_context(gateway())
+        scene = await stack.enter_async_context(external_scene("avatar", address, "secret", clock))
+        avatar = await stack.enter_async_context(serve_scene("avatar", scene, clock))
+        dialling = asyncio.ensure_future(serve_parent(avatar.host, running.url.replace("http", "ws") + "adapter"))
+        engine = stack.enter_context(NotingEngine(address))
+        await until(running.engine, lambda ids: "avatar" in ids)
+        yield House(running, engine)
+        dialling.cancel()
+        with suppress(asyncio.CancelledError):
+            await dialling
+
+
+def told(what: str, stopped: float, since: float, last_drive: float) -> None:
+    print(f"\n{what}: halt {(stopped - since) * 1000:.0f} ms after, {(stopped - last_drive) * 1000:.0f} ms after drive")
+
+
+async def test_the_network_is_cut_while_a_key_is_held(house: House, capsys: pytest.CaptureFixture[str]) -> None:
+    path = ImpairedPath()
+    async with path, house.operator(path) as operator:
+        await operator.start()
+        assert (
+            await operator.app.code("rois.event.subscribe", event_type="stopped", condition=f"component_ref = '{REF}'")
+            == "OK"
+        )
+        await operator.hold(0.5)
+        for direction in (path.up, path.down):
+            direction.change(loss=1.0)
+        cut = time.monotonic()
+        await asyncio.gather(operator.hold(1.0), house.engine.until(lambda: house.engine.times(Halt)))
+        (halted,), driven = house.engine.times(Halt), house.engine.times(Drive)
+        with capsys.disabled():
+            told("network cut", halted, cut, driven[-1])
+        assert len(driven) >= 5
+        assert halted > driven[-1]
+        assert house.engine.inputs[-1] == "release"
+        heard = await operator.app.next("rois.event.notify_event")
+        detail = await operator.app.ask("rois.event.get_event_detail", event_id=heard["event_id"], condition="")
+        assert [each["value"] for each in detail["results"]] == ["no input came for 0.4 s"]
+        operation = await operator.operation()
+        assert (operation["active"], operation["stopped_because"]) == ("false", "no input came for 0.4 s")
+
+
+async def test_the_application_closes_its_end_while_a_key_is_held(
+    house: House, capsys: pytest.CaptureFixture[str]
+) -> None:
+    async with house.operator() as operator:
+        await operator.start()
+        sent = await operator.hold(0.3)
+        await operator.sink.__aexit__()
+        await house.engine.until(lambda: house.engine.times(Halt))
+        with capsys.disabled():
+            told("peer closed", house.engine.times(Halt)[0], sent, house.engine.times(Drive)[-1])
+        assert (await operator.operation())["stopped_because"] in {
+            "the application closed its data channels",
+            "the application closed the peer connection",
+        }
+
+
+async def test_the_application_goes_while_a_key_is_held(house: House, capsys: pytest.CaptureFixture[str]) -> None:
+    async with house.operator() as operator:
+        await operator.start()
+        sent = await operator.hold(0.3)
+        await operator.app.socket.close()
+        await house.engine.until(lambda: house.engine.times(Halt))
+        with capsys.disabled():
+            told("application gone", house.engine.times(Halt)[0], sent, house.engine.times(Drive)[-1])
+
+
+async def test_only_who_has_bound_it_operates(house: House) -> None:
+    async with house.operator() as ann, house.operator() as bob:
+        await ann.start()
+        assert await bob.app.code("rois.command.bind", component_ref=REF) == "OUT_OF_RESOURCES"
+        await bob.hold(0.2)
+        await bob.sink.until(lambda: bob.hands.told)
+        assert json.loads(bob.hands.told[0]) == {
+            "event": "refused",
+            "reason": "avatar/Teleoperation has to be bound and started first",
+        }
+        assert house.engine.times(Drive) == []
+        ann.hands.do(ann.hand.key("KeyW"))
+        await house.engine.until(lambda: house.engine.times(Drive))
+        ann.hands.do(ann.hand.key("KeyW", down=False))
+        await house.engine.until(lambda: house.engine.times(Halt))
+        operation = await ann.operation()
+        assert (int(operation["taken"]), int(operation["refused"]) > 0) == (2, True)
+        assert await ann.app.code("rois.command.release", component_ref=REF) == "OK"
+        assert await ann.app.completed("start") == {"start": "ABORT"}
+        assert ann.app.reasons["start"] == "the component was released"
+        await bob.start()
+        bob.hands.do(bob.hand.key("KeyW"))
+        await house.engine.until(lambda: len(house.engine.times(Drive)) == 2)
+        assert Quit not in {type(command) for _, command in house.engine.heard}
