@@ -16,6 +16,7 @@ from openrois_avatar.link.messages import (
     Drive,
     Halt,
     Hello,
+    Input,
     LinkError,
     Pause,
     Place,
@@ -32,7 +33,7 @@ from openrois_avatar.link.ring_writer import RingWriter
 
 WIDTH, HEIGHT, FPS = 16, 8, 50
 PIXELS: Final = bytes(WIDTH * HEIGHT * 4)
-HELLO: Final = Hello("odd", "1", VideoShape(WIDTH, HEIGHT, FPS), 1, ("nod",), "", hears=True, walks=True)
+HELLO: Final = Hello("odd", "1", VideoShape(WIDTH, HEIGHT, FPS), 1, ("nod",), "", hears=True, walks=True, input=True)
 
 
 class OddEngine:
@@ -75,7 +76,7 @@ class OddEngine:
         hello = replace(HELLO, secret=secret, ring=self._odd.startswith("ring"))
         match self._odd:
             case "can nothing":
-                return replace(hello, audio_channels=None, reactions=(), hears=False, walks=False)
+                return replace(hello, audio_channels=None, reactions=(), hears=False, walks=False, input=False)
             case "silent says HELLO":
                 return replace(hello, audio_channels=None)
         return hello
@@ -112,6 +113,8 @@ class OddEngine:
                 self._react(message)
             case Walk() | Drive() | Halt():
                 self._move(message)
+            case Input():
+                self._over = self._odd == "dies of input"
             case Quit():
                 self._over = True
 

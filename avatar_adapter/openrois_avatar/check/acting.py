@@ -5,7 +5,7 @@ import time
 from collections.abc import AsyncIterator
 from dataclasses import dataclass
 from itertools import count
-from typing import Final
+from typing import Any, Final
 
 from openrois_avatar.check.finding import Finding, failed, judged, not_tried, passed
 from openrois_avatar.check.line import Line
@@ -15,6 +15,7 @@ from openrois_avatar.link.messages import (
     Drive,
     Halt,
     Hello,
+    Input,
     Look,
     Place,
     Reached,
@@ -65,6 +66,7 @@ async def acting(line: Line, hello: Hello, patience: Patience) -> AsyncIterator[
     yield await _unknown(line, patience)
     yield await _gestures(line, patience)
     yield await _hearing(line, hello, patience)
+    yield await _operated(line, hello, patience)
     if hello.walks:
         yield await _walk(line, patience)
         yield await _halt(line, patience)
@@ -138,6 +140,21 @@ async def _hearing(line: Line, hello: Hello, patience: Patience) -> Finding:
     for number in range(20):
         line.hear(Audio(number, time.monotonic_ns(), 1, bytes(2 * _BLOCK)))
     return await _lives(line, patience, "hearing", "20 blocks of the operator's sound")
+
+
+async def _operated(line: Line, hello: Hello, patience: Patience) -> Finding:
+    if not hello.input:
+        return not_tried("input", "HELLO does not say `input`", MESSAGES)
+    held = {"keys": ["KeyW"], "pointer": [0.5, 0.5, 1], "gamepad": {"axes": [0.5, 0, 0, 0], "buttons": [1]}}
+    messages: list[dict[str, Any]] = [
+        {"event": "key", "code": "KeyW", "down": True},
+        held,
+        {"event": "wheel", "dx": 0, "dy": 120, "x": 0.5, "y": 0.5},
+        {"event": "release", "why": "lost"},
+    ]
+    for number, message in enumerate(messages):
+        line.tell(Input({"seq": number, "t": 20.0 * number, **message}))
+    return await _lives(line, patience, "input", "a key, a pointer, a wheel, a gamepad and `release`")
 
 
 async def _lives(line: Line, patience: Patience, check: str, told: str) -> Finding:

@@ -199,7 +199,7 @@ async def _running(command: Sequence[str], address: str, secret: str) -> AsyncIt
 def _told(hello: Hello) -> str:
     shape = hello.video
     sound = "no sound" if hello.audio_channels is None else f"sound in {hello.audio_channels} channels"
-    can = [name for name in ("hears", "walks", "ring") if getattr(hello, name)]
+    can = [name for name in ("hears", "walks", "input", "ring") if getattr(hello, name)]
     return (
         f"{hello.name} {hello.version}: {shape.width}x{shape.height} {shape.format} at {shape.fps:g}, {sound}, "
         f"{len(hello.reactions)} reactions{''.join(f', {each}' for each in can)}"

@@ -47,6 +47,7 @@ ODD = {
     "knows everything": ("unknown", "completed with OK, not with ERROR"),
     "ignores what it does not know": ("unknown", "was not answered within 0.6 s"),
     "dies of sound": ("hearing", "after 20 blocks of the operator's sound: "),
+    "dies of input": ("input", "after a key, a pointer, a wheel, a gamepad and `release`: "),
     "has no place": ("walk", "no `place` came after the greeting"),
     "does not tell": ("walk", "`reached` came for the points [], not for 0 and 1"),
     "does not halt": ("halt", "completed with OK, not ABORT"),
