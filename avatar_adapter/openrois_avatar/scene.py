@@ -24,6 +24,7 @@ from openrois_avatar.components.navigation import Navigation
 from openrois_avatar.components.reaction import Reaction
 from openrois_avatar.components.scene_senses import scene_senses
 from openrois_avatar.components.speech_synthesis import SpeechSynthesis
+from openrois_avatar.components.surroundings import Surroundings
 from openrois_avatar.components.teleoperation import Teleoperation
 from openrois_avatar.health import Health, Observed
 from openrois_avatar.legs import Legs
@@ -206,6 +207,7 @@ async def _engine_scene(
             Navigation(figure),
             Follow(figure),
             Move(figure),
+            Surroundings(world, status),
             *scene_senses(world, clock, status),
         )
         shape = _UNKNOWN if engine.hello is None else engine.hello.video

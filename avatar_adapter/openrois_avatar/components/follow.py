@@ -18,6 +18,8 @@ __all__ = ["Follow"]
 
 _SPEED: Final = 1.5
 """Metres a second: faster than most people walk."""
+_APART: Final = 0.6
+"""Metres from middle to middle that two bodies need: it follows nobody closer, whatever `distance` says."""
 _WORTH_GOING: Final = 0.1
 """Metres: a shorter way is not worth a step."""
 _WORTH_TURNING: Final = 0.5
@@ -100,7 +102,8 @@ class Follow(Moving, components.Follow):
             return [], "is not in the scene"
         place = self.figure.place()
         try:
-            way = await self.figure.ways.to_within(place, thing, metres, "distance")
+            near = max(metres, _APART) if thing.kind == "person" else metres
+            way = await self.figure.ways.to_within(place, thing, near, "distance")
         except NoWay as error:
             return [], str(error)
         points = [(at.x, at.y) for at in way]

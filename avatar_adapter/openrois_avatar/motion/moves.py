@@ -1,5 +1,6 @@
 """Lines and curves from where the figure stands: what `Move` means by its parameters."""
 
+from dataclasses import replace
 from math import ceil, cos, pi, radians, remainder, sin, tau
 from typing import Final
 
@@ -18,6 +19,8 @@ _TURN: Final = pi / 2
 """The most that the figure turns from one point to the next: beyond half a turn it would choose the other way round."""
 _STEP: Final = pi / 18
 """The most that a curve turns from one point to the next: a circle of one metre is 4 mm away from its chords."""
+_SMALL_STEP: Final = 0.4
+"""Metres: a figure may turn along the way to a point that is further away."""
 _MILLIMETRES: Final = 1000.0
 
 
@@ -30,7 +33,7 @@ def line(start: Place, values: tuple[int, ...]) -> list[Waypoint]:
     millimetres, turn = _pair("line", values)
     metres = _metres("line", millimetres)
     x, y = start.x + metres * cos(start.th), start.y + metres * sin(start.th)
-    path = [Waypoint(x, y, start.th)] if metres else []
+    path = [Waypoint(x, y)] if metres > 0 else _backwards(start, -metres)
     return [*path, *_turned(Place(x, y, start.th), turn)] or [Waypoint(x, y, start.th)]
 
 
@@ -51,10 +54,9 @@ def curve(start: Place, values: tuple[int, ...]) -> list[Waypoint]:
     x, y = start.x - side * radius * sin(start.th), start.y + side * radius * cos(start.th)
     parts = ceil(abs(turn) / _STEP)
     headings = [start.th + turn * part / parts for part in range(1, parts + 1)]
-    return [
-        Waypoint(x + side * radius * sin(heading), y - side * radius * cos(heading), remainder(heading, tau))
-        for heading in headings
-    ]
+    path = [Waypoint(x + side * radius * sin(at), y - side * radius * cos(at)) for at in headings]
+    # The last step leads along a chord: at its end the figure turns along the circle.
+    return [*path, replace(path[-1], th=remainder(headings[-1], tau))]
 
 
 def curve_length(values: tuple[int, ...]) -> float:
@@ -91,6 +93,13 @@ def _metres(name: str, millimetres: int) -> float:
     if abs(millimetres) > FAR * _MILLIMETRES:
         raise BadParameter(f"{name}: expected at most {FAR * _MILLIMETRES:.0f} mm, not {millimetres}")
     return millimetres / _MILLIMETRES
+
+
+def _backwards(start: Place, metres: float) -> list[Waypoint]:
+    """Steps that are too short for turning round, each with the face ahead."""
+    parts = ceil(metres / _SMALL_STEP)
+    steps = [metres * part / parts for part in range(1, parts + 1)]
+    return [Waypoint(start.x - step * cos(start.th), start.y - step * sin(start.th), start.th) for step in steps]
 
 
 def _turned(at: Place, turn: float) -> list[Waypoint]:

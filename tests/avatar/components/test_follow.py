@@ -88,6 +88,13 @@ async def test_it_waits_when_it_is_closer_and_looks_at_whom_it_follows(stage: St
     await stage.stop(running)
 
 
+async def test_it_leaves_room_for_two_bodies(stage: Stage) -> None:
+    running = await stage.begin(0)
+    await stage.run(5)
+    assert stage.away == pytest.approx(0.6, abs=0.02)
+    await stage.stop(running)
+
+
 async def test_it_walks_round_obstacles(stage: Stage) -> None:
     floor = Floor(SQUARE, (rectangle(1, -3, 1.2, 3),))
     stage.build(floor)
@@ -131,7 +138,7 @@ async def test_what_stands_in_an_obstacle_is_followed_up_to_it(stage: Stage) -> 
     stage.build(Floor(SQUARE, (rectangle(2.5, -0.5, 3.5, 0.5),)))
     running = await stage.begin(100)
     await stage.run(6)
-    assert stage.away == pytest.approx(0.5 + BODY, abs=0.02)
+    assert stage.away == pytest.approx(0.5 + BODY, abs=0.02), "nearer than that there is no room"
     await stage.stop(running)
 
 

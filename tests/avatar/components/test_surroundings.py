@@ -1,0 +1,85 @@
+"""The map of the scene, as an application reads it."""
+
+import json
+
+import pytest
+from openrois_avatar.components.surroundings import Surroundings
+from openrois_avatar.link.messages import Floor, Place, Thing, Things
+from openrois_avatar.world import World
+
+from openrois.contract import Event, SubscriptionLost
+from openrois.errors import ComponentFailed
+from openrois.registry import LocalRegistry
+from openrois.testing import ComponentContract
+from openrois.types.codes import ComponentStatus
+
+REF = "avatar/Surroundings"
+
+
+class TestSurroundings(ComponentContract):
+    async def component(self) -> Surroundings:
+        return Surroundings(World("avatar"), lambda: ComponentStatus.READY)
+
+
+class Stage:
+    def __init__(self) -> None:
+        self.status = ComponentStatus.READY
+        self.world = World("avatar")
+        self.registry = LocalRegistry("avatar", [Surroundings(self.world, lambda: self.status)])
+        self.heard: list[tuple[str, list[str]]] = []
+
+    def hear(self, item: Event | SubscriptionLost) -> None:
+        assert isinstance(item, Event)
+        self.heard.append((item.event_type, [result.value for result in item.results]))
+
+    async def ask(self, query: str) -> dict[str, object]:
+        return {result.name: json.loads(result.value) for result in await self.registry.query(REF, query)}
+
+
+@pytest.fixture
+def stage() -> Stage:
+    return Stage()
+
+
+async def test_the_floor_is_told_by_its_corners(stage: Stage) -> None:
+    assert await stage.ask("floor") == {"outline": [], "obstacles": []}
+    stage.world.take(Floor(((0, 0), (4, 0), (4, 3.25)), (((1, 1), (2, 1), (1.5, 2)),)))
+    assert await stage.ask("floor") == {
+        "outline": ["0.000,0.000", "4.000,0.000", "4.000,3.250"],
+        "obstacles": [["1.000,1.000", "2.000,1.000", "1.500,2.000"]],
+    }
+
+
+async def test_things_are_told_side_by_side(stage: Stage) -> None:
+    stage.world.take(Things((Thing("a", "person", 1, 2, 0.5, "Anna"), Thing("t", "object", 0, 0))))
+    assert await stage.ask("things") == {
+        "thing_ref": [
+            "urn:x-rois:def:person:OpenRoIS::avatar/scene/a",
+            "urn:x-rois:def:object:OpenRoIS::avatar/scene/t",
+        ],
+        "kind": ["person", "object"],
+        "name": ["Anna", ""],
+        "position_data": ["1.000,2.000,0.5000", "0.000,0.000,0.0000"],
+    }
+
+
+async def test_changes_are_told(stage: Stage) -> None:
+    for event in ("figure_moved", "floor_changed", "things_changed"):
+        await stage.registry.subscribe(REF, event, stage.hear)
+    stage.world.take(Place(1, -2, 0.25))
+    stage.world.take(Floor(((0, 0), (4, 0), (4, 3))))
+    stage.world.take(Things(()))
+    stage.world.clear()
+    assert stage.heard == [
+        ("figure_moved", ["1.000,-2.000,0.2500"]),
+        ("floor_changed", []),
+        ("things_changed", []),
+        ("floor_changed", []),
+        ("things_changed", []),
+    ]
+
+
+async def test_without_an_engine_there_is_no_map(stage: Stage) -> None:
+    stage.status = ComponentStatus.ERROR
+    with pytest.raises(ComponentFailed):
+        await stage.registry.query(REF, "floor")
