@@ -4,12 +4,29 @@ import asyncio
 import time
 from collections.abc import AsyncIterator
 from importlib import import_module
+from math import pi
 
 import numpy as np
 import pytest
 from openrois_avatar.engines.animation.reactions import REACTIONS
+from openrois_avatar.engines.room.plan import ROOM
 from openrois_avatar.engines.runner import LINK_LOST
-from openrois_avatar.link.messages import Completed, Look, Quit, React, Silence, Speak, Stop, Viseme
+from openrois_avatar.link.messages import (
+    Completed,
+    Drive,
+    Floor,
+    Look,
+    Place,
+    Quit,
+    Reached,
+    React,
+    Silence,
+    Speak,
+    Stop,
+    Viseme,
+    Walk,
+    Waypoint,
+)
 from openrois_avatar.link.server import LinkServer
 
 from tests.support.engine_child import PATIENCE, Child, difference, luma, running, start
@@ -40,6 +57,7 @@ async def test_it_greets_with_what_it_is_and_can(child: Child, engine: str) -> N
     hello = child.connection.hello
     assert hello is not None
     assert (hello.name, hello.reactions, hello.audio_channels) == (engine, tuple(REACTIONS), 1)
+    assert hello.walks
     assert (hello.video.width, hello.video.height, hello.video.fps, hello.video.format) == (640, 360, 30.0, "i420")
 
 
@@ -109,6 +127,27 @@ async def test_it_looks_where_it_is_told_to(child: Child) -> None:
     (ahead,) = await child.take(1)
     child.connection.send_command(Look(1.0, 0.0))
     await child.until(lambda picture: difference(picture, ahead) > 2.0)
+
+
+async def test_it_walks_where_it_is_told_to_and_a_lost_driver_leaves_it_standing(child: Child) -> None:
+    (home,) = await child.take(1)
+    path = (Waypoint(0.2, 0.4), Waypoint(0.5, 0.4, -pi / 2))
+    child.connection.send_command(Walk("a", path, 1.0))
+    assert await child.completed("a") == Completed("a", "OK")
+    assert [event for event in child.events if isinstance(event, Floor)] == [ROOM.floor]
+    (there,) = await child.take(1)
+    assert [event for event in child.events if isinstance(event, Reached)] == [Reached("a", 0), Reached("a", 1)]
+    places = [event for event in child.events if isinstance(event, Place)]
+    assert (places[0], places[-1]) == (Place(0.0, 0.0, -1.5708), Place(0.5, 0.4, -1.5708))
+    assert len(places) > 10
+    assert difference(home, there) > 8
+    child.connection.send_command(Drive(0.6, 0.0, 0.0))
+    await child.take(30)
+    driven = [event for event in child.events if isinstance(event, Place)]
+    assert 0.4 - 0.6 * 0.5 <= driven[-1].y < 0.3
+    assert driven[-1].x == pytest.approx(0.5)
+    await child.take(10)
+    assert [event for event in child.events if isinstance(event, Place)] == driven
 
 
 async def test_it_quits_when_it_is_told_to(child: Child) -> None:

@@ -3,18 +3,24 @@ import subprocess
 import sys
 from dataclasses import replace
 from functools import cache
+from math import pi
 from typing import Any
 
 import numpy as np
 import pytest
 from openrois_avatar.engines import palette, puppet
+from openrois_avatar.engines.animation.animator import Animator
+from openrois_avatar.engines.animation.gait import Steps
 from openrois_avatar.engines.animation.pose import Pose
 from openrois_avatar.engines.animation.reactions import REACTIONS
 from openrois_avatar.engines.animation.visemes import SHAPES
 from openrois_avatar.engines.puppet.canvas import colour
 from openrois_avatar.engines.puppet.stage import Stage
+from openrois_avatar.engines.room.scene import Scene, Somebody
+from openrois_avatar.engines.room.shot import shot
 from openrois_avatar.engines.runner import still_pose
 from openrois_avatar.engines.settings import Picture, Pixels
+from openrois_avatar.link.messages import Place
 
 REST = still_pose()
 EYES = np.s_[118:160, 262:376]
@@ -136,6 +142,70 @@ def test_the_watch_is_on_the_left_wrist() -> None:
 def test_both_hands_meet_in_a_clap() -> None:
     front = np.s_[230:330, 270:370]
     assert near(drawn(still_pose("clap", at=1.06))[front], palette.SKIN) > near(drawn(REST)[front], palette.SKIN) + 600
+
+
+def at(x: float, y: float, heading: float, share: float, visitor: Somebody | None = None) -> Scene:
+    return Scene(Place(x, y, heading), visitor, shot(0.0, 0.0, share))
+
+
+def seen(pose: Pose, scene: Scene) -> Any:
+    return stage().draw(pose, scene)[:, :, :3].astype(int)
+
+
+def columns(picture: Any, code: str, distance: int = 30) -> float:
+    """Where nearly a colour is from left to right, on average."""
+    return float(np.nonzero(np.abs(picture - np.asarray(colour(code)[::-1])).max(axis=-1) <= distance)[1].mean())
+
+
+def test_from_afar_the_whole_figure_is_seen_where_it_is() -> None:
+    left, right = (seen(REST, at(x, 0.0, -pi / 2, 1.0)) for x in (-1.0, 1.0))
+    assert columns(right, palette.JUMPER) - columns(left, palette.JUMPER) > 150
+    for picture in (left, right):
+        assert near(picture, palette.FLOOR) > 20_000
+        assert 100 < near(picture, palette.JUMPER) < 4_000
+        assert near(picture, palette.SHOES, 20) > 10
+    near_one, far_one = (near(seen(REST, at(0.0, y, -pi / 2, 1.0)), palette.JUMPER) for y in (-0.7, 2.5))
+    assert near_one > 1.4 * far_one
+
+
+def test_a_figure_that_goes_away_shows_its_back() -> None:
+    front, back = (seen(REST, at(0.0, 0.0, heading, 0.6)) for heading in (-pi / 2, pi / 2))
+    face = np.s_[40:160, 270:370]
+    assert near(front[face], palette.SKIN) > near(back[face], palette.SKIN) + 300
+    assert near(back, palette.HAIR) > near(front, palette.HAIR)
+    aside = seen(REST, at(0.0, 0.0, 0.0, 0.6))
+    assert difference(aside, front) > 0.5
+
+
+def test_legs_step_and_hands_wave_while_it_walks() -> None:
+    steps = Steps()
+    for _ in range(60):
+        steps.take(0.9, 0.0, 0.0, 1 / 60)
+    scene = at(0.0, 0.0, -0.4, 0.6)
+    standing = seen(REST, scene)
+    walking = seen(Animator(1).pose(10.0, steps.channels()), scene)
+    assert difference(walking[250:], standing[250:]) > 1.0
+    assert difference(seen(still_pose("wave", at=1.2), scene)[:230], standing[:230]) > 0.5
+
+
+def test_the_visitor_and_the_furniture_are_seen_where_they_are() -> None:
+    people = [Somebody(Place(x, 1.0, heading)) for x, heading in ((-1.5, -pi / 2), (1.0, pi / 2))]
+    left, right = (seen(REST, at(0.0, 0.0, -pi / 2, 1.0, somebody)) for somebody in people)
+    alone = seen(REST, at(0.0, 0.0, -pi / 2, 1.0))
+    assert columns(right[:200], palette.VISITOR_HAIR, 8) - columns(left[:200], palette.VISITOR_HAIR, 8) > 200
+    assert near(left, palette.VISITOR_SKIN, 15) > near(alone, palette.VISITOR_SKIN, 15) + 60
+    assert near(alone, palette.LEAF, 20) > 60
+    assert columns(alone, palette.LEAF, 20) < 200
+    # Behind the camera nobody is seen, nor is furniture.
+    close = Scene(Place(0.0, 3.4, -pi / 2), Somebody(Place(0.0, 0.0, 0.0)), shot(0.0, 3.4, 0.0))
+    assert near(seen(REST, close), palette.VISITOR_JACKET, 10) < 200
+    assert stage().draw(REST, close).shape == (360, 640, 4)
+
+
+def test_who_passes_behind_is_seen_closely_too() -> None:
+    behind = seen(REST, Scene(visitor=Somebody(Place(-0.8, 1.7, 0.0))))
+    assert near(behind[:, :230], palette.VISITOR_JACKET) > 2_000
+    assert np.array_equal(behind[100:200, 260:380], drawn(REST)[100:200, 260:380])
 
 
 def test_it_says_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -32,13 +32,16 @@ def draw_upper(canvas: Canvas, view: View, pose: Pose) -> None:
             canvas.limb(joints[0], radii[0] * share, joints[1], radii[1] * share, paint)
 
 
-def draw_lower(canvas: Canvas, view: View, pose: Pose) -> None:
-    """Forearms and hands, in front of everything; the one whose wrist is nearer is in front of the other."""
+def draw_lower(canvas: Canvas, view: View, pose: Pose, whole: bool = False) -> None:
+    """Forearms and hands, in front of everything; the one whose wrist is nearer is in front of the other.
+
+    Hands that hang down are drawn only if the `whole` figure is seen.
+    """
     for side in sorted((1, -1), key=lambda side: -_arm(pose, side).y):
         joints, radii = _sleeve(view, pose, side)
         for share, paint in _TONES:
             canvas.limb(joints[1], radii[1] * share, joints[2], radii[2] * share, paint)
-        if raised(_arm(pose, side)):
+        if whole or raised(_arm(pose, side)):
             bones, way = chain(pose, side), np.asarray((-side, 1.0, 1.0))
             _draw_cuff(canvas, view, bones, way)
             # A hand that points at the viewer hides its wrist.

@@ -6,7 +6,7 @@ from openrois_avatar.engines import palette
 from openrois_avatar.engines.animation.curves import smooth
 from openrois_avatar.engines.animation.pose import Pose
 from openrois_avatar.engines.puppet.canvas import Canvas, colour, mixed, spot
-from openrois_avatar.engines.puppet.curves import Array, ellipse, even, mirrored, ribbon, spline
+from openrois_avatar.engines.puppet.curves import Array, Points, ellipse, even, mirrored, ribbon, spline
 from openrois_avatar.engines.puppet.view import View
 from openrois_avatar.engines.sculpt.body import shoulder_lift
 
@@ -26,15 +26,35 @@ _SIDE = (
     (1.22, 0.2, -1.80),
     (1.22, 0.1, -2.20),
     (1.06, 0.0, -2.70),
-    (1.05, 0.0, -3.60),
 )
-_TORSO = np.concatenate([spline(_SIDE, 4), mirrored(spline(_SIDE, 4))])
-_LIFTED = {
-    side: np.asarray([smooth((x * side - 0.30) / 0.75) * min(max((z + 3.0) / 0.9, 0.0), 1.0) for x, _, z in _TORSO])
-    for side in (1, -1)
-}
-"""How far each point of the outline follows a shoulder."""
-_BREATHING = 0.030 * np.clip((_TORSO[:, 2] + 3.3) / 1.2, 0, 1)
+_BELOW_THE_PICTURE = (1.05, 0.0, -3.60)
+_HEM = ((1.02, 0.05, -4.00), (1.00, 0.10, -4.85), (0.92, 0.10, -5.02))
+
+
+class _Jumper:
+    """The jumper's outline, and how each of its points follows shoulders and breath."""
+
+    def __init__(self, side: Points) -> None:
+        self._rest = np.concatenate([spline(side, 4), mirrored(spline(side, 4))])
+        self._lifted = {
+            side: np.asarray(
+                [smooth((x * side - 0.30) / 0.75) * min(max((z + 3.0) / 0.9, 0.0), 1.0) for x, _, z in self._rest]
+            )
+            for side in (1, -1)
+        }
+        self._breathing = 0.030 * np.clip((self._rest[:, 2] + 3.3) / 1.2, 0, 1)
+
+    def outline(self, pose: Pose) -> Array:
+        """With the shoulders lifted and the chest filled by breath, (n, 3)."""
+        moved = self._rest.copy()
+        for side, share in self._lifted.items():
+            moved[:, 2] += share * shoulder_lift(pose, side)
+        moved[:, 0] *= 1 + 0.012 * pose.breath
+        moved[:, 2] += pose.breath * self._breathing
+        return moved
+
+
+_CLOSE, _WHOLE = _Jumper((*_SIDE, _BELOW_THE_PICTURE)), _Jumper((*_SIDE, *_HEM))
 _NECK_SIDE = spline(((0.46, 0.1, -1.10), (0.58, 0.0, -1.40), (0.36, -0.25, -1.66), (0.0, -0.32, -1.74)), 4)
 _NECKLINE = np.concatenate([_NECK_SIDE, mirrored(_NECK_SIDE)])
 _LEAF = np.stack(
@@ -64,26 +84,16 @@ class Body:
     def __init__(self, scale: float) -> None:
         self._light = spot((1.05 * scale, 1.15 * scale), _CLOTH_LIGHT, 0.85)
 
-    def draw(self, canvas: Canvas, view: View, pose: Pose) -> None:
-        """Jumper, neck and collar."""
+    def draw(self, canvas: Canvas, view: View, pose: Pose, whole: bool = False) -> None:
+        """Jumper, neck and collar; the jumper down to its hem only if the `whole` figure is seen."""
         canvas.fill(view.body(ellipse((0.0, 0.35, -1.20), (0.60, 0.16))), _NAPE)
-        torso = view.body(_moved(pose))
+        torso = view.body((_WHOLE if whole else _CLOSE).outline(pose))
         middle = view.body(((0.0, -0.3, -2.35),))[0]
         canvas.shade(torso, middle, _CLOTH_EDGE, _CLOTH, steps=6, reach=0.16)
         canvas.stamp(self._light, middle)
         _draw_neck(canvas, view)
         for side in (-1, 1):
             _draw_collar(canvas, view, pose, side)
-
-
-def _moved(pose: Pose) -> Array:
-    """The jumper's outline, with the shoulders lifted and the chest filled by breath."""
-    moved = _TORSO.copy()
-    for side, share in _LIFTED.items():
-        moved[:, 2] += share * shoulder_lift(pose, side)
-    moved[:, 0] *= 1 + 0.012 * pose.breath
-    moved[:, 2] += pose.breath * _BREATHING
-    return moved
 
 
 def _draw_neck(canvas: Canvas, view: View) -> None:

@@ -131,6 +131,11 @@ class Hair:
         """What is behind the neck."""
         canvas.fill(view.round(_BEHIND), _DEEP)
 
+    def draw_back(self, canvas: Canvas, view: View) -> None:
+        """The back of the head, over all of the face."""
+        outline = view.round(_BEHIND)
+        canvas.shade(outline, outline.mean(axis=0), _EDGE, _LIGHT, steps=6, reach=0.5)
+
     def draw_before(self, canvas: Canvas, view: View) -> None:
         """What falls over the face and its sides."""
         for lock in self._locks:

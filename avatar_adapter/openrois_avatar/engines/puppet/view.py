@@ -1,41 +1,57 @@
 """From the body's decimetres to the drawing's pixels, framed as the sculpted figure is."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from math import atan2, cos, sin
+from math import atan2, cos, pi, sin
 from typing import Final
 
 import numpy as np
 
 from openrois_avatar.engines.animation.pose import Pose
 from openrois_avatar.engines.puppet.curves import Array, Points
-from openrois_avatar.engines.sculpt.rig import Frame, body_frame, head_frame
+from openrois_avatar.engines.room.plan import HOME
+from openrois_avatar.engines.room.shot import DISTANCE, HOME_SHOT, METRE, SPAN, Shot
+from openrois_avatar.engines.sculpt.rig import Frame, Leg, body_frame, head_frame, leg_frames, standing
+from openrois_avatar.link.messages import Place
 
-_DISTANCE: Final = 15.0
-_SPAN: Final = 4.7
-"""From the eye to the head, and the height of the picture there, in dm."""
-_EYE_LEVEL: Final = -0.66
+_HEAD_ASIDE, _BODY_ASIDE = 0.42, 0.30
+"""How far head and body turn, in radians, when the figure goes to the side."""
+_BEHIND: Final = -0.35
+"""The cosine of its turn from the viewer beyond which a figure is seen from behind."""
 _CALM: Final = 0.78
 """A flat face turns less than a solid one, else it slips under the hair."""
 
 
 @dataclass(frozen=True)
 class Lens:
-    """Where a drawing of so many pixels shows the world."""
+    """Where a drawing of so many pixels shows the world in a shot."""
 
     width: int
     height: int
+    shot: Shot = HOME_SHOT
 
     @property
     def scale(self) -> float:
-        """Pixels per decimetre at the head."""
-        return self.height / _SPAN
+        """Pixels per decimetre at the head in the close view."""
+        return self.height / SPAN
+
+    def depths(self, world: Array) -> Array:
+        """How far points (n, 3) are along the camera's sight, in dm; what is too near counts as 1."""
+        tilt = self.shot.tilt
+        away, up = world[:, 1] - self.shot.y, world[:, 2] - self.shot.z
+        return np.maximum(away * cos(tilt) - up * sin(tilt), 1.0)
+
+    def unit(self, world: Array) -> Array:
+        """Pixels per decimetre at points (n, 3)."""
+        return np.asarray(self.scale * DISTANCE / self.depths(world))
 
     def seen(self, world: Array) -> Array:
         """Points (n, 3) in pixels (n, 2), rightwards and downwards."""
-        near = self.scale * _DISTANCE / np.maximum(_DISTANCE + world[:, 1], 1.0)
+        shot, near = self.shot, self.unit(world)
         pixels = np.empty((len(world), 2))
-        pixels[:, 0] = self.width / 2 + world[:, 0] * near
-        pixels[:, 1] = self.height / 2 - (world[:, 2] - _EYE_LEVEL) * near
+        pixels[:, 0] = self.width / 2 + (world[:, 0] - shot.x) * near
+        up = (world[:, 1] - shot.y) * sin(shot.tilt) + (world[:, 2] - shot.z) * cos(shot.tilt)
+        pixels[:, 1] = self.height / 2 - up * near
         return pixels
 
 
@@ -52,8 +68,8 @@ class Space:
 
     def pixels(self, length: float, point: Points = ((0.0, 0.0, 0.0),)) -> float:
         """How long so many decimetres at a point of the space are."""
-        depth = (np.asarray(point, float) @ self.frame.rotation.T + self.frame.origin)[0, 1]
-        return float(length * self.lens.scale * _DISTANCE / max(_DISTANCE + depth, 1.0))
+        world = np.asarray(point, float) @ self.frame.rotation.T + self.frame.origin
+        return float(length * self.lens.unit(world[:1])[0])
 
 
 @dataclass(frozen=True)
@@ -67,15 +83,36 @@ class View:
     body: Space
     head: Space
     round: Space
+    legs: Mapping[Leg, Space]
+    """They turn as solid ones do, so that steps go where the figure goes."""
+    from_behind: bool
 
     @classmethod
-    def of(cls, pose: Pose, lens: Lens) -> "View":
-        """The view of a pose."""
+    def of(cls, pose: Pose, lens: Lens, place: Place = HOME) -> "View":
+        """The view of a pose at a place.
+
+        A flat figure cannot be walked around: it turns to the side as far as it can, and is `from_behind` beyond that.
+        """
+        aside = sin(place.th + pi / 2)
         calm = replace(
             pose, head_yaw=pose.head_yaw * _CALM, head_pitch=_CALM * (pose.head_pitch - pose.lean) + pose.lean
         )
-        body, head = body_frame(pose), head_frame(calm)
-        return cls(Space(body, lens), Space(head, lens), Space(_rounded(head), lens))
+        turned_head = replace(calm, head_yaw=calm.head_yaw + _HEAD_ASIDE * aside)
+        lower, rise = leg_frames(pose)
+        there = Frame(np.eye(3), np.asarray((place.x * METRE, place.y * METRE, rise)))
+        world = standing(place.x * METRE, place.y * METRE, place.th).raised(rise)
+        body = body_frame(replace(pose, twist=pose.twist + _BODY_ASIDE * aside)).within(there)
+        head = head_frame(turned_head).within(there)
+        behind = cos(place.th + pi / 2) < _BEHIND
+        if behind:
+            body, head = _mirrored(body), _mirrored(head)
+        legs = {leg: Space(frame.within(world), lens) for leg, frame in lower.items()}
+        return cls(Space(body, lens), Space(head, lens), Space(_rounded(head), lens), legs, behind)
+
+
+def _mirrored(frame: Frame) -> Frame:
+    """The same, with its right side on the left."""
+    return Frame(frame.rotation * (-1.0, 1.0, 1.0), frame.origin)
 
 
 def _rounded(head: Frame) -> Frame:
