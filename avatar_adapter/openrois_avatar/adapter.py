@@ -24,7 +24,7 @@ from openrois_avatar.components.speech_progress import SpeechProgress
 from openrois_avatar.components.speech_synthesis import SpeechSynthesis
 from openrois_avatar.components.streaming import AudioStreaming, VideoStreaming
 from openrois_avatar.components.system_information import SystemInformation
-from openrois_avatar.game_engines import choose_game_engine
+from openrois_avatar.game_engines import choose_game_engine, link_address
 from openrois_avatar.health import Health, worst
 from openrois_avatar.metrics.figures import Snapshot
 from openrois_avatar.metrics.looking import Looking
@@ -76,7 +76,9 @@ async def run_avatar(settings: AvatarSettings) -> AsyncIterator[Avatar]:
             if missing:
                 _log.warning("%s", missing)
             module = f"openrois_avatar.engines.{name}"
-            scene = await stack.enter_async_context(embedded_scene(settings.engine_id, module, clock))
+            scene = await stack.enter_async_context(
+                embedded_scene(settings.engine_id, module, clock, link_address(name))
+            )
         caps = Caps(max_bitrate=settings.max_viewer_bitrate)
         yield await stack.enter_async_context(
             serve_scene(settings.engine_id, scene, clock, settings.network, lambda _: caps)

@@ -1,10 +1,10 @@
 """Which embedded game engine runs here."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from importlib import import_module
 from typing import Final
 
-__all__ = ["NoGameEngine", "choose_game_engine"]
+__all__ = ["NoGameEngine", "choose_game_engine", "link_address"]
 
 Available = Callable[[], tuple[bool, str]]
 
@@ -17,27 +17,39 @@ def _asking(name: str) -> Available:
     return ask
 
 
-_AVAILABLE: Final = {name: _asking(name) for name in ("panda3d", "puppet")}
+_AVAILABLE: Final = {name: _asking(name) for name in ("panda3d", "puppet", "godot")}
+_AUTOMATIC: Final = ("panda3d", "puppet")
+"""What `auto` chooses from, best first."""
+_TCP_ONLY: Final = ("godot",)
+"""Those that cannot open a Unix socket."""
 
 
 class NoGameEngine(Exception):
     """None of the game engines that were asked for runs here; the text says what to install."""
 
 
-def choose_game_engine(wanted: str, available: Mapping[str, Available] = _AVAILABLE) -> tuple[str, str]:
+def choose_game_engine(
+    wanted: str, available: Mapping[str, Available] = _AVAILABLE, automatic: Sequence[str] = _AUTOMATIC
+) -> tuple[str, str]:
     """Return the name of the game engine to run, and a sentence for a person, empty where all is as wanted.
 
     Args:
         wanted: a name, or `auto` for the best that runs.
-        available: tells of each engine, best first, whether it runs here, and if not what to install.
+        available: tells of each engine whether it runs here, and if not what to install.
+        automatic: the names that `auto` chooses from, best first.
 
     Raises:
         NoGameEngine: the one that is wanted does not run here, or none does.
     """
     reasons: list[str] = []
-    for name in available if wanted == "auto" else (wanted,):
+    for name in automatic if wanted == "auto" else (wanted,):
         runs, reason = available[name]()
         if runs:
             return name, f"{reasons[0]} (until then the {name} is shown)" if reasons else ""
         reasons.append(reason)
     raise NoGameEngine("; ".join(reasons))
+
+
+def link_address(name: str) -> str | None:
+    """Where the link listens for this engine: None for a private Unix socket, else a free port of this machine."""
+    return "tcp:127.0.0.1:0" if name in _TCP_ONLY else None

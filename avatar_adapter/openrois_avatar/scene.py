@@ -109,18 +109,21 @@ def synthetic_scene(clock: MediaClock, width: int = 640, height: int = 360, fps:
     )
 
 
-def embedded_scene(engine_id: str, module: str, clock: MediaClock) -> AbstractAsyncContextManager[Scene]:
+def embedded_scene(
+    engine_id: str, module: str, clock: MediaClock, address: str | None = None
+) -> AbstractAsyncContextManager[Scene]:
     """Show the avatar of an embedded game engine for as long as the block runs.
 
     Args:
         engine_id: leads the refs of what is in the scene.
         module: the game engine's module; it runs as a child process and is started again when it dies.
         clock: the media clock.
+        address: where the engine link listens, as `LinkServer.listen` has it; a private Unix socket if not given.
 
     Raises:
         LinkError: on entering: the game engine did not start; the text has what it printed last.
     """
-    return _engine_scene(engine_id, partial(EmbeddedEngine, module), clock)
+    return _engine_scene(engine_id, partial(EmbeddedEngine, module, address=address), clock)
 
 
 def external_scene(engine_id: str, address: str, secret: str, clock: MediaClock) -> AbstractAsyncContextManager[Scene]:

@@ -7,7 +7,7 @@ from openrois_streaming.network.settings import NetworkSettings
 
 __all__ = ["DEFAULT_LINK", "ENGINES", "AvatarSettings"]
 
-ENGINES: Final = ("auto", "panda3d", "puppet", "external", "synthetic")
+ENGINES: Final = ("auto", "panda3d", "puppet", "godot", "external", "synthetic")
 """What may render the avatar: `auto` is Panda3D where it runs and else the puppet; `external` is an engine that
 somebody else starts, which connects by itself; `synthetic` is a test picture."""
 DEFAULT_LINK: Final = "tcp:127.0.0.1:8766"

@@ -40,6 +40,7 @@ class EmbeddedEngine(LinkedEngine):
     Args:
         module: the engine's module.
         arguments: its arguments.
+        address: where it is listened for, as `LinkServer.listen` has it; a private Unix socket if not given.
         on_audio: gets its blocks of sound.
         on_event: gets its events.
         on_lost: called with the reason when the engine has gone.
@@ -55,6 +56,7 @@ class EmbeddedEngine(LinkedEngine):
         self,
         module: str,
         *arguments: str,
+        address: str | None = None,
         on_audio: Callable[[RawAudio], None] | None = None,
         on_event: Callable[[Event], None] | None = None,
         on_lost: Callable[[str], None] | None = None,
@@ -62,7 +64,7 @@ class EmbeddedEngine(LinkedEngine):
         clock: MediaClock | None = None,
         start_timeout: float = START_TIMEOUT,
     ) -> None:
-        super().__init__(None, None, on_audio=on_audio, on_event=on_event, clock=clock or SystemClock())
+        super().__init__(address, None, on_audio=on_audio, on_event=on_event, clock=clock or SystemClock())
         self._module = module
         self._arguments = arguments
         self._on_lost = on_lost
