@@ -86,6 +86,12 @@ def puppet() -> None:
     _require_engine("puppet")
 
 
+@pytest.fixture(scope="session")
+def godot() -> None:
+    """Godot 3 runs here, if need be on a display of its own."""
+    _require_engine("godot")
+
+
 def _require_engine(name: str) -> None:
     runs, reason = importlib.import_module(f"openrois_avatar.engines.{name}").available()
     if not runs:

@@ -3,6 +3,7 @@ extends Node
 
 const Reactions := preload("reactions.gd")
 const Tones := preload("tones.gd")
+const Sound := preload("res://addons/openrois/sound.gd")
 
 const _TUNE := [0, 1, 2, 1, 2, 2, 0]  # of the music box
 const _BEAT_USEC := 350000
@@ -41,8 +42,8 @@ func _process(delta: float) -> void:
 		_playing = ""
 	_figure.set_mouth($Mouth.weights())
 	# A step is heard when it is seen: its sound is on its way a little before.
-	if _figure.walk($Walker.ahead, $Walker.left, $Walker.turn, delta, _link.Sound.AHEAD_USEC / 1e6):
-		_link.play(_step, now + _link.Sound.AHEAD_USEC)
+	if _figure.walk($Walker.ahead, $Walker.left, $Walker.turn, delta, Sound.AHEAD_USEC / 1e6):
+		_link.play(_step, now + Sound.AHEAD_USEC)
 	_play_music(now)
 	_link.things(_things(now))
 	_follow(1.0 - exp(-2.5 * delta))

@@ -1,10 +1,11 @@
 import ctypes
 import importlib.util
+import shutil
 import subprocess
 import sys
 
 import pytest
-from openrois_avatar.engines import panda3d
+from openrois_avatar.engines import godot, panda3d
 
 
 def missing_library(name: str) -> None:
@@ -41,3 +42,25 @@ def test_asking_imports_no_renderer() -> None:
     script = f"{asking}; print('panda3d' in sys.modules)"
     answer = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=20, check=True)
     assert answer.stdout == "False\n"
+
+
+def test_godot_that_is_missing_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    works, hint = godot.available()
+    assert not works
+    assert hint == "Godot 3 is not found (godot3-runner or godot3): apt install godot3-runner"
+
+
+def test_godot_without_a_display_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shutil, "which", {"godot3": "/usr/bin/godot3"}.get)
+    monkeypatch.delenv("DISPLAY", raising=False)
+    works, hint = godot.available()
+    assert not works
+    assert hint.endswith("apt install xvfb")
+    monkeypatch.setenv("DISPLAY", ":0")
+    assert godot.available() == (True, "")
+    assert godot.program() == "/usr/bin/godot3"
+
+
+def test_the_godot_project_is_where_it_is_looked_for() -> None:
+    assert (godot.project() / "project.godot").is_file()

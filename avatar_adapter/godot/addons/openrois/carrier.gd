@@ -123,13 +123,10 @@ func close(farewell := "") -> void:
 func _run(_nothing) -> void:
 	if not _greet():
 		return
-	while true:
-		_wake.wait()
+	while not _ends():
 		var parts := _next()
 		if parts.empty():
-			if _ends():
-				return
-			continue
+			_wake.wait()
 		for part in parts:
 			if not _write(part, OS.get_ticks_msec() + STALL_MSEC):
 				return

@@ -72,6 +72,7 @@ var _paused := false
 var _told := {}  # what the adapter is told again after a reconnect, by kind
 var _late := {}  # kinds that are to be told as soon as their pace allows it
 var _told_at := {}
+var _said := {}  # the bytes that were sent last
 
 
 func _init() -> void:
@@ -156,8 +157,9 @@ func hush() -> void:
 	_sound.hush()
 
 
-# Say goodbye to the adapter; half a second at most.
+# Say goodbye to the adapter, for good; half a second at most.
 func close(reason: String) -> void:
+	set_process(false)
 	if _carrier != null:
 		_carrier.close(reason)
 		_carrier = null
@@ -194,8 +196,8 @@ func _process(_delta: float) -> void:
 		_begin()
 	if _connected:
 		for message in _carrier.receive():
-			_take(message[0], message[1])
-	# A signal's receiver may have closed the link meanwhile.
+			if _carrier != null:  # a signal's receiver may close the link
+				_take(message[0], message[1])
 	if _carrier != null and _carrier.reason() != "":
 		_lose(_carrier.reason())
 	elif _connected:
@@ -229,6 +231,7 @@ func _begin() -> void:
 	_due = _clock.now()
 	_sound.begin(_clock.now())
 	_delay = _FIRST_DELAY
+	_said = {}
 	for kind in _told:
 		_late[kind] = true
 	emit_signal("connected")
@@ -288,7 +291,7 @@ func _obey(body: Dictionary) -> void:
 			_carrier.fail("the adapter sent an unknown command: %s" % [other])
 
 
-# Tell something of which only the newest matters, not oftener than its pace.
+# Tell something of which only the newest matters, if it is new, and not oftener than its pace.
 func _tell(kind: String, body: Dictionary) -> void:
 	body["event"] = kind
 	_told[kind] = body
@@ -304,7 +307,10 @@ func _tell_what_is_late() -> void:
 		if now - _told_at.get(kind, -1000) >= _PACE.get(kind, 0):
 			_told_at[kind] = now
 			_late.erase(kind)
-			_send_event(_told[kind])
+			var bytes := Wire.json(Wire.EVENT, _told[kind])
+			if bytes != _said.get(kind):
+				_said[kind] = bytes
+				_carrier.put_event(bytes)
 
 
 func _send_event(body: Dictionary) -> void:

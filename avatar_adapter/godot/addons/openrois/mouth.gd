@@ -70,7 +70,7 @@ func _on_heard(samples: PoolByteArray) -> void:
 # One `speak`.
 class Track:
 	var _start: int
-	var _visemes: Array  # of [begin in seconds, end in seconds, shape, weight]
+	var _visemes := []  # of [begin in seconds, end in seconds, shape, weight]
 	var _first := 0  # those before it are over
 	var _cut := 0
 
@@ -86,8 +86,7 @@ class Track:
 			_cut = now
 
 	func is_over(now: int) -> bool:
-		var last: int = _cut + int(CUT * 1e6) if _cut != 0 else _start
-		return now > last if _cut != 0 else _first >= _visemes.size()
+		return now > _cut + CUT * 1e6 if _cut != 0 else _first >= _visemes.size()
 
 	func add_to(sum: Dictionary, now: int) -> void:
 		var at := (now - _start) / 1e6 + EARLY
