@@ -38,6 +38,6 @@ async def test_the_page_shows_godot_and_godot_obeys_the_page(guest: Visit, tmp_p
     box = await guest.item("stage").bounding_box()
     picture = cv2.imdecode(np.frombuffer(await guest.page.screenshot(clip=box), np.uint8), cv2.IMREAD_COLOR)
     height, width, _ = picture.shape
-    shirt = picture[int(0.57 * height) : int(0.62 * height), int(0.47 * width) : int(0.53 * width)]
+    shirt = picture[int(0.42 * height) : int(0.52 * height), int(0.47 * width) : int(0.53 * width)]
     blue, _, red = (float(channel.mean()) for channel in cv2.split(shirt))
     assert blue - red > 40

@@ -139,7 +139,7 @@ func _pose_face() -> void:
 		eye.rotation = Vector3(-0.35 * _gaze_shown.y, 0.45 * _gaze_shown.x, 0)
 		eye.scale = Vector3(1, 1.0 - 0.9 * lids, 1)
 	for brow in _brows:
-		brow.translation.y = 0.135 + 0.03 * _shown["brow"]
+		brow.translation.y = 0.125 + 0.03 * _shown["brow"]
 	var opened := clamp(_mouth.x, -0.25, 1.0)
 	var width := 1.0 + 0.35 * _mouth.y + 0.3 * _shown["smile"]
 	_lips.scale = Vector3(0.078 * width, 0.022 + 0.055 * opened, 0.03)
@@ -177,17 +177,17 @@ func _build() -> void:
 
 func _build_head(head: Spatial) -> void:
 	_ball(head, Vector3(0.225, 0.25, 0.225), Vector3(0, 0, 0), skin)
-	_ball(head, Vector3(0.25, 0.25, 0.235), Vector3(0, 0.05, -0.045), hair)
+	_ball(head, Vector3(0.25, 0.25, 0.235), Vector3(0, 0.062, -0.058), hair)
 	_ball(head, Vector3(0.16, 0.06, 0.07), Vector3(0.05, 0.215, 0.13), hair)
 	_ball(head, Vector3(0.026, 0.03, 0.03), Vector3(0, -0.02, 0.225), skin.darkened(0.08))
 	for away in [-1.0, 1.0]:
 		_ball(head, Vector3(0.03, 0.055, 0.04), Vector3(away * 0.225, -0.01, 0.01), skin)
-		_ball(head, Vector3(0.04, 0.028, 0.02), Vector3(away * 0.125, -0.07, 0.175), Color(0.92, 0.6, 0.52))
+		_ball(head, Vector3(0.04, 0.028, 0.02), Vector3(away * 0.125, -0.07, 0.163), Color(0.92, 0.6, 0.52))
 		var eye := _joint(head, Vector3(away * 0.085, 0.045, 0.18))
 		_ball(eye, Vector3(0.047, 0.052, 0.04), Vector3(), Color(0.97, 0.97, 0.97))
 		_ball(eye, Vector3(0.024, 0.027, 0.018), Vector3(0, 0, 0.03), Color(0.12, 0.16, 0.25))
 		_eyes.append(eye)
-		_brows.append(_ball(head, Vector3(0.05, 0.011, 0.02), Vector3(away * 0.085, 0.135, 0.19), hair))
+		_brows.append(_ball(head, Vector3(0.05, 0.011, 0.02), Vector3(away * 0.085, 0.125, 0.197), hair))
 	_lips = _ball(head, Vector3.ONE, Vector3(0, -0.12, 0.175), Color(0.75, 0.38, 0.36))
 	_inside = _ball(head, Vector3.ONE, Vector3(0, -0.12, 0.182), Color(0.25, 0.06, 0.07))
 	_teeth = _ball(head, Vector3.ONE, Vector3(0, -0.105, 0.187), Color(0.96, 0.95, 0.92))

@@ -1,13 +1,16 @@
 // Packs a picture as the planes Y, U and V (BT.601, limited range): each pixel written here is four bytes of them, in
 // the order in which they go on the wire. What is read back is a third of RGBA8, and no script touches a pixel.
 shader_type canvas_item;
-render_mode unshaded, blend_disabled;
+// Onto nothing, this leaves all four bytes as they are. (GLES2 mixes where blending is said to be disabled.)
+render_mode unshaded, blend_premul_alpha;
 
 uniform sampler2D picture;
 uniform vec2 size;
+uniform bool bottom_up;
 
-vec3 colour(sampler2D from, vec2 at, vec2 whole) {
-	return texture(from, vec2(at.x / whole.x, 1.0 - at.y / whole.y)).rgb;
+vec4 colour(sampler2D from, vec2 at, vec2 whole, bool turned) {
+	vec2 place = at / whole;
+	return vec4(texture(from, vec2(place.x, turned ? 1.0 - place.y : place.y)).rgb, 1.0);
 }
 
 void fragment() {
@@ -33,9 +36,9 @@ void fragment() {
 		next = vec2(2.0, 0.0);
 	}
 	COLOR = vec4(
-		dot(vec4(colour(picture, first, size), 1.0), weights),
-		dot(vec4(colour(picture, first + next, size), 1.0), weights),
-		dot(vec4(colour(picture, first + 2.0 * next, size), 1.0), weights),
-		dot(vec4(colour(picture, first + 3.0 * next, size), 1.0), weights)
+		dot(colour(picture, first, size, bottom_up), weights),
+		dot(colour(picture, first + next, size, bottom_up), weights),
+		dot(colour(picture, first + 2.0 * next, size, bottom_up), weights),
+		dot(colour(picture, first + 3.0 * next, size, bottom_up), weights)
 	);
 }

@@ -25,6 +25,7 @@ func watch(source: Viewport) -> void:
 	material.shader = preload("i420.shader")
 	material.set_shader_param("picture", texture)
 	material.set_shader_param("size", Vector2(width, height))
+	material.set_shader_param("bottom_up", not source.render_target_v_flip)
 	var screen := ColorRect.new()
 	screen.rect_size = size
 	screen.material = material

@@ -15,6 +15,10 @@ __all__ = ["SERVER", "NoScreen", "virtual_screen"]
 SERVER: Final = "Xvfb"
 START_TIMEOUT: Final = 10.0
 """Seconds that the server has to say which display it is."""
+_FIRST: Final = 1000
+_NUMBERS: Final = 50_000
+_TRIES: Final = 3
+"""The numbers of displays to choose from, and how often."""
 _COOKIE: Final = b"MIT-MAGIC-COOKIE-1"
 _FAMILY_WILD: Final = 0xFFFF
 _PR_SET_PDEATHSIG: Final = 1
@@ -27,9 +31,9 @@ class NoScreen(Exception):
 def virtual_screen(width: int, height: int) -> Mapping[str, str]:
     """Start a display server for this process and whatever program takes its place (`os.exec*`).
 
-    The server takes a number that nobody uses, listens on no network, and lets in only who has the key, which is in
-    memory that the same program inherits; no file is left behind. The kernel ends it together with this process, so it
-    has to be called from the main thread. Linux only.
+    The server listens on no network and lets in only who has the key, which is in memory that the same program
+    inherits; no file is left behind. The kernel ends it together with this process, so it has to be called from the
+    main thread. Linux only.
 
     Returns:
         The variables with which a program finds the display.
@@ -37,21 +41,30 @@ def virtual_screen(width: int, height: int) -> Mapping[str, str]:
     Raises:
         NoScreen: it did not start.
     """
-    key = _memory("key", _authority())
-    said = _memory("said")
-    number, telling = os.pipe()
-    parent = os.getpid()
-    libc = ctypes.CDLL(None)
+    key, said = _memory("key", _authority()), _memory("said")
+    for _ in range(_TRIES):
+        # Not the first free number, as servers choose: the one that had it before may still be removing its socket.
+        number = _FIRST + secrets.randbelow(_NUMBERS)
+        if _starts(number, f"{width}x{height}x24", key, said):
+            os.set_inheritable(key, True)
+            return {"DISPLAY": f":{number}", "XAUTHORITY": f"/proc/self/fd/{key}"}
+    raise NoScreen(f"{SERVER} did not start: {_last_line(said)}")
+
+
+def _starts(number: int, screen: str, key: int, said: int) -> bool:
+    """Start the server as this display, and wait until it can be used or has ended."""
+    ready, telling = os.pipe()
+    parent, libc = os.getpid(), ctypes.CDLL(None)
 
     def die_with_parent() -> None:  # there are no other threads, so code between fork and exec is safe
         libc.prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)
         if os.getppid() != parent:
             os._exit(1)
 
-    arguments = (f"-displayfd {telling} -auth /proc/self/fd/{key} -screen 0 {width}x{height}x24 -nolisten tcp").split()
+    options = f":{number} -displayfd {telling} -auth /proc/self/fd/{key} -screen 0 {screen} -nolisten tcp"
     try:
-        subprocess.Popen(  # noqa: S603 - a program of this machine
-            [SERVER, *arguments],
+        server = subprocess.Popen(  # noqa: S603 - a program of this machine
+            [SERVER, *options.split()],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=said,
@@ -62,12 +75,24 @@ def virtual_screen(width: int, height: int) -> Mapping[str, str]:
         raise NoScreen(f"{SERVER} cannot be started: {error}") from error
     finally:
         os.close(telling)
-    readable, _, _ = select.select([number], [], [], START_TIMEOUT)
-    display = os.read(number, 16).decode().strip() if readable else ""
-    if not display:
-        raise NoScreen(f"{SERVER} did not start: {_text(said)}")
-    os.set_inheritable(key, True)
-    return {"DISPLAY": f":{display}", "XAUTHORITY": f"/proc/self/fd/{key}"}
+    started = _line(ready) != b""
+    os.close(ready)
+    if not started:
+        server.kill()
+        server.wait()
+    return started
+
+
+def _line(pipe: int) -> bytes:
+    """What comes through a pipe, to the end of the line: empty if that does not come in time."""
+    line = b""
+    while not line.endswith(b"\n"):
+        readable, _, _ = select.select([pipe], [], [], START_TIMEOUT)
+        data = os.read(pipe, 16) if readable else b""
+        if not data:
+            return b""
+        line += data
+    return line
 
 
 def _authority() -> bytes:
@@ -83,5 +108,6 @@ def _memory(name: str, content: bytes = b"") -> int:
     return descriptor
 
 
-def _text(descriptor: int) -> str:
-    return os.pread(descriptor, 1000, 0).decode(errors="replace").strip()
+def _last_line(descriptor: int) -> str:
+    lines = os.pread(descriptor, 10_000, 0).decode(errors="replace").split("\n")
+    return next((line for line in reversed(lines) if line.strip()), "it said nothing")
