@@ -26,7 +26,7 @@ def main() -> None:
         except NoScreen as error:
             raise SystemExit(str(error)) from error
     # What is heard goes over the link: Godot itself needs no sound card.
-    arguments = [runner, "--path", str(project()), "--audio-driver", "Dummy"]
+    arguments = [runner, "--path", str(project()), "--audio-driver", "Dummy", "--language", "en"]
     os.execve(runner, arguments, environment)  # noqa: S606 - a program of this machine
 
 
