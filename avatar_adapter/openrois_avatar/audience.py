@@ -10,7 +10,7 @@ from openrois_streaming.stats import StreamStats
 
 __all__ = ["LONGEST", "PLAYOUT", "Audience", "way"]
 
-PLAYOUT: Final = 0.1
+PLAYOUT: Final = 0.2
 """Seconds from the arrival of a packet to its sound in a viewer's ear: buffer, decoder, device.
 
 An estimate for a path without jitter, as no report of a viewer says it; `docs/avatar.md` has what was measured."""

@@ -103,7 +103,7 @@ async def test_words_and_marks_are_told_when_they_are_heard(speaker: Speaker) ->
     saying = speaker.say("one <here> two  three")
     await settle()
     begin = speaker.speaks()[0].start_ns / 1e9 + PLAYOUT
-    await speaker.clock.advance(1.3)
+    await speaker.clock.advance(1.5)
     await saying
     assert [type(each) for each in speaker.progress] == [WordSpoken, MarkReached, WordSpoken, WordSpoken, SpeechEnded]
     assert speaker.words() == [("one", 0), ("two", 11), ("three", 16)]
@@ -214,7 +214,7 @@ async def test_a_paused_text_can_be_interrupted(speaker: Speaker) -> None:
         await saying
     speaker.voice.pause()
     assert not speaker.say().done()
-    await speaker.clock.advance(1.3)
+    await speaker.clock.advance(1.5)
     assert speaker.words()[-1] == ("Hello", 0)
 
 

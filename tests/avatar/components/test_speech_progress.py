@@ -76,7 +76,7 @@ async def stage() -> Stage:
 
 async def test_each_word_is_an_event_with_its_place_and_its_time(stage: Stage) -> None:
     speaking = await stage.start("one <here> two")
-    await stage.clock.advance(1.3)
+    await stage.clock.advance(1.5)
     await speaking
     kinds, values = zip(*stage.events, strict=True)
     assert kinds == ("word_spoken", "mark_reached", "word_spoken", "speech_ended")
@@ -88,7 +88,7 @@ async def test_each_word_is_an_event_with_its_place_and_its_time(stage: Stage) -
         "length": "3",
         "spoken_at": "",
     }
-    assert values[0]["spoken_at"].startswith("2027-01-15T08:00:00.1")
+    assert values[0]["spoken_at"].startswith("2027-01-15T08:00:00.2")
     assert (values[1]["mark"], values[2]["word"], values[2]["position"]) == ("here", "two", "11")
     assert values[3] | {"ended_at": ""} == {
         "speech_id": speech_id,
@@ -118,7 +118,7 @@ async def test_another_start_ends_a_text_too(stage: Stage) -> None:
     with pytest.raises(Aborted):
         await first
     assert stage.events[-1][1]["reason"] == "the speech was stopped at the word 'one' (character 0)"
-    await stage.clock.advance(1.3)
+    await stage.clock.advance(1.5)
     assert await second == ()
 
 
@@ -132,7 +132,7 @@ async def test_suspended_it_is_silent_until_it_is_resumed(stage: Stage) -> None:
     assert not speaking.done()
     assert (await stage.registry.query(SYNTHESIS, "component_status"))[0].value == "BUSY"
     await stage.registry.invoke(SYNTHESIS, "resume")
-    await stage.clock.advance(1.1)
+    await stage.clock.advance(1.5)
     assert await speaking == ()
     assert [values["word"] for kind, values in stage.events if kind == "word_spoken"] == ["one", "two"]
 

@@ -46,7 +46,7 @@ async def test_a_text_is_spoken_with_its_parameters(stage: Stage) -> None:
     speaking = stage.start()
     await settle()
     assert await stage.ask("component_status") == {"status": "BUSY"}
-    await stage.clock.advance(1.2)
+    await stage.clock.advance(1.5)
     assert await speaking == ()
     assert stage.synthesizer.asked == [("Guten Tag", "de", "f1", 70, False)]
 
