@@ -53,7 +53,7 @@ async def test_the_tab_key_goes_everywhere_in_the_order_in_which_one_reads(guest
     await expect(guest.item("say-language")).to_be_visible()  # once the voice has said what it speaks
     order = [
         *("skip", "show-avatar", "show-inspector", "help-open", "theme-toggle", "stage"),
-        *("sound-off", "statistics-toggle", "fullscreen"),
+        *("sound-off", "statistics-toggle", "control-toggle", "fullscreen"),
         *("say-text", "say-language", "say-send"),
         *reactions,
         *("video-suspend", "video-disconnect", "audio-suspend", "audio-disconnect"),

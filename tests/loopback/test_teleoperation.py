@@ -5,79 +5,27 @@ When the figure stops is printed, and asserted where a clock is turned by hand (
 
 import asyncio
 import json
-import threading
 import time
-from collections.abc import AsyncIterator, Callable
-from contextlib import AsyncExitStack, asynccontextmanager, suppress
-from dataclasses import dataclass, field, replace
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 import pytest
-from openrois_avatar.adapter import serve_scene
-from openrois_avatar.link.client import LinkClient
-from openrois_avatar.link.messages import Command, Drive, Halt, Input, Quit, VideoShape
-from openrois_avatar.link.protocol import PixelFormat
-from openrois_avatar.scene import external_scene
+from openrois_avatar.link.messages import Drive, Halt, Quit
 from openrois_signaling.messages import Offer
-from openrois_streaming.clock import SystemClock
 from openrois_streaming.testing import ImpairedPath, MeasuringSink
 from openrois_streaming.testing.hands import Hands
 
-from openrois.dialer import serve_parent
 from openrois.gateway.server import Gateway
-from tests.support.avatar_link import HELLO
-from tests.support.deployment import Application, application, gateway, until
+from tests.support.deployment import Application, application
+from tests.support.operated import NotingEngine, operated_avatar
 from tests.support.teleoperation import Hand
 
 pytestmark = [pytest.mark.media, pytest.mark.timeout(60)]
 
 REF = "avatar/Teleoperation"
-SHAPE = VideoShape(64, 36, 30, "i420")
-PICTURE = bytes([128]) * (64 * 36 * 3 // 2)
-
-
-class NotingEngine:
-    """A game engine in a thread: a grey picture 30 times a second, and a note of each command with its time."""
-
-    def __init__(self, address: str) -> None:
-        self.heard: list[tuple[float, Command]] = []
-        self._ends = False
-        self._loop, self._news = asyncio.get_running_loop(), asyncio.Event()
-        self._thread = threading.Thread(target=self._run, args=(address,))
-
-    def __enter__(self) -> Self:
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._ends = True
-        self._thread.join(10)
-
-    def _run(self, address: str) -> None:
-        hello = replace(HELLO, video=SHAPE, audio_channels=None, hears=False, walks=True, input=True)
-        with LinkClient.connect(address, hello) as link:
-            due = 0.0
-            while link.connected and not self._ends:
-                if commands := link.poll_commands(0.005):
-                    self.heard += [(time.monotonic(), each) for each in commands]
-                    self._loop.call_soon_threadsafe(self._news.set)
-                if time.monotonic() >= due:
-                    due = time.monotonic() + 1 / 30
-                    link.send_video(PICTURE, 64, 36, 64, PixelFormat.I420, time.monotonic_ns())
-
-    def times(self, kind: type[Command]) -> list[float]:
-        return [at for at, command in self.heard if isinstance(command, kind)]
-
-    @property
-    def inputs(self) -> list[str]:
-        return [str(command.message["event"]) for _, command in self.heard if isinstance(command, Input)]
-
-    async def until(self, so: Callable[[], object]) -> None:
-        async with asyncio.timeout(10):
-            while not so():
-                self._news.clear()
-                await self._news.wait()
 
 
 @dataclass
@@ -143,18 +91,8 @@ class House:
 
 @pytest.fixture
 async def house(tmp_path: Path) -> AsyncIterator[House]:
-    clock, address = SystemClock(), f"unix:{tmp_path}/engine"
-    async with AsyncExitStack() as stack:
-        running = await stack.enter_async_context(gateway())
-        scene = await stack.enter_async_context(external_scene("avatar", address, "secret", clock))
-        avatar = await stack.enter_async_context(serve_scene("avatar", scene, clock))
-        dialling = asyncio.ensure_future(serve_parent(avatar.host, running.url.replace("http", "ws") + "adapter"))
-        engine = stack.enter_context(NotingEngine(address))
-        await until(running.engine, lambda ids: "avatar" in ids)
+    async with operated_avatar(tmp_path) as (running, engine):
         yield House(running, engine)
-        dialling.cancel()
-        with suppress(asyncio.CancelledError):
-            await dialling
 
 
 def told(what: str, stopped: float, since: float, last_drive: float) -> None:

@@ -13,6 +13,7 @@ export interface Avatar {
   readonly system: string | null;
   readonly gaze: string | null;
   readonly operator: string | null;
+  readonly teleoperation: string | null;
 }
 
 export function findAvatars(profile: Profile): Avatar[] {
@@ -30,6 +31,7 @@ export function findAvatars(profile: Profile): Avatar[] {
       system: of("SystemInformation"),
       gaze: of("Gaze"),
       operator: of("Operator"),
+      teleoperation: of("Teleoperation"),
     });
   }
   return avatars;

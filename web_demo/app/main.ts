@@ -13,6 +13,7 @@ import type { Desire, LocalStream, RemoteStream } from "../sdk/media/index.ts";
 import { AvatarDirectory } from "./avatars.ts";
 import type { Avatar } from "./avatars.ts";
 import { Banner } from "./banner.ts";
+import { Control } from "./control.ts";
 import { FiguresPanel } from "./figures.ts";
 import { Gaze } from "./gaze.ts";
 import { Header } from "./header.ts";
@@ -47,7 +48,7 @@ const canStream = "RTCPeerConnection" in globalThis;
 const codecs = canStream ? decodableCodecs("video") : [];
 
 const client = new Client();
-const receiver = new MediaReceiver(client);
+const receiver = new MediaReceiver(client, { input: true });
 let before = recall(sessionStorage, Date.now());
 const directory = new AvatarDirectory(client, avatarChanged, before?.engineId);
 const header = new Header(directory);
@@ -63,6 +64,7 @@ const say = new SayLine(client);
 const reactions = new Reactions(client);
 const gaze = new Gaze(client, stage.element);
 const operator = new OperatorCard(client, receiver);
+const control = new Control(client, receiver, stage.video);
 new MessageLog(client);
 new StampReader(stage.video, stage.frames, (reading) => readings.stampRead(reading));
 
@@ -83,6 +85,7 @@ function avatarChanged(): void {
   say.setComponent(present?.speech ?? null);
   reactions.setComponent(present?.reaction ?? null);
   gaze.setComponent(present?.gaze ?? null);
+  control.setComponent(present?.teleoperation ?? null);
   if (present) {
     void readClock(present);
     void operator.watch(present).then((streams) => Object.assign(window.openrois, streams));

@@ -76,7 +76,11 @@ export class Collector {
   #listenToKeys(): void {
     const key = (event: KeyboardEvent, down: boolean): void => {
       if (NOT_OURS.has(event.code) || (down && (event.ctrlKey || event.metaKey || event.altKey))) return;
-      if (event.target === this.#element) event.preventDefault();
+      if (event.target === this.#element) {
+        // The page's own keys are not meant.
+        event.preventDefault();
+        event.stopPropagation();
+      }
       const change = this.#held.key(event.code, down);
       if (change) this.#events.onChange(change);
     };

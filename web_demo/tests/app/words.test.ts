@@ -127,7 +127,15 @@ describe("findAvatars", () => {
         "c/video2": component("VideoStreaming"),
       },
     };
-    const nothing = { operator: null, audio: null, speech: null, reaction: null, system: null, gaze: null };
+    const nothing = {
+      operator: null,
+      audio: null,
+      speech: null,
+      reaction: null,
+      system: null,
+      gaze: null,
+      teleoperation: null,
+    };
     expect(findAvatars(profile)).toEqual([
       { ...nothing, engineId: "a", video: "a/eyes", speech: "a/mouth" },
       { ...nothing, engineId: "c", video: "c/video" },

@@ -1,0 +1,81 @@
+"""A person drives the avatar with the keyboard; it stops when that person looks at something else, or goes."""
+
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import pytest
+import pytest_asyncio
+from openrois_avatar.link.messages import Drive, Halt
+from playwright.async_api import Browser, expect
+
+from tests.support.browser import PATIENCE, Visit, visiting
+from tests.support.operated import NotingEngine, operated_avatar
+
+pytestmark = [pytest.mark.browser, pytest.mark.timeout(60), pytest.mark.asyncio(loop_scope="session")]
+
+
+class Drivers:
+    """The page of an avatar whose game engine takes notes."""
+
+    def __init__(self, visit: Visit, engine: NotingEngine) -> None:
+        self.visit = visit
+        self.engine = engine
+
+    async def take_control(self) -> None:
+        await self.visit.press("control-toggle")
+        await expect(self.visit.item("control-toggle")).to_have_attribute(
+            "aria-pressed", "true", timeout=PATIENCE * 1000
+        )
+
+    async def goes(self) -> None:
+        """Wait until the figure is driven anew."""
+        count = len(self.engine.times(Drive))
+        await self.engine.until(lambda: len(self.engine.times(Drive)) > count + 1)
+
+    async def stands(self) -> None:
+        """Wait until the figure was halted after the last time that it was driven."""
+        await self.engine.until(
+            lambda: self.engine.times(Halt) and self.engine.times(Halt)[-1] > self.engine.times(Drive)[-1]
+        )
+
+
+@pytest_asyncio.fixture(loop_scope="session")
+async def drivers(browser: Browser, tmp_path: Path) -> AsyncIterator[Drivers]:
+    async with operated_avatar(tmp_path) as (gateway, engine), visiting(browser, gateway.url) as visit:
+        await visit.until("openrois.video?.status === 'STREAMING_RUNNING'")
+        yield Drivers(visit, engine)
+
+
+async def test_the_keyboard_drives_and_a_page_that_is_not_looked_at_lets_go(drivers: Drivers) -> None:
+    visit, engine = drivers.visit, drivers.engine
+    await drivers.take_control()
+    await visit.page.keyboard.down("ArrowUp")
+    await drivers.goes()
+    assert all(command.ahead == 0.8 for _, command in engine.heard if isinstance(command, Drive))
+    await visit.page.keyboard.up("ArrowUp")
+    await drivers.stands()
+
+    await visit.page.keyboard.down("KeyA")
+    await drivers.goes()
+    hide = "Object.defineProperty(document, 'visibilityState', {value: 'hidden', configurable: true})"
+    await visit.page.evaluate(f"{hide} && document.dispatchEvent(new Event('visibilitychange'))")
+    await drivers.stands()
+    assert engine.inputs[-1] in {"release", "state"}
+    await expect(visit.item("control-words")).to_have_text("the operator's page is not seen any more")
+
+    await visit.page.evaluate("delete document.visibilityState")
+    await visit.page.keyboard.up("KeyA")
+    await visit.page.keyboard.press("Escape")
+    await expect(visit.item("control-toggle")).to_have_attribute("aria-pressed", "false")
+    driven = len(engine.times(Drive))
+    await visit.page.keyboard.press("KeyW")
+    await visit.until_executed("avatar/Teleoperation", "stop")
+    assert len(engine.times(Drive)) == driven
+
+
+async def test_a_page_that_is_closed_lets_go(drivers: Drivers) -> None:
+    await drivers.take_control()
+    await drivers.visit.page.keyboard.down("KeyW")
+    await drivers.goes()
+    await drivers.visit.page.close()
+    await drivers.stands()
