@@ -3,13 +3,19 @@
 import asyncio
 from collections.abc import Callable
 
+import numpy as np
 import pytest
 from openrois_avatar.body import Body
 from openrois_avatar.components.speech_progress import SpeechProgress
 from openrois_avatar.components.speech_synthesis import SpeechSynthesis
+from openrois_avatar.hearing.ear import Ear
+from openrois_avatar.hearing.hearing import Hearing
 from openrois_avatar.link.messages import Command, Silence
+from openrois_avatar.operator import Microphone
 from openrois_avatar.sound import AvatarSound
+from openrois_avatar.speech.synthesizer import Synthesizer
 from openrois_avatar.voice import Voice
+from openrois_streaming.source import RawAudio
 
 from openrois.contract import Event
 from openrois.errors import Aborted
@@ -39,13 +45,13 @@ class Attention:
 
 
 class Stage:
-    def __init__(self) -> None:
+    def __init__(self, hearing: Hearing | None = None) -> None:
         self.clock = VirtualClock()
         self.synthesizer = ScriptedSynthesizer()
         self.attention = Attention()
         self.commands: list[Command] = []
         voice = Voice(self.synthesizer, AvatarSound(self.clock), Body(self.commands.append))
-        self.component = SpeechProgress(voice, self.attention)
+        self.component = SpeechProgress(voice, hearing or self.attention)
         self.registry = LocalRegistry("avatar", [SpeechSynthesis(voice), self.component])
         self.events: list[tuple[str, dict[str, str]]] = []
 
@@ -156,6 +162,26 @@ async def test_who_barges_in_is_let_speak(stage: Stage) -> None:
         await speaking
     stage.attention.speech_began.tell(stage.clock.now())
     assert len([kind for kind, _ in stage.events if kind == "speech_ended"]) == 1
+
+
+@pytest.mark.engine
+async def test_a_real_voice_in_the_microphone_barges_in() -> None:
+    microphone = Microphone(VirtualClock())
+    stage = Stage(Hearing(Ear(microphone, VirtualClock())))
+    async with Synthesizer() as synthesizer:
+        said = (await synthesizer.synthesize("Excuse me, may I ask you something?", volume=80)).samples
+    await stage.set(PROGRESS, barge_in="true")
+    speaking = await stage.start("one two")
+    await stage.clock.advance(0.3)
+    sound = np.concatenate((np.zeros(24_000, np.int16), said))[:, np.newaxis].repeat(2, axis=1)
+    for first in range(0, len(sound), 480):
+        microphone.heard.tell(RawAudio(sound[first : first + 480], first / 48_000))
+        if first < 24_000:
+            assert Silence() not in stage.commands
+    await settle()
+    assert stage.commands[-1] == Silence()
+    with pytest.raises(Aborted, match="somebody spoke, and the avatar stopped at the word 'one'"):
+        await speaking
 
 
 async def test_it_is_attended_to_who_speaks_only_while_that_is_of_use(stage: Stage) -> None:
