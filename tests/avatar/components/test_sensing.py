@@ -1,5 +1,6 @@
 """What the sensing components have in common, on a small one."""
 
+import asyncio
 from collections.abc import Mapping
 
 import pytest
@@ -10,7 +11,7 @@ from openrois.adapter import components
 from openrois.component import Component
 from openrois.errors import BadParameter
 from openrois.registry import LocalRegistry
-from openrois.testing import ComponentContract
+from openrois.testing import ComponentContract, memory_gateway
 from openrois.types.messages import Argument
 
 
@@ -48,6 +49,17 @@ async def test_a_sense_works_for_who_listens_and_when_it_is_told_to() -> None:
     await registry.invoke("avatar/FaceDetection", "stop")
     assert works == [True, False, True, False]
     assert [each.name for each in sense.profile.command_profiles] == ["start", "stop", "suspend", "resume"]
+
+
+async def test_an_application_that_leaves_lets_its_senses_rest() -> None:
+    sense = Detection()
+    works: asyncio.Queue[bool] = asyncio.Queue()
+    sense.activity.changed.add(works.put_nowait)
+    async with memory_gateway(sense) as gateway, asyncio.timeout(10):
+        for _ in range(2):
+            async with gateway.client() as client, client.component("robot/FaceDetection").event("face_detected"):
+                assert await works.get()
+            assert not await works.get()
 
 
 async def test_places_are_told_as_the_parameters_say() -> None:
