@@ -53,8 +53,9 @@ async def serve_engine(host: EngineHost, stream: MessageStream) -> StreamClosed:
     try:
         return await session.run()
     finally:
-        await app.close()
+        # First of all, what is held is let go: an engine below that does not answer must not delay that.
         host.tasks.start(served.close())
+        await app.close()
 
 
 class _ServedExtension:

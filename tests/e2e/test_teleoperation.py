@@ -73,9 +73,16 @@ async def test_the_keyboard_drives_and_a_page_that_is_not_looked_at_lets_go(driv
     assert len(engine.times(Drive)) == driven
 
 
-async def test_a_page_that_is_closed_lets_go(drivers: Drivers) -> None:
+async def test_another_way_changes_nothing_and_a_page_that_is_closed_lets_go(drivers: Drivers) -> None:
+    visit = drivers.visit
     await drivers.take_control()
-    await drivers.visit.page.keyboard.down("KeyW")
+    await visit.page.keyboard.down("KeyW")
     await drivers.goes()
-    await drivers.visit.page.close()
+    before = visit.told("signaling.offer")[0]["peer_id"]
+    await visit.read(f"openrois.client.call('signaling.restart', {{peer_id: '{before}'}})")
+    await visit.until_told("signaling.offer", replaces=before)
+    await visit.until_told("signaling.bye", peer_id=before)
+    await drivers.goes()
+    assert drivers.engine.times(Halt) == []
+    await visit.page.close()
     await drivers.stands()

@@ -5,12 +5,15 @@ from dataclasses import dataclass, field
 
 import pytest
 
+from openrois.application import EngineHost
+from openrois.dialer import serve_parent
 from openrois.engine import Engine
 from openrois.errors import Unsupported
 from openrois.gateway.server import Gateway
 from openrois.registry import LocalRegistry
+from openrois.tasks import TaskScope
 from tests.support.components import Lamp
-from tests.support.deployment import Adapter, Application, Robot, adapter, application, gateway, patience
+from tests.support.deployment import Adapter, Application, Robot, adapter, application, gateway, patience, until
 from tests.support.streams import FakeStreams
 
 HOLDER = "openrois.holder"
@@ -116,3 +119,20 @@ async def test_an_adapter_without_streams_is_told_nothing() -> None:
     async with gateway() as running, adapter(running, Lamp()), application(running) as ann:
         await bound(ann)
         assert await ann.code("rois.command.release", component_ref=LAMP) == "OK"
+
+
+async def test_over_two_connections(house: House) -> None:
+    """A gateway behind a gateway: the one in front hears who binds, and the adapter behind both is told."""
+    async with gateway(engine_id="front") as front, TaskScope() as tasks:
+        behind = EngineHost(house.gateway.engine, tasks)
+        dialling = tasks.start(serve_parent(behind, front.url.replace("http", "ws") + "adapter"))
+        await until(front.engine, lambda ids: "robot" in ids)
+        async with application(front) as ann:
+            ann_id = await bound(ann)
+            assert await house.holds(1) == [(LAMP, True, 1, ann_id)]
+            assert await ann.code("rois.command.release", component_ref=LAMP) == "OK"
+            assert (await house.holds(2))[1] == (LAMP, False, 1, ann_id)
+            assert await ann.code("rois.command.bind", component_ref=LAMP) == "OK"
+            await house.holds(3)
+            dialling.cancel()
+            assert (await house.holds(4))[3] == (LAMP, False, 2, ann_id)
