@@ -32,6 +32,11 @@ class Ways:
         self._world = world
         self._known: tuple[Floor | None, Ground | None] = None, None
 
+    @property
+    def are_quick(self) -> bool:
+        """Whether planning on the floor that there is now takes a moment only."""
+        return _is_small(self._world.floor)
+
     async def to(self, start: Place, target: Position, policy: Policy) -> list[Waypoint]:
         """Return the way to a position, with a turn at its end where it says how to look.
 
@@ -69,7 +74,7 @@ class Ways:
         """Do something with the floor; again, where there is another one when it is done."""
         while True:
             floor = self._world.floor
-            if floor is None or len(floor.outline) + sum(map(len, floor.obstacles)) <= _SMALL:
+            if _is_small(floor):
                 found = work(self._ground(floor))
             else:
                 found = await asyncio.to_thread(lambda on: work(self._ground(on)), floor)
@@ -82,3 +87,7 @@ class Ways:
             ground = None if floor is None else Ground(floor, BODY)
             self._known = floor, ground
         return ground
+
+
+def _is_small(floor: Floor | None) -> bool:
+    return floor is None or len(floor.outline) + sum(map(len, floor.obstacles)) <= _SMALL

@@ -75,6 +75,8 @@ class Follow(Moving, components.Follow):
             await self.going()
             self._news.clear()
             path, why = await self._path(thing_id, metres)
+            if self.is_suspended:
+                continue
             if why:
                 motion.halt()
                 missed_since = self._clock.now() if missed_since is None else missed_since
@@ -128,7 +130,9 @@ class Follow(Moving, components.Follow):
 
     def _hear(self, motion: Motion, change: Place | Floor | Things | None) -> None:
         self._news.set()
-        if isinstance(change, Floor) or (isinstance(change, Things) and self._has_moved()):
+        if isinstance(change, Floor):
+            self.replan(motion)
+        elif isinstance(change, Things) and self._has_moved():
             motion.interrupt()
 
     def _has_moved(self) -> bool:

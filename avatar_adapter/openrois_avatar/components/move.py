@@ -9,7 +9,7 @@ from openrois.adapter import BadParameter, ComponentFailed, components, paramete
 from openrois.errors import Aborted
 from openrois_avatar.components.moving import Figure, Moving
 from openrois_avatar.legs import Motion
-from openrois_avatar.link.messages import Floor, Place, Things, Waypoint
+from openrois_avatar.link.messages import Floor, Place, Waypoint
 from openrois_avatar.motion.moves import curve, curve_length, line, speed_for
 
 __all__ = ["Move"]
@@ -50,7 +50,9 @@ class Move(Moving, components.Move):
         place = self.figure.place()
         path = line(place, self.line) if self.line is not None else curve(place, self.curve or ())
         async with self.moving() as motion:
-            leave = self.figure.world.changed.add(lambda change: _interrupt(motion, change))
+            leave = self.figure.world.changed.add(
+                lambda change: self.replan(motion) if isinstance(change, Floor) else None
+            )
             try:
                 await self._walk(motion, path, speed)
             finally:
@@ -61,6 +63,8 @@ class Move(Moving, components.Move):
         while path:
             await self.going()
             await self._check(path)
+            if self.is_suspended:
+                continue
             gone = 0
 
             def reached(index: int) -> None:
@@ -92,9 +96,3 @@ def _speed(straight: tuple[int, ...] | None, bent: tuple[int, ...] | None, time:
         curve(_HERE, bent)
         return speed_for(curve_length(bent), time)
     return speed_for(0.0, time)
-
-
-def _interrupt(motion: Motion, change: Place | Floor | Things | None) -> None:
-    """Look whether the rest is still open on another floor."""
-    if isinstance(change, Floor):
-        motion.interrupt()

@@ -119,6 +119,18 @@ class Moving:
         """Wait while the component is suspended."""
         await self._going.wait()
 
+    @property
+    def is_suspended(self) -> bool:
+        """Whether it was suspended, as it may be while a way is planned."""
+        return not self._going.is_set()
+
+    def replan(self, motion: Motion) -> None:
+        """Let `walk` end, as the floor has changed; where planning takes a while, the figure stands meanwhile."""
+        if self.figure.ways.are_quick:
+            motion.interrupt()
+        else:
+            motion.halt()
+
     async def _expire(self, motion: Motion, limit: int) -> None:
         began = self._clock.now()
         while (left := began + limit * _MILLISECOND + self._stood - self._clock.now()) > 0:

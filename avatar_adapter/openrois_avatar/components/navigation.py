@@ -9,7 +9,7 @@ from pydantic import Field
 from openrois.adapter import BadParameter, ComponentFailed, components, parameter
 from openrois_avatar.components.moving import Figure, Moving
 from openrois_avatar.legs import Motion
-from openrois_avatar.link.messages import Floor, Place, Thing, Things, Waypoint
+from openrois_avatar.link.messages import Floor, Place, Thing, Waypoint
 from openrois_avatar.link.messages.motion import MAX_PATH
 from openrois_avatar.motion.planning import SPEED, NoWay
 from openrois_avatar.motion.targets import Position, read_targets
@@ -50,7 +50,9 @@ class Navigation(Moving, components.Navigation):
             raise BadParameter("set target_positions first")
         read_targets(targets, self.figure.world)
         async with self.moving(self.time_limit) as motion:
-            leave = self.figure.world.changed.add(lambda change: _interrupt(motion, change))
+            leave = self.figure.world.changed.add(
+                lambda change: self.replan(motion) if isinstance(change, Floor) else None
+            )
             try:
                 await self._visit(motion, targets)
             finally:
@@ -61,6 +63,8 @@ class Navigation(Moving, components.Navigation):
         while tour.left:
             await self.going()
             path, tour.ends = await self._route(tour.left)
+            if self.is_suspended:
+                continue
             before = len(tour.left)
             ended = await motion.walk(path, SPEED, tour.reached)
             if ended == "OK":
@@ -75,11 +79,11 @@ class Navigation(Moving, components.Navigation):
         """Return the path through the targets, as much as one walk may have, and which of its points are targets."""
         while True:
             floor = self.figure.world.floor
-            path, ends = await self._legs(targets)
+            path, ends = await self._through(targets)
             if floor is self.figure.world.floor:
                 return path[:MAX_PATH], [end for end in ends if end < MAX_PATH]
 
-    async def _legs(self, targets: tuple[str, ...]) -> tuple[list[Waypoint], list[int]]:
+    async def _through(self, targets: tuple[str, ...]) -> tuple[list[Waypoint], list[int]]:
         at = self.figure.place()
         path: list[Waypoint] = []
         ends: list[int] = []
@@ -116,12 +120,6 @@ class _Tour:
             target, *rest = self.left
             self.left = tuple(rest)
             self._tell(target, not rest)
-
-
-def _interrupt(motion: Motion, change: Place | Floor | Things | None) -> None:
-    """Plan again on another floor."""
-    if isinstance(change, Floor):
-        motion.interrupt()
 
 
 def _end_of(start: Place, path: list[Waypoint]) -> Place:

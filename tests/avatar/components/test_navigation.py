@@ -8,10 +8,11 @@ from typing import Any
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from openrois_avatar.link.messages import Floor, Halt, Thing, Walk
+from openrois_avatar.link.messages import Floor, Halt, Place, Thing, Walk
 from openrois_avatar.motion.ground import Ground
 from openrois_avatar.motion.planning import NoWay, plan
-from openrois_avatar.wayfinding import BODY
+from openrois_avatar.motion.targets import Position
+from openrois_avatar.wayfinding import BODY, Ways
 
 from openrois.errors import Aborted, BadParameter, ComponentFailed, RoISError, TimedOut
 from openrois.registry import LocalRegistry
@@ -270,17 +271,48 @@ async def test_who_left_the_scene_is_no_target_any_more(stage: Stage) -> None:
         await stage.command("start")
 
 
-async def test_a_large_floor_is_planned_beside_the_loop_and_again_if_it_changes(stage: Stage) -> None:
-    posts = tuple(rectangle(x, -2, x + 0.1, -1) for x in range(-5, 5))
-    stage.build(Floor(SQUARE, posts))
-    running = await stage.begin(target_positions=["0.5,3"])
-    floor = Floor(SQUARE, (*posts, WALL))
-    stage.build(floor)
-    async with asyncio.timeout(10):
+POSTS = tuple(rectangle(x, -2, x + 0.1, -1) for x in range(-5, 5))
+
+
+async def until_it_walks(stage: Stage, running: "asyncio.Future[Any]") -> None:
+    async with asyncio.timeout(20):
         while not stage.engine.moves:
             await asyncio.wait({running}, timeout=0.001)
+
+
+async def test_a_large_floor_is_planned_beside_the_loop_and_again_if_it_changes(stage: Stage) -> None:
+    stage.build(Floor(SQUARE, POSTS))
+    running = await stage.begin(target_positions=["0.5,3"])
+    floor = Floor(SQUARE, (*POSTS, WALL))
+    stage.build(floor)
+    await until_it_walks(stage, running)
     await stage.run_until(running)
-    assert room_along(floor, stage.engine.track[2:]) >= BODY - 1e-3
+    assert room_along(floor, stage.engine.track) >= BODY - 1e-3
+
+
+async def test_it_does_not_go_on_while_a_large_floor_is_planned_for(stage: Stage) -> None:
+    stage.build(Floor(SQUARE, POSTS))
+    running = await stage.begin(target_positions=["0.5,3"])
+    await until_it_walks(stage, running)
+    stage.build(Floor(SQUARE, (*POSTS, WALL)))
+    assert isinstance(stage.engine.heard[-1], Halt)
+    await stage.command("stop")
+    with pytest.raises(Aborted):
+        await running
+
+
+async def test_suspended_while_it_plans_it_does_not_begin(stage: Stage) -> None:
+    stage.build(Floor(SQUARE, POSTS))
+    running = await stage.begin(target_positions=["0.5,0"])
+    await stage.command("suspend")
+    stage.engine.heard.clear()
+    ways = Ways(stage.world)
+    await ways.to(Place(0, 0, 0), Position(0.5, 0), "time")
+    await settle()
+    assert not [each for each in stage.engine.heard if isinstance(each, Walk)]
+    await stage.command("resume")
+    await until_it_walks(stage, running)
+    await stage.run_until(running)
 
 
 @given(floors(3), points(), points(), st.sampled_from(["time", "distance"]))
