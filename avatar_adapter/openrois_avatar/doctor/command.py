@@ -70,6 +70,7 @@ async def _findings(settings: NetworkSettings, servers: Sequence[IceServer], por
     yield machine.codecs()
     yield machine.game_engine()
     yield machine.voice()
+    yield machine.hearing()
     yield machine.browser()
     yield machine.port(port)
     yield machine.clock()

@@ -17,7 +17,7 @@ from openrois_avatar.bench.browser import find_chromium
 from openrois_avatar.doctor.finding import Finding, Level
 from openrois_avatar.game_engines import NoGameEngine, choose_game_engine
 
-__all__ = ["browser", "clock", "codecs", "game_engine", "libraries", "load", "port", "voice"]
+__all__ = ["browser", "clock", "codecs", "game_engine", "hearing", "libraries", "load", "port", "voice"]
 
 _LIBRARIES: Final = ("aiortc", "aioice", "av")
 
@@ -72,6 +72,14 @@ def voice() -> Finding:
     if find_spec("espeakng_loader") is not None:
         return Finding(Level.OK, "voice", "espeak-ng")
     return Finding(Level.WARN, "voice", "no espeak-ng: the avatar is mute", "pip install openrois[speech]")
+
+
+def hearing() -> Finding:
+    """Whether the avatar can recognise speech."""
+    if find_spec("pocketsphinx") is not None:
+        return Finding(Level.OK, "hearing", "PocketSphinx")
+    advice = "pip install openrois[hearing]"
+    return Finding(Level.WARN, "hearing", "no PocketSphinx: the avatar recognises no speech", advice)
 
 
 def browser() -> Finding:

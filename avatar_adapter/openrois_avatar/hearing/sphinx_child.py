@@ -30,6 +30,8 @@ _OPEN: Final = "_default"
 _GRAMMAR: Final = "grammar"
 _LOOKED_AT: Final = 20
 """Hypotheses of the lattice; many of them are the same words, pronounced in another way."""
+_NICE: Final = 5
+"""Pictures and voices go first: words may come a little later."""
 _LEAST: Final = -7_000_000.0
 """What a score is taken for that is too low for a floating-point number."""
 
@@ -98,6 +100,7 @@ def main() -> None:
     # The library may print to stdout, which is the conversation: give it stderr instead.
     replies = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
+    os.nice(_NICE)
     ears = Ears()
     try:
         while True:

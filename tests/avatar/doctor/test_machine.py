@@ -43,12 +43,12 @@ def test_a_machine_that_is_busy(monkeypatch: pytest.MonkeyPatch) -> None:
         assert machine.load().level is level
 
 
-def test_a_renderer_a_voice_and_a_browser_are_looked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_renderer_a_voice_an_ear_and_a_browser_are_looked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(machine, "find_chromium", lambda: None)
     monkeypatch.setattr(machine, "find_spec", lambda name: None)
-    assert machine.browser().level is machine.voice().level is Level.WARN
+    assert machine.browser().level is machine.voice().level is machine.hearing().level is Level.WARN
     monkeypatch.setattr(machine, "find_chromium", lambda: "/usr/bin/chromium")
     monkeypatch.setattr(machine, "find_spec", lambda name: object())
-    assert machine.browser().level is machine.voice().level is Level.OK
+    assert machine.browser().level is machine.voice().level is machine.hearing().level is Level.OK
     monkeypatch.setattr(machine, "choose_game_engine", lambda wanted: ("puppet", "install panda3d"))
     assert machine.game_engine().level is Level.WARN
