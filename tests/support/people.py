@@ -5,8 +5,7 @@ with this software. A head is moved by warping the picture around it: turning in
 """
 
 import math
-from collections.abc import AsyncGenerator, AsyncIterator, Callable, Iterator, Sequence
-from contextlib import aclosing, asynccontextmanager
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
@@ -15,9 +14,7 @@ from typing import Final, Literal
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from openrois_streaming.clock import MediaClock
 from openrois_streaming.source import RawVideo
-from openrois_streaming.synthetic.pacing import due
 
 Picture = NDArray[np.uint8]
 Who = Literal["collins", "hopper"]
@@ -132,29 +129,6 @@ def _swing(moment: float, frequency: float, reach: float, times: int) -> float:
     if not 0 <= moment < times / frequency:
         return 0.0
     return reach * (1 - math.cos(2 * math.pi * frequency * moment)) / 2
-
-
-class Filmed:
-    """A camera that films a scene, at its pace; as a source of raw video in I420, as decoders give it."""
-
-    def __init__(
-        self, scene: Scene, width: int = 640, height: int = 360, fps: float = 15.0, *, clock: MediaClock
-    ) -> None:
-        self.width, self.height, self.fps = width, height, fps
-        self._scene = scene
-        self._clock = clock
-
-    @asynccontextmanager
-    async def open(self) -> AsyncIterator[AsyncIterator[RawVideo]]:
-        async with aclosing(self._frames()) as frames:
-            yield frames
-
-    async def _frames(self) -> AsyncGenerator[RawVideo, None]:
-        epoch = self._clock.now()
-        async for number in due(self._clock, epoch, self.fps, patience=0):
-            shown = picture(self._scene(number / self.fps), self.width, self.height, noise=0.0)
-            data = np.asarray(cv2.cvtColor(shown, cv2.COLOR_BGR2YUV_I420), np.uint8)
-            yield RawVideo(data, "i420", self.width, self.height, number, epoch + number / self.fps)
 
 
 def write_y4m(path: Path, scene: Scene, seconds: float, fps: int = 10, width: int = 640, height: int = 360) -> None:
