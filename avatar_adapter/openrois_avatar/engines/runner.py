@@ -25,6 +25,9 @@ from openrois_avatar.engines.animation.pose import Pose
 from openrois_avatar.engines.animation.reactions import REACTIONS
 from openrois_avatar.engines.animation.visemes import SHAPES, Track
 from openrois_avatar.engines.room.life import Life
+from openrois_avatar.engines.room.plan import HOME
+from openrois_avatar.engines.room.scene import AT_HOME, Scene
+from openrois_avatar.engines.room.shot import shot
 from openrois_avatar.engines.settings import Available, Factory, Picture, Pixels, Renderer
 from openrois_avatar.engines.sound import PERIOD, Samples, Sound
 from openrois_avatar.link.client import connect_from_environment
@@ -39,6 +42,7 @@ from openrois_avatar.link.messages import (
     LinkError,
     Log,
     Look,
+    Place,
     Quit,
     React,
     Silence,
@@ -102,8 +106,17 @@ def _options(name: str, arguments: Sequence[str]) -> argparse.Namespace:
     still.add_argument("--still", metavar="FILE", help="draw one picture into this file and end")
     still.add_argument("--reaction", choices=REACTIONS)
     still.add_argument("--viseme", choices=SHAPES)
+    still.add_argument("--place", type=_place, default=HOME, metavar="X,Y,TH", help="where it is, seen from afar")
     still.add_argument("--at", type=float, default=0.0, metavar="SECONDS", help="how long the reaction has played")
     return parser.parse_args(arguments)
+
+
+def _place(text: str) -> Place:
+    try:
+        x, y, th = (float(part) for part in text.split(","))
+    except ValueError as error:
+        raise argparse.ArgumentTypeError("metres, metres and radians, as 1,0.5,-1.57") from error
+    return Place(x, y, th)
 
 
 def _even(text: str) -> int:
@@ -114,7 +127,9 @@ def _even(text: str) -> int:
 
 
 def _still(renderer: Renderer, options: argparse.Namespace) -> int:
-    pixels = renderer.draw(still_pose(options.reaction, options.viseme, options.at))
+    place = options.place
+    scene = AT_HOME if place == HOME else Scene(place, None, shot(place.x, place.y, 1.0))
+    pixels = renderer.draw(still_pose(options.reaction, options.viseme, options.at), scene)
     if not cv2.imwrite(options.still, pixels[:, :, :3]):
         print(f"cannot write {options.still}", file=sys.stderr)
         return 1
@@ -212,7 +227,7 @@ class Runner:
         self._quit = self._quit or any(isinstance(command, Quit) for command in commands)
 
     def _send_sound(self, due: float) -> None:
-        self._link.send_audio(self._sound.block(due), round(due * 1e9))
+        self._link.send_audio(self._sound.block(due, self._life.radio), round(due * 1e9))
         self._sent = due + PERIOD
 
     def _send_picture(self, due: float) -> None:

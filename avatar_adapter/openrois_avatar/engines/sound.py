@@ -1,4 +1,4 @@
-"""The engine's own sound: silence, and a short soft cue for some reactions, as a stream of 20 ms blocks."""
+"""The engine's own sound: a soft cue for some reactions and a radio that is near, as a stream of 20 ms blocks."""
 
 from collections.abc import Callable, Mapping
 from typing import Final
@@ -13,6 +13,11 @@ PERIOD: Final = BLOCK / RATE
 _LEVEL: Final = 0.1
 """Peak of a cue: -20 dBFS."""
 _MAX_CUES: Final = 4
+_RADIO_LEVEL: Final = 0.05
+"""Peak of the radio where one stands beside it: -26 dBFS."""
+_NOTE: Final = 0.6
+"""Seconds of a note of its tune."""
+_TUNE: Final = (392.0, 523.3, 659.3, 523.3, 440.0, 523.3, 698.5, 523.3)
 
 Samples = npt.NDArray[np.int16]
 _Wave = npt.NDArray[np.float64]
@@ -25,6 +30,7 @@ class Sound:
         self._cues: list[tuple[float, _Wave]] = []
         self._silence: Samples = np.zeros((BLOCK, 1), np.int16)
         self._made: dict[str, _Wave] = {}
+        self._radio, self._near = _tune(), 0.0
 
     def cue(self, reaction: str, time: float) -> None:
         """Let the sound of a reaction start at a time; a reaction without one stays silent."""
@@ -40,11 +46,11 @@ class Sound:
         """End every cue."""
         self._cues = []
 
-    def block(self, time: float) -> Samples:
-        """The 20 ms of sound, (BLOCK, 1), that begin at a time."""
-        if not self._cues:
+    def block(self, time: float, radio: float = 0.0) -> Samples:
+        """The 20 ms of sound, (BLOCK, 1), that begin at a time; `radio` is how near that is, 0 (not heard) to 1."""
+        if not self._cues and not radio and not self._near:
             return self._silence
-        mixed = np.zeros(BLOCK)
+        mixed = self._heard(time, radio)
         for start, wave in self._cues:
             first = round((time - start) * RATE)
             part = wave[max(first, 0) : max(first + BLOCK, 0)]
@@ -52,6 +58,14 @@ class Sound:
             mixed[offset : offset + len(part)] += part[: BLOCK - offset]
         self._cues = [(start, wave) for start, wave in self._cues if start + len(wave) / RATE > time + PERIOD]
         return np.round(np.clip(mixed, -1, 1) * 32767).astype(np.int16)[:, None]
+
+    def _heard(self, time: float, radio: float) -> _Wave:
+        """What the radio plays in a block; it comes nearer and goes away without a step."""
+        first = round(time * RATE)
+        played = self._radio[np.arange(first, first + BLOCK) % len(self._radio)]
+        loudness = np.linspace(self._near, radio, BLOCK) * _RADIO_LEVEL
+        self._near = radio
+        return np.asarray(played * loudness)
 
 
 def _axis(seconds: float) -> _Wave:
@@ -107,3 +121,13 @@ _CUES: Final[Mapping[str, Callable[[], _Wave]]] = {
     # When the hands meet in the reaction of the same name.
     "clap": lambda: _claps(0.78, 1.06, 1.34, 1.62, 1.90),
 }
+
+
+def _tune() -> _Wave:
+    """What the radio plays, over and over: a few soft plucked notes, peak 1."""
+    time = np.arange(round(_NOTE * RATE)) / RATE
+    # Each note has died away when the next one begins.
+    shape = np.minimum(1, time / 0.01) * np.exp(-5 * time) * (1 - time / _NOTE)
+    notes = [shape * (np.sin(2 * np.pi * note * time) + 0.3 * np.sin(4 * np.pi * note * time)) for note in _TUNE]
+    wave = np.concatenate(notes)
+    return np.asarray(wave / np.abs(wave).max())

@@ -263,6 +263,12 @@ def test_a_lost_driver_leaves_a_figure_that_stands() -> None:
     assert drawing.scenes[-1].place.y < -0.2
 
 
+def test_the_radio_is_heard_by_a_figure_that_comes_to_it() -> None:
+    link, _ = played(6.0, {0.2: Walk("a", (Waypoint(0.6, 1.2), Waypoint(1.6, 1.6)), 1.5)})
+    assert not any(samples.any() for _, samples in link.blocks[:50])
+    assert max(int(np.abs(samples).max()) for _, samples in link.blocks[-60:]) > 200
+
+
 def test_halt_ends_a_walk() -> None:
     link, drawing = played(3.0, {0.2: Walk("a", (Waypoint(0.0, -0.6),), 0.5), 1.0: Halt()})
     ((time, event),) = link.events
@@ -316,7 +322,7 @@ def test_an_engine_without_an_adapter_says_so(capsys: pytest.CaptureFixture[str]
 
 def test_a_still_is_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "still.png"
-    arguments = ["--still", str(file), "--viseme", "aa", "--reaction", "wave", "--at", "0.8"]
+    arguments = ["--still", str(file), "--viseme", "aa", "--reaction", "wave", "--at", "0.8", "--place", "1,0.5,-1.2"]
     assert main("test", works, stage, arguments) == 0
     picture = cv2.imread(str(file))
     assert picture is not None
@@ -325,7 +331,9 @@ def test_a_still_is_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     assert "cannot write" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("arguments", [["--width", "641"], ["--height", "2"], ["--fps", "0"], ["--reaction", "fly"]])
+@pytest.mark.parametrize(
+    "arguments", [["--width", "641"], ["--height", "2"], ["--fps", "0"], ["--reaction", "fly"], ["--place", "1,2"]]
+)
 def test_settings_that_make_no_sense_are_refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         main("test", works, stage, arguments)

@@ -73,3 +73,18 @@ def test_several_cues_mix_and_hush_ends_them_all() -> None:
     assert single < loud <= 4 * single + 400
     sound.hush()
     assert not sound.block(5.12).any()
+
+
+def test_the_radio_is_heard_as_far_as_it_is_near_and_without_a_step() -> None:
+    sound = Sound()
+    assert not sound.block(7.0).any()
+    blocks = [sound.block(7.02 + number * PERIOD, min(1.0, number / 10)) for number in range(60)]
+    blocks += [sound.block(7.02 + number * PERIOD) for number in range(60, 62)]
+    played = np.concatenate(blocks)[:, 0].astype(int)
+    assert played[0] == 0
+    assert 800 < np.abs(played).max() <= 0.05 * 32767 + 1
+    assert np.abs(np.diff(played)).max() < 220
+    assert not blocks[-1].any()
+    sound.cue("nod", 9.0)
+    sound.hush()
+    assert sound.block(9.0, 1.0).any()

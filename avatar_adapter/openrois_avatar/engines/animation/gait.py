@@ -90,5 +90,4 @@ def _arm(ahead: float, swing: float) -> dict[str, float]:
         "y": -1.9 * swing * ahead - 0.35 * swing,
         "z": swing * (0.30 + 0.55 * max(0.0, ahead)),
         "out": 0.10 * swing,
-        "curl": 0.25 * swing,
     }

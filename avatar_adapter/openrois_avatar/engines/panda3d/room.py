@@ -37,9 +37,10 @@ class Room:
     def update(self, scene: Scene) -> None:
         """Bring up to date who is where. Close views see no floor, that of home no furniture."""
         self._furniture.show(scene.shot != HOME_SHOT)
-        for solid in (*self._below, *self._shadows):
+        for solid in (*self._below, self._shadows[0]):
             solid.show(not scene.shot.is_close)
         self._visitor.update(scene.visitor)
+        self._shadows[1].show(scene.visitor is not None and not scene.shot.is_close)
         places = [scene.place] if scene.visitor is None else [scene.place, scene.visitor.place]
         for shadow, place in zip(self._shadows, places, strict=False):
             shadow.path.set_pos(place.x * METRE, place.y * METRE, GROUND + _UNDER)

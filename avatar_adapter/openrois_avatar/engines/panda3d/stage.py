@@ -1,6 +1,7 @@
 """The stage: the figure and its room as a scene of Panda3D, drawn pose by pose."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import groupby
 from typing import Final
 
@@ -13,7 +14,7 @@ from openrois_avatar.engines.panda3d.geometry import Solid, matrix
 from openrois_avatar.engines.panda3d.room import Room
 from openrois_avatar.engines.panda3d.view import View
 from openrois_avatar.engines.room.scene import AT_HOME, Scene
-from openrois_avatar.engines.room.shot import DISTANCE, METRE, SPAN, Shot
+from openrois_avatar.engines.room.shot import METRE, Shot
 from openrois_avatar.engines.sculpt import figure
 from openrois_avatar.engines.sculpt.distance import Array
 from openrois_avatar.engines.sculpt.part import Part, State
@@ -22,10 +23,8 @@ from openrois_avatar.engines.sculpt.shading import Floats, Lighting
 from openrois_avatar.engines.settings import Picture, Pixels
 
 _RELIGHT: Final = 0.006
-_RELIGHT_FAR: Final = 0.03
+_RELIGHT_FAR: Final = 0.05
 """A part is lit anew once it has turned by about so many radians, seen closely and from farther away."""
-_BROAD: Final = 2.5
-"""Half of how broad the visitor is, in dm, with swinging arms."""
 _NARROW: Final = 0.90
 """Width, in heights of the picture, of what the figure fills while it keeps its hands down."""
 
@@ -50,7 +49,7 @@ class Stage:
         self._pixels = np.empty((picture.height, picture.width, 4), np.uint8)
         self._beside: Shot | None = None
         """The shot in which the picture shows nothing but the wall beside its middle."""
-        self._slope = SPAN / 2 / DISTANCE * picture.width / picture.height
+        self._aspect = picture.width / picture.height
         # Nearest first, what never changes its shape apart from what does.
         parts = sorted(figure.build(), key=lambda part: (figure.SPACES.index(part.space), _moves(part)))
         self._groups = [
@@ -67,10 +66,10 @@ class Stage:
             group.show(visible[group.space])
             if visible[group.space]:
                 group.update(pose, frames[group.space], _RELIGHT if shot.is_close else _RELIGHT_FAR)
-        self._room.update(scene)
-        calm = (
-            shot.is_close and not visible["hand_left"] and not visible["hand_right"] and not self._sees_visitor(scene)
-        )
+        company = scene.visitor is not None and shot.sees(scene.visitor.place, self._aspect)
+        self._room.update(scene if company else replace(scene, visitor=None))
+        hands = visible["hand_left"] or visible["hand_right"]
+        calm = shot.is_close and not hands and not company
         narrow = calm and shot == self._beside
         self._beside = shot if calm else None
         for view, on in ((self._narrow, narrow), (self._wide, not narrow)):
@@ -83,14 +82,6 @@ class Stage:
         else:
             np.copyto(self._pixels, self._wide.read())
         return self._pixels
-
-    def _sees_visitor(self, scene: Scene) -> bool:
-        """Whether the visitor may be in the picture."""
-        if scene.visitor is None:
-            return False
-        across = scene.visitor.place.x * METRE - scene.shot.x
-        away = scene.visitor.place.y * METRE - scene.shot.y
-        return away > 0 and abs(across) < away * self._slope + _BROAD
 
 
 def _moves(part: Part) -> bool:

@@ -21,11 +21,16 @@ Drawn = tuple[float, Callable[[Canvas, Lens], None]]
 """How far away something is (dm from the home of the figure), and how to draw it."""
 _WALL: Final = 30.0
 """How far behind the figure's home the wall is, in dm."""
+_MIDDLE: Final = np.asarray(((0.0, _WALL, 0.0),))
+_COARSE: Final = 8
+"""The wall is moved at a size so many times smaller than the drawing."""
 _BESIDE: Final = 90.0
 """Half the width of what is drawn of the ground, in dm."""
 _BEFORE: Final = 3.0
 """How far before the camera (dm) the floor begins at least, and what stands nearer is left out."""
 _PLANKS: Final = 15
+_GAP: Final = 0.04
+"""Half the width of the gap between two planks, in dm."""
 _LEAVES: Final = 9
 _GROUND = mixed(palette.GROUND, palette.BACKDROP_EDGE, 0.5)
 _LINE = mixed(palette.FLOOR_DARK, palette.WOOD, 0.35)
@@ -37,17 +42,20 @@ class Wall:
 
     def __init__(self, lens: Lens) -> None:
         self.close = _backdrop(lens)
-        self._depth = lens.depths(np.asarray(((0.0, _WALL, 0.0),)))[0]
-        self._home = lens.seen(np.asarray(((0.0, _WALL, 0.0),)))[0]
+        size = (lens.width // _COARSE, lens.height // _COARSE)
+        # A soft light has no more to show than that.
+        self._coarse = cv2.resize(self.close, size, interpolation=cv2.INTER_AREA)
+        self._moved = np.empty_like(self._coarse)
+        self._depth, self._home = float(lens.depths(_MIDDLE)[0]), lens.seen(_MIDDLE)[0]
 
     def draw(self, pixels: Pixels, lens: Lens) -> None:
         """Fill a drawing (height, width, 4) with the wall as this lens shows it."""
-        middle = np.asarray(((0.0, _WALL, 0.0),))
-        scale = float(self._depth / lens.depths(middle)[0])
-        left, top = lens.seen(middle)[0] - self._home * scale
-        moved = np.asarray(((scale, 0.0, left), (0.0, scale, top)))
-        size = (pixels.shape[1], pixels.shape[0])
-        cv2.warpAffine(self.close, moved, size, dst=pixels, flags=cv2.INTER_NEAREST, borderMode=cv2.BORDER_REPLICATE)
+        scale = self._depth / float(lens.depths(_MIDDLE)[0])
+        left, top = (lens.seen(_MIDDLE)[0] - self._home * scale) / _COARSE
+        turn = np.asarray(((scale, 0.0, left), (0.0, scale, top)))
+        height, width = self._coarse.shape[:2]
+        cv2.warpAffine(self._coarse, turn, (width, height), dst=self._moved, borderMode=cv2.BORDER_REPLICATE)
+        cv2.resize(self._moved, (lens.width, lens.height), dst=pixels, interpolation=cv2.INTER_LINEAR)
 
 
 def draw_floor(canvas: Canvas, lens: Lens) -> None:
@@ -57,8 +65,9 @@ def draw_floor(canvas: Canvas, lens: Lens) -> None:
     canvas.fill(_level(lens, ((-_BESIDE, nearest), (_BESIDE, nearest), (_BESIDE, _WALL), (-_BESIDE, _WALL))), _GROUND)
     (left, _), (right, _), (_, back), _ = (tuple(part * METRE for part in corner) for corner in ROOM.outline)
     canvas.fill(_level(lens, ((left, front), (right, front), (right, back), (left, back))), colour(palette.FLOOR))
-    for x in np.linspace(left, right, _PLANKS + 1):
-        line = _level(lens, ((x - 0.04, front), (x + 0.04, front), (x + 0.04, back), (x - 0.04, back)))
+    gap = ((-_GAP, front), (_GAP, front), (_GAP, back), (-_GAP, back))
+    gaps = [(x + aside, y) for x in np.linspace(left, right, _PLANKS + 1) for aside, y in gap]
+    for line in _level(lens, gaps).reshape(-1, 4, 2):
         canvas.fill(line, _LINE)
 
 

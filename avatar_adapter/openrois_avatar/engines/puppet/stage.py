@@ -22,8 +22,6 @@ _OVERSAMPLING: Final = 2
 """The drawing is so many times larger than the picture, which smooths its edges."""
 _SIZES: Final = 6
 """Sizes that soft spots are prepared in, for each time that the figure is half as large."""
-_CLOSEST: Final = 4.0
-"""Who is nearer to the camera than that, in dm, is not drawn."""
 
 
 class Stage:
@@ -52,7 +50,7 @@ class Stage:
             self._wall.draw(self._large, lens)
             items += room.furniture(lens)
         people = [scene.place]
-        if (somebody := scene.visitor) is not None and somebody.place.y * METRE > scene.shot.y + _CLOSEST:
+        if (somebody := scene.visitor) is not None and scene.shot.sees(somebody.place, lens.width / lens.height):
             items.append((somebody.place.y * METRE, lambda canvas, lens: visitor.draw(canvas, lens, somebody)))
             people.append(somebody.place)
         if not scene.shot.is_close:

@@ -37,9 +37,10 @@ class Lens:
 
     def depths(self, world: Array) -> Array:
         """How far points (n, 3) are along the camera's sight, in dm; what is too near counts as 1."""
-        tilt = self.shot.tilt
-        away, up = world[:, 1] - self.shot.y, world[:, 2] - self.shot.z
-        return np.maximum(away * cos(tilt) - up * sin(tilt), 1.0)
+        tilt, away = self.shot.tilt, world[:, 1] - self.shot.y
+        if tilt:
+            away = away * cos(tilt) - (world[:, 2] - self.shot.z) * sin(tilt)
+        return np.maximum(away, 1.0)
 
     def unit(self, world: Array) -> Array:
         """Pixels per decimetre at points (n, 3)."""
@@ -50,7 +51,9 @@ class Lens:
         shot, near = self.shot, self.unit(world)
         pixels = np.empty((len(world), 2))
         pixels[:, 0] = self.width / 2 + (world[:, 0] - shot.x) * near
-        up = (world[:, 1] - shot.y) * sin(shot.tilt) + (world[:, 2] - shot.z) * cos(shot.tilt)
+        up = world[:, 2] - shot.z
+        if shot.tilt:
+            up = (world[:, 1] - shot.y) * sin(shot.tilt) + up * cos(shot.tilt)
         pixels[:, 1] = self.height / 2 - up * near
         return pixels
 

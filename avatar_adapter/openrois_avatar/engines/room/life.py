@@ -1,10 +1,11 @@
 """The life of the room: commands go in with their time, scenes and events come out."""
 
 from collections.abc import Mapping
+from math import hypot
 from typing import Final, Generic, TypeVar
 
 from openrois_avatar.engines.animation.gait import Steps
-from openrois_avatar.engines.room.plan import HOME, ROOM
+from openrois_avatar.engines.room.plan import HOME, RADIO, ROOM
 from openrois_avatar.engines.room.scene import Scene, Somebody
 from openrois_avatar.engines.room.shot import Camerawork
 from openrois_avatar.engines.room.visitor import Visitor
@@ -15,6 +16,8 @@ from openrois_avatar.link.messages.motion import Point
 _PLACES: Final = 1 / 20
 _THINGS: Final = 1 / 10
 """Seconds between two reports, at least."""
+_EARSHOT: Final = 2.0
+"""Metres from which the radio is heard."""
 _NEARLY: Final = 1e-6
 
 _Value = TypeVar("_Value")
@@ -57,6 +60,12 @@ class Life:
             steps.take(pace.ahead, pace.left, pace.turn, seconds)
         shot = self._camera.follow(time, self._walker.place, self._walker.pace, expressive)
         return Scene(self._walker.place, Somebody(visitor.place, self._visitors.channels()), shot)
+
+    @property
+    def radio(self) -> float:
+        """How near the radio is to the figure, 0 (not heard) to 1."""
+        place = self._walker.place
+        return min(max((_EARSHOT - hypot(RADIO.x - place.x, RADIO.y - place.y)) / _EARSHOT / 0.7, 0.0), 1.0)
 
     @property
     def _crowd(self) -> tuple[Point, ...]:

@@ -30,6 +30,10 @@ _LINGER: Final = 1.2
 """Seconds that the figure stands before the camera comes close."""
 _BACKING, _NEARING, _PANNING = 3.0, 2.2, 3.6
 """Stiffness of the camera's moves, in 1/s."""
+_CLOSEST: Final = 4.0
+"""Who is nearer to the camera than that, in dm, is not in the picture."""
+_BROAD: Final = 2.5
+"""Half of how broad somebody with swinging arms is, in dm."""
 _SETTLED: Final = 5e-4
 _LONGEST: Final = 1.0
 _GOING: Final = 0.05
@@ -48,6 +52,11 @@ class Shot:
     def is_close(self) -> bool:
         """Whether no more than head and shoulders of the figure are seen."""
         return self.tilt == 0.0
+
+    def sees(self, place: Place, aspect: float) -> bool:
+        """Whether somebody at a place may be in a picture of this width to height."""
+        across, away = place.x * METRE - self.x, place.y * METRE - self.y
+        return away > _CLOSEST and abs(across) < away * SPAN / 2 / DISTANCE * aspect + _BROAD
 
 
 @dataclass(slots=True)

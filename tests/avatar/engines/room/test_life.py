@@ -51,6 +51,18 @@ def test_the_last_place_comes_before_the_end_of_a_walk() -> None:
     assert events[-3:] == [Place(0.0, 1.0, pi / 2), Reached("a", 0), Completed("a", "OK")]
 
 
+def test_the_radio_is_heard_from_nearby() -> None:
+    life = Life(0.0)
+    assert life.radio == 0.0
+    life.obey(0.0, Walk("a", (Waypoint(1.2, 1.5),), 1.0))
+    lived(life, 3.0)
+    near = life.radio
+    assert 0.3 < near < 1.0
+    life.obey(3.0, Walk("b", (Waypoint(1.9, 1.65),), 1.0))
+    lived(life, 4.0, 3.0)
+    assert near < life.radio <= 1.0
+
+
 def test_steps_are_seen_while_it_walks() -> None:
     life = Life(0.0)
     assert life.walking == {}

@@ -58,6 +58,14 @@ def test_it_does_not_come_near_to_see_a_back() -> None:
     assert not away.is_close
 
 
+def test_who_is_in_the_picture() -> None:
+    assert HOME_SHOT.sees(Place(0.0, 2.0, 0.0), 16 / 9)
+    assert HOME_SHOT.sees(Place(1.2, 2.0, 0.0), 16 / 9)
+    assert not HOME_SHOT.sees(Place(2.0, 2.0, 0.0), 16 / 9)
+    assert not HOME_SHOT.sees(Place(-1.2, 2.0, 0.0), 0.5)
+    assert not HOME_SHOT.sees(Place(0.0, -1.8, 0.0), 16 / 9)
+
+
 def test_a_long_pause_is_no_jump() -> None:
     camera = Camerawork(0.0)
     shots(camera, Place(0.0, 1.0, pi / 2), WALKING, 3.0, 0.0)
