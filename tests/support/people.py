@@ -72,7 +72,7 @@ def _seat(canvas: NDArray[np.float32], sitter: Sitter) -> None:
     height, width = canvas.shape[:2]
     photo, (x, y, face) = _photo(sitter.who), _FACES[sitter.who]
     pixels = sitter.size * width
-    down, right = np.mgrid[0:height, 0:width].astype(np.float32)
+    down, right = np.arange(height, dtype=np.float32)[:, None], np.arange(width, dtype=np.float32)[None]
     across, below = (right - sitter.x * width) / pixels, (down - sitter.y * height) / pixels
     # How much each place moves with the head; the neck is in between.
     moves = np.clip((_CHEST - below) / (_CHEST - _CHIN), 0.0, 1.0)
