@@ -2,6 +2,7 @@
 extends Spatial
 
 const Reactions := preload("reactions.gd")
+const Shapes := preload("shapes.gd")
 
 const CHANNELS := [
 	"pitch", "yaw", "roll", "lean", "twist", "hop", "smile", "brow", "shoulders",
@@ -38,10 +39,10 @@ var _stepping := 0.0  # how much of its legs' movement is seen, 0..1
 var _spine: Spatial
 var _head: Spatial
 var _eyes := []
-var _brows := []
-var _lips: MeshInstance
-var _inside: MeshInstance
-var _teeth: MeshInstance
+var _brows: Spatial
+var _lips: Spatial
+var _inside: Spatial
+var _teeth: Spatial
 var _arms := {}
 var _legs := {}
 
@@ -138,8 +139,7 @@ func _pose_face() -> void:
 	for eye in _eyes:
 		eye.rotation = Vector3(-0.35 * _gaze_shown.y, 0.45 * _gaze_shown.x, 0)
 		eye.scale = Vector3(1, 1.0 - 0.9 * lids, 1)
-	for brow in _brows:
-		brow.translation.y = 0.125 + 0.03 * _shown["brow"]
+	_brows.translation.y = 0.125 + 0.03 * _shown["brow"]
 	var opened := clamp(_mouth.x, -0.25, 1.0)
 	var width := 1.0 + 0.35 * _mouth.y + 0.3 * _shown["smile"]
 	_lips.scale = Vector3(0.078 * width, 0.022 + 0.055 * opened, 0.03)
@@ -148,92 +148,70 @@ func _pose_face() -> void:
 	_teeth.translation.y = -0.105 + 0.6 * max(0.0, 0.05 * opened)
 
 
-# ---- how it is made ----
+# ---- how it is made: joints that move, each with what hangs on it as one mesh ----
 
 func _build() -> void:
-	_ball(self, Vector3(0.3, 0.004, 0.24), Vector3(0, 0.006, 0), Color(0, 0, 0, 0.3))  # its shadow
-	_spine = _joint(self, Vector3(0, 0.8, 0))
-	_ball(_spine, Vector3(0.19, 0.15, 0.145), Vector3(0, 0.03, 0), trousers)
-	_limb(_spine, 0.17, 0.22, Vector3(0, 0.27, 0), shirt)
-	_ball(_spine, Vector3(0.235, 0.1, 0.145), Vector3(0, 0.4, 0), shirt)
-	_limb(_spine, 0.06, 0.08, Vector3(0, 0.52, 0), skin)
-	_head = _joint(_spine, Vector3(0, 0.56, 0))
-	_build_head(_joint(_head, Vector3(0, 0.17, 0)))
+	var shadow := Shapes.new()
+	shadow.ball(Vector3(0.3, 0.004, 0.24), Vector3(0, 0.006, 0), Color(0, 0, 0, 0.3))
+	shadow.draw_in(self, true)
+	var trunk := Shapes.new()
+	trunk.ball(Vector3(0.19, 0.15, 0.145), Vector3(0, 0.03, 0), trousers)
+	trunk.limb(0.17, 0.22, Vector3(0, 0.27, 0), shirt)
+	trunk.ball(Vector3(0.235, 0.1, 0.145), Vector3(0, 0.4, 0), shirt)
+	trunk.limb(0.06, 0.08, Vector3(0, 0.52, 0), skin)
+	_spine = _joint(self, Vector3(0, 0.8, 0), trunk)
+	_head = _joint(_spine, Vector3(0, 0.56, 0), Shapes.new())
+	_build_head()
 	for side in ["r", "l"]:
 		var away := 1.0 if side == "l" else -1.0
-		var shoulder := _joint(_spine, Vector3(away * 0.235, 0.42, 0))
-		_limb(shoulder, 0.058, 0.22, Vector3(0, -0.12, 0), shirt)
-		var elbow := _joint(shoulder, Vector3(0, -0.27, 0))
-		_limb(elbow, 0.048, 0.2, Vector3(0, -0.1, 0), shirt)
-		_ball(elbow, Vector3(0.055, 0.07, 0.05), Vector3(0, -0.27, 0), skin)
-		_arms[side] = [shoulder, elbow]
-		var hip := _joint(self, Vector3(away * 0.1, 0.8, 0))
-		_limb(hip, 0.08, 0.27, Vector3(0, -0.18, 0), trousers)
-		var knee := _joint(hip, Vector3(0, -0.38, 0))
-		_limb(knee, 0.065, 0.26, Vector3(0, -0.16, 0), trousers)
-		_ball(knee, Vector3(0.07, 0.05, 0.125), Vector3(0, -0.37, 0.045), Color(0.15, 0.12, 0.12))
-		_legs[side] = [hip, knee]
+		var sleeve := Shapes.new()
+		sleeve.limb(0.058, 0.22, Vector3(0, -0.12, 0), shirt)
+		var shoulder := _joint(_spine, Vector3(away * 0.235, 0.42, 0), sleeve)
+		var forearm := Shapes.new()
+		forearm.limb(0.048, 0.2, Vector3(0, -0.1, 0), shirt)
+		forearm.ball(Vector3(0.055, 0.07, 0.05), Vector3(0, -0.27, 0), skin)
+		_arms[side] = [shoulder, _joint(shoulder, Vector3(0, -0.27, 0), forearm)]
+		var thigh := Shapes.new()
+		thigh.limb(0.08, 0.27, Vector3(0, -0.18, 0), trousers)
+		var hip := _joint(self, Vector3(away * 0.1, 0.8, 0), thigh)
+		var shin := Shapes.new()
+		shin.limb(0.065, 0.26, Vector3(0, -0.16, 0), trousers)
+		shin.ball(Vector3(0.07, 0.05, 0.125), Vector3(0, -0.37, 0.045), Color(0.15, 0.12, 0.12))
+		_legs[side] = [hip, _joint(hip, Vector3(0, -0.38, 0), shin)]
 
 
-func _build_head(head: Spatial) -> void:
-	_ball(head, Vector3(0.225, 0.25, 0.225), Vector3(0, 0, 0), skin)
-	_ball(head, Vector3(0.25, 0.25, 0.235), Vector3(0, 0.062, -0.058), hair)
-	_ball(head, Vector3(0.16, 0.06, 0.07), Vector3(0.05, 0.215, 0.13), hair)
-	_ball(head, Vector3(0.026, 0.03, 0.03), Vector3(0, -0.02, 0.225), skin.darkened(0.08))
+func _build_head() -> void:
+	var skull := Shapes.new()
+	skull.ball(Vector3(0.225, 0.25, 0.225), Vector3(0, 0, 0), skin)
+	skull.ball(Vector3(0.25, 0.25, 0.235), Vector3(0, 0.062, -0.058), hair)
+	skull.ball(Vector3(0.16, 0.06, 0.07), Vector3(0.05, 0.215, 0.13), hair)
+	skull.ball(Vector3(0.026, 0.03, 0.03), Vector3(0, -0.02, 0.225), skin.darkened(0.08))
 	for away in [-1.0, 1.0]:
-		_ball(head, Vector3(0.03, 0.055, 0.04), Vector3(away * 0.225, -0.01, 0.01), skin)
-		_ball(head, Vector3(0.04, 0.028, 0.02), Vector3(away * 0.125, -0.07, 0.163), Color(0.92, 0.6, 0.52))
-		var eye := _joint(head, Vector3(away * 0.085, 0.045, 0.18))
-		_ball(eye, Vector3(0.047, 0.052, 0.04), Vector3(), Color(0.97, 0.97, 0.97))
-		_ball(eye, Vector3(0.024, 0.027, 0.018), Vector3(0, 0, 0.03), Color(0.12, 0.16, 0.25))
-		_eyes.append(eye)
-		_brows.append(_ball(head, Vector3(0.05, 0.011, 0.02), Vector3(away * 0.085, 0.125, 0.197), hair))
-	_lips = _ball(head, Vector3.ONE, Vector3(0, -0.12, 0.175), Color(0.75, 0.38, 0.36))
-	_inside = _ball(head, Vector3.ONE, Vector3(0, -0.12, 0.182), Color(0.25, 0.06, 0.07))
-	_teeth = _ball(head, Vector3.ONE, Vector3(0, -0.105, 0.187), Color(0.96, 0.95, 0.92))
+		skull.ball(Vector3(0.03, 0.055, 0.04), Vector3(away * 0.225, -0.01, 0.01), skin)
+		skull.ball(Vector3(0.04, 0.028, 0.02), Vector3(away * 0.125, -0.07, 0.163), Color(0.92, 0.6, 0.52))
+	var head := _joint(_head, Vector3(0, 0.17, 0), skull)
+	var brows := Shapes.new()
+	for away in [-1.0, 1.0]:
+		var eye := Shapes.new()
+		eye.ball(Vector3(0.047, 0.052, 0.04), Vector3(), Color(0.97, 0.97, 0.97))
+		eye.ball(Vector3(0.024, 0.027, 0.018), Vector3(0, 0, 0.03), Color(0.12, 0.16, 0.25))
+		_eyes.append(_joint(head, Vector3(away * 0.085, 0.045, 0.18), eye))
+		brows.ball(Vector3(0.05, 0.011, 0.02), Vector3(away * 0.085, 0, 0), hair)
+	_brows = _joint(head, Vector3(0, 0.125, 0.197), brows)
+	_lips = _joint(head, Vector3(0, -0.12, 0.175), _unit_ball(Color(0.75, 0.38, 0.36)))
+	_inside = _joint(head, Vector3(0, -0.12, 0.182), _unit_ball(Color(0.25, 0.06, 0.07)))
+	_teeth = _joint(head, Vector3(0, -0.105, 0.187), _unit_ball(Color(0.96, 0.95, 0.92)))
 
 
-static func _joint(parent: Spatial, at: Vector3) -> Spatial:
+static func _unit_ball(colour: Color) -> Shapes:
+	var shapes := Shapes.new()
+	shapes.ball(Vector3.ONE, Vector3(), colour)
+	return shapes
+
+
+static func _joint(parent: Spatial, at: Vector3, shapes: Shapes) -> Spatial:
 	var joint := Spatial.new()
 	joint.translation = at
+	shapes.draw_in(joint)
 	parent.add_child(joint)
 	return joint
-
-
-# An ellipsoid with these radii.
-static func _ball(parent: Spatial, radii: Vector3, at: Vector3, colour: Color) -> MeshInstance:
-	var mesh := SphereMesh.new()
-	mesh.radial_segments = 20
-	mesh.rings = 10
-	mesh.radius = 1.0
-	mesh.height = 2.0
-	var ball := _shape(parent, mesh, at, colour)
-	ball.scale = radii
-	return ball
-
-
-# An upright capsule; `length` is without its ends.
-static func _limb(parent: Spatial, radius: float, length: float, at: Vector3, colour: Color) -> MeshInstance:
-	var mesh := CapsuleMesh.new()
-	mesh.radial_segments = 16
-	mesh.rings = 4
-	mesh.radius = radius
-	mesh.mid_height = length
-	var limb := _shape(parent, mesh, at, colour)
-	limb.rotation.x = PI / 2
-	return limb
-
-
-static func _shape(parent: Spatial, mesh: PrimitiveMesh, at: Vector3, colour: Color) -> MeshInstance:
-	var material := SpatialMaterial.new()
-	material.albedo_color = colour
-	material.roughness = 0.7
-	if colour.a < 1.0:
-		material.flags_transparent = true
-		material.flags_unshaded = true
-	mesh.material = material
-	var shape := MeshInstance.new()
-	shape.mesh = mesh
-	shape.translation = at
-	parent.add_child(shape)
-	return shape

@@ -1,6 +1,8 @@
 # The room: 6 m wide, from 1 m in front of where the figure begins to 4 m behind it, with furniture made of primitives.
 extends Spatial
 
+const Shapes := preload("shapes.gd")
+
 const OUTLINE := [[-3.0, -1.0], [3.0, -1.0], [3.0, 4.0], [-3.0, 4.0]]
 const MUSIC_BOX := {"id": "music_box", "kind": "sound", "name": "music box", "x": 1.5, "y": 1.9, "th": -1.5708}
 # name: x, y, width, depth, height, and whether it is round (then `width` is its diameter).
@@ -12,12 +14,15 @@ const FURNITURE := {
 }
 const _CORNERS := 8
 
+var _shapes := Shapes.new()
+
 
 func _ready() -> void:
 	_light()
-	_floor_and_walls()
+	_build_floor_and_walls()
 	for name in FURNITURE:
 		_furnish(name, FURNITURE[name])
+	_shapes.draw_in(self)
 
 
 # The outlines of the furniture, counter-clockwise, as the engine link has them.
@@ -62,34 +67,19 @@ func _light() -> void:
 	add_child(lamp)
 
 
-func _floor_and_walls() -> void:
-	var tiles := Image.new()
-	tiles.create(2, 2, false, Image.FORMAT_RGB8)
-	tiles.lock()
-	for index in 4:
-		tiles.set_pixel(index % 2, index / 2, Color(0.62, 0.53, 0.43) if index in [0, 3] else Color(0.56, 0.47, 0.38))
-	tiles.unlock()
-	var texture := ImageTexture.new()
-	texture.create_from_image(tiles, Texture.FLAG_REPEAT)
-	var wood := SpatialMaterial.new()
-	wood.albedo_texture = texture
-	wood.uv1_scale = Vector3(6, 6, 6)
-	wood.roughness = 0.9
-	var plane := PlaneMesh.new()
-	plane.size = Vector2(12, 12)
-	plane.material = wood
-	var ground := MeshInstance.new()
-	ground.mesh = plane
-	ground.translation = Vector3(0, 0, -1)
-	add_child(ground)
-	_box(Vector3(6.4, 3.2, 0.1), Vector3(0, 1.6, -4.1), Color(0.80, 0.78, 0.72))
-	_box(Vector3(6.4, 0.12, 0.12), Vector3(0, 0.06, -4.05), Color(0.95, 0.94, 0.9))
+func _build_floor_and_walls() -> void:
+	for index in 144:
+		var at := Vector3(index % 12 - 5.5, 0, index / 12 - 4.5)
+		var is_light := (index % 12 + index / 12) % 2 == 0
+		_shapes.tile(1.0, at, Color(0.72, 0.62, 0.5) if is_light else Color(0.65, 0.55, 0.44))
+	_shapes.box(Vector3(6.4, 3.2, 0.1), Vector3(0, 1.6, -4.1), Color(0.80, 0.78, 0.72))
+	_shapes.box(Vector3(6.4, 0.12, 0.12), Vector3(0, 0.06, -4.05), Color(0.95, 0.94, 0.9))
 	for side in [-1, 1]:
-		_box(Vector3(0.1, 3.2, 8), Vector3(side * 3.1, 1.6, -0.2), Color(0.72, 0.74, 0.74))
+		_shapes.box(Vector3(0.1, 3.2, 8), Vector3(side * 3.1, 1.6, -0.2), Color(0.72, 0.74, 0.74))
 	# A picture on the wall, so that one sees which way one looks.
-	_box(Vector3(1.3, 0.9, 0.06), Vector3(-0.2, 1.75, -4.03), Color(0.35, 0.27, 0.2))
-	_box(Vector3(1.15, 0.42, 0.02), Vector3(-0.2, 1.92, -3.99), Color(0.55, 0.75, 0.9))
-	_box(Vector3(1.15, 0.34, 0.02), Vector3(-0.2, 1.54, -3.99), Color(0.35, 0.6, 0.4))
+	_shapes.box(Vector3(1.3, 0.9, 0.06), Vector3(-0.2, 1.75, -4.03), Color(0.35, 0.27, 0.2))
+	_shapes.box(Vector3(1.15, 0.42, 0.02), Vector3(-0.2, 1.92, -3.99), Color(0.55, 0.75, 0.9))
+	_shapes.box(Vector3(1.15, 0.34, 0.02), Vector3(-0.2, 1.54, -3.99), Color(0.35, 0.6, 0.4))
 
 
 func _furnish(name: String, piece: Array) -> void:
@@ -97,51 +87,15 @@ func _furnish(name: String, piece: Array) -> void:
 	var height: float = piece[4]
 	match name:
 		"table":
-			_box(Vector3(piece[2], 0.06, piece[3]), at + Vector3(0, height, 0), Color(0.5, 0.34, 0.22))
+			_shapes.box(Vector3(piece[2], 0.06, piece[3]), at + Vector3(0, height, 0), Color(0.5, 0.34, 0.22))
 			for corner in [[-1, -1], [1, -1], [1, 1], [-1, 1]]:
 				var leg := Vector3(corner[0] * (piece[2] / 2 - 0.05), height / 2, corner[1] * (piece[3] / 2 - 0.05))
-				_box(Vector3(0.07, height, 0.07), at + leg, Color(0.42, 0.28, 0.18))
-			_box(Vector3(0.3, 0.16, 0.2), Vector3(MUSIC_BOX["x"], height + 0.11, -MUSIC_BOX["y"]), Color(0.7, 0.2, 0.25))
+				_shapes.box(Vector3(0.07, height, 0.07), at + leg, Color(0.42, 0.28, 0.18))
+			_shapes.box(Vector3(0.3, 0.16, 0.2), Vector3(MUSIC_BOX["x"], height + 0.11, -MUSIC_BOX["y"]), Color(0.7, 0.2, 0.25))
 		"plant":
-			_tube(piece[2] / 2, height, at, Color(0.72, 0.45, 0.33))
+			_shapes.tube(piece[2] / 2, height, at, Color(0.72, 0.45, 0.33))
 			for index in 7:
 				var leaf := Vector3(0.17, 0, 0).rotated(Vector3.UP, index * 2.4) + Vector3(0, height + 0.12 + 0.07 * index, 0)
-				_ball(0.2, at + leaf, Color(0.25, 0.5 + 0.03 * index, 0.28))
+				_shapes.ball(Vector3.ONE * 0.2, at + leaf, Color(0.25, 0.5 + 0.03 * index, 0.28))
 		_:
-			_tube(piece[2] / 2, height, at, Color(0.85, 0.83, 0.78) if name == "pillar" else Color(0.3, 0.42, 0.5))
-
-
-func _box(size: Vector3, at: Vector3, colour: Color) -> void:
-	var mesh := CubeMesh.new()
-	mesh.size = size
-	_add(mesh, at, colour)
-
-
-func _tube(radius: float, height: float, at: Vector3, colour: Color) -> void:
-	var mesh := CylinderMesh.new()
-	mesh.top_radius = radius
-	mesh.bottom_radius = radius
-	mesh.height = height
-	mesh.radial_segments = 20
-	mesh.rings = 1
-	_add(mesh, at + Vector3(0, height / 2, 0), colour)
-
-
-func _ball(radius: float, at: Vector3, colour: Color) -> void:
-	var mesh := SphereMesh.new()
-	mesh.radius = radius
-	mesh.height = 2 * radius
-	mesh.radial_segments = 12
-	mesh.rings = 6
-	_add(mesh, at, colour)
-
-
-func _add(mesh: PrimitiveMesh, at: Vector3, colour: Color) -> void:
-	var material := SpatialMaterial.new()
-	material.albedo_color = colour
-	material.roughness = 0.85
-	mesh.material = material
-	var instance := MeshInstance.new()
-	instance.mesh = mesh
-	instance.translation = at
-	add_child(instance)
+			_shapes.tube(piece[2] / 2, height, at, Color(0.85, 0.83, 0.78) if name == "pillar" else Color(0.3, 0.42, 0.5))

@@ -4,18 +4,22 @@ import asyncio
 import os
 import signal
 import sys
+import textwrap
 import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
 from math import hypot, pi
+from pathlib import Path
 
 import cv2
 import numpy as np
 import psutil
 import pytest
 import pytest_asyncio
+from openrois_avatar.engines.godot import project
 from openrois_avatar.game_engines import link_address
+from openrois_avatar.link.address import ADDRESS_VARIABLE, SECRET_VARIABLE
 from openrois_avatar.link.embedded import EmbeddedEngine
 from openrois_avatar.link.messages import (
     Command,
@@ -27,6 +31,7 @@ from openrois_avatar.link.messages import (
     Hello,
     Look,
     Place,
+    Quit,
     Reached,
     React,
     Silence,
@@ -37,6 +42,7 @@ from openrois_avatar.link.messages import (
     Walk,
     Waypoint,
 )
+from openrois_avatar.link.server import LinkServer
 from openrois_streaming.source import RawAudio, RawVideo
 
 from tests.support.demo import end, first_line, free_port, start
@@ -256,12 +262,82 @@ async def test_nothing_is_left_of_it_when_the_adapter_is_killed(godot: None, mon
         end(adapter)
 
 
-async def test_without_a_display_server_it_says_so(godot: None, tmp_path: object) -> None:
+SMALL_GAME = {
+    "project.godot": """
+        config_version=4
+        [application]
+        run/main_scene="res://main.tscn"
+        [display]
+        window/size/width=320
+        window/size/height=180
+        [rendering]
+        quality/driver/driver_name="GLES2"
+    """,
+    "main.tscn": """
+        [gd_scene load_steps=2 format=2]
+        [ext_resource path="res://addons/openrois/link.gd" type="Script" id=1]
+        [node name="Game" type="Node"]
+        [node name="Top" type="ColorRect" parent="."]
+        margin_right = 320.0
+        margin_bottom = 90.0
+        color = Color( 1, 0, 0, 1 )
+        [node name="Bottom" type="ColorRect" parent="."]
+        margin_top = 90.0
+        margin_right = 320.0
+        margin_bottom = 180.0
+        color = Color( 0, 0, 1, 1 )
+        [node name="Link" type="Node" parent="."]
+        script = ExtResource( 1 )
+        width = 320
+        height = 180
+    """,
+}
+
+
+async def test_a_small_game_shows_its_window_and_comes_back_to_an_adapter_that_was_away(
+    godot: None, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.delenv("DISPLAY", raising=False)
+    for name, text in SMALL_GAME.items():
+        (tmp_path / name).write_text(textwrap.dedent(text))
+    (tmp_path / "addons").symlink_to(project() / "addons")
+    address = link_address("godot")
+    environment = dict(os.environ)
+    process = None
+    try:
+        for _ in range(2):
+            async with LinkServer.listen(address, "the secret") as server:
+                address = server.address
+                if process is None:
+                    environment |= {ADDRESS_VARIABLE: address, SECRET_VARIABLE: "the secret"}
+                    process = await asyncio.create_subprocess_exec(
+                        sys.executable, "-m", MODULE, str(tmp_path), env=environment
+                    )
+                connection = await server.accept(PATIENCE)
+                assert (connection.hello.audio_channels, connection.hello.walks) == (None, False)
+                async with asyncio.timeout(PATIENCE), server.video.open() as pictures:
+                    for _ in range(5):
+                        picture = await anext(pictures)
+                blue, _, red = cv2.split(cv2.cvtColor(picture.data, cv2.COLOR_YUV2BGR_I420))
+                assert red[:88].min() > 240
+                assert blue[:88].max() < 15
+                assert red[92:].max() < 15
+                assert blue[92:].min() > 240
+        async with LinkServer.listen(address, "the secret") as server:
+            (await server.accept(PATIENCE)).send_command(Quit())
+            async with asyncio.timeout(PATIENCE):
+                assert await process.wait() == 0
+    finally:
+        if process is not None and process.returncode is None:
+            process.kill()
+            await process.wait()
+
+
+async def test_without_a_display_server_it_says_so(godot: None, tmp_path: Path) -> None:
     """A display server that does not start is told of, and nobody waits for it."""
-    broken = f"{tmp_path}/Xvfb"
-    with open(broken, "w") as script:  # noqa: ASYNC230, PTH123
-        script.write("#!/bin/sh\necho no screens found >&2\nexit 1\n")
-    os.chmod(broken, 0o755)  # noqa: PTH101
+    broken = tmp_path / "Xvfb"
+    broken.write_text("#!/bin/sh\necho no screens found >&2\nexit 1\n")
+    broken.chmod(0o755)
     environment = {**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}"}
     environment.pop("DISPLAY", None)
     process = await asyncio.create_subprocess_exec(

@@ -233,7 +233,7 @@ func _status() -> int:
 func _read() -> Array:
 	var data := PoolByteArray()
 	_socket.lock()
-	var waiting := _peer.get_available_bytes()
+	var waiting := _peer.get_available_bytes() if _peer.is_connected_to_host() else -1
 	if waiting > 0:
 		data = _peer.get_partial_data(waiting)[1]
 	var status := _peer.get_status()

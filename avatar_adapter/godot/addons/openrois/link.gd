@@ -62,6 +62,9 @@ var _connected := false
 var _clock := Clock.new()
 var _sound := Sound.new()
 var _picture: Picture = null
+var _is_window := false  # the window is drawn last of all: what is read back is the frame before
+var _frame_at := 0  # the moments of this frame, and of the one before
+var _frame_before := 0
 var _asked := 0  # the moment of the picture that is being made, 0 if none is
 var _due := 0.0
 var _pictures := 0
@@ -90,7 +93,9 @@ func _ready() -> void:
 		return
 	_picture = Picture.new(width, height)
 	add_child(_picture)
-	_picture.watch(get_viewport() if source.is_empty() else get_node(source) as Viewport)
+	var viewport: Viewport = get_viewport() if source.is_empty() else get_node(source)
+	_is_window = viewport == get_tree().root
+	_picture.watch(viewport)
 	VisualServer.connect("frame_post_draw", self, "_on_frame_drawn")
 
 
@@ -188,6 +193,8 @@ static func from_rotation(rotation_y: float) -> float:
 
 func _process(_delta: float) -> void:
 	_clock.follow()
+	_frame_before = _frame_at
+	_frame_at = _clock.now()
 	if _carrier == null:
 		if OS.get_ticks_msec() >= _again_at:
 			_open()
@@ -327,13 +334,13 @@ func _send_sound() -> void:
 
 
 func _ask_for_picture() -> void:
-	var now := _clock.now()
+	var now := _frame_at
 	var period := 1e6 / pictures_per_second
 	# A frame that comes a little early is better than none until the next one.
 	if _paused or now < _due - period / 4:
 		return
 	_due = max(_due + period, now - period)
-	_asked = now
+	_asked = _frame_before if _is_window else now
 	_picture.ask()
 
 

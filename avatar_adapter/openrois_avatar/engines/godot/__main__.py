@@ -1,6 +1,8 @@
-"""Becomes the Godot engine on the engine link: `python -m openrois_avatar.engines.godot`."""
+"""Becomes a Godot game on the engine link: `python -m openrois_avatar.engines.godot [PROJECT]`, else the demo."""
 
 import os
+import sys
+from collections.abc import Sequence
 
 from openrois_avatar.engines.godot import available, program, project
 from openrois_avatar.engines.godot.screen import NoScreen, virtual_screen
@@ -9,8 +11,11 @@ _SIZE = (640, 360)
 """Pixels of the window: of the pictures, too."""
 
 
-def main() -> None:
+def main(arguments: Sequence[str]) -> None:
     """Take the place of this process with Godot: a signal to the one is a signal to the other.
+
+    Args:
+        arguments: the folder of a project, or nothing for the demo.
 
     Raises:
         SystemExit: it does not run here; the text says what to install.
@@ -19,16 +24,16 @@ def main() -> None:
     runner = program()
     if not works or runner is None:
         raise SystemExit(hint)
-    environment = dict(os.environ)
+    environment = {**os.environ, "LANG": "en"}  # it complains of a locale C
     if "DISPLAY" not in environment:
         try:
             environment.update(virtual_screen(*_SIZE))
         except NoScreen as error:
             raise SystemExit(str(error)) from error
     # What is heard goes over the link: Godot itself needs no sound card.
-    arguments = [runner, "--path", str(project()), "--audio-driver", "Dummy", "--language", "en"]
-    os.execve(runner, arguments, environment)  # noqa: S606 - a program of this machine
+    game = arguments[0] if arguments else str(project())
+    os.execve(runner, [runner, "--path", game, "--audio-driver", "Dummy"], environment)  # noqa: S606 - a program of this machine
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:])
