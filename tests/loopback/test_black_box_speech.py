@@ -53,7 +53,7 @@ async def test_a_phrase_is_heard_and_nothing_once_nobody_listens(app: Applicatio
         assert subscribed["return_code"] == "OK", subscribed
         subscriptions.append(subscribed["subscribe_id"])
     microphone = await app.play(AUDIO, direction="sendonly")
-    events, told = Events(app), []
+    events, told = Events(app), list[tuple[str, dict[str, str]]]()
     while not told or told[-1][0] != "speech_recognized":
         told.append(await events.next())
     types = [event_type for event_type, _ in told]

@@ -108,6 +108,7 @@ class Voice(AudioStreamTrack):
     async def recv(self) -> AudioFrame:
         frame = await super().recv()
         assert isinstance(frame, AudioFrame)
+        assert frame.pts is not None
         step = SAMPLE_RATE // frame.sample_rate
         first = frame.pts * step
         told = np.take(self._sound, np.arange(first, first + frame.samples * step), mode="wrap")

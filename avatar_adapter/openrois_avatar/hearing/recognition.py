@@ -86,6 +86,8 @@ class Recognition:
         self._wanted_by: set[object] = set()
         self._leave: list[Callable[[], None]] = []
         self._current: Utterance | None = None
+        self._tried: Utterance | None = None
+        """The one that is being written down, if it was not lost meanwhile the first of those that wait."""
         self._waiting: deque[Utterance] = deque(maxlen=WAITING)
         self._changed = asyncio.Event()
 
@@ -123,11 +125,10 @@ class Recognition:
             await self._until(lambda: bool(self._waiting) or not self._leave)
             if not self._leave:
                 return
-            utterance = self._waiting[0]
+            utterance = self._tried = self._waiting[0]
             utterance.attempts += 1
             await self._write_down(transcriber, utterance)
-            if self._waiting and self._waiting[0] is utterance:
-                self._waiting.popleft()
+            self._done()
 
     async def _write_down(self, transcriber: Transcriber, utterance: Utterance) -> None:
         await transcriber.begin(utterance.expected)
@@ -151,14 +152,20 @@ class Recognition:
             self.recognized.tell(candidates, utterance.ended_at)
 
     def _fail(self, reason: str) -> None:
-        """Try the utterance once more, if there is one; else it is lost."""
+        """Try the utterance once more that was tried, if there is one; else it is lost."""
         _log.warning("%s", reason)
-        if self._waiting and self._waiting[0].attempts < ATTEMPTS:
+        if self._tried is not None and self._tried.attempts < ATTEMPTS:
+            self._tried = None
             return
-        if self._waiting:
-            self._waiting.popleft()
-        self.failure = reason
+        self._done()
+        self.failure = reason if self._leave else ""
         self.failed.tell(reason)
+
+    def _done(self) -> None:
+        """The utterance that was tried is so no more; it may be lost already."""
+        if self._waiting and self._waiting[0] is self._tried:
+            self._waiting.popleft()
+        self._tried = None
 
     def _unwant(self, key: object) -> None:
         self._wanted_by.discard(key)

@@ -12,7 +12,7 @@ from openrois_avatar.hearing.recognizer import Expectation
 from openrois_avatar.microphone_senses import microphone_senses
 from openrois_streaming.source import SAMPLE_RATE
 
-from openrois.contract import Event, Fault
+from openrois.contract import Event, Fault, SubscriptionLost
 from openrois.errors import BadParameter, ComponentFailed
 from openrois.registry import LocalRegistry
 from openrois.types.messages import Argument
@@ -37,7 +37,11 @@ class Room(Listened):
         self.registry.on_fault = self.faults.append
 
     async def subscribe(self, component: str, event: str) -> str:
-        return await self.registry.subscribe(f"avatar/{component}", event, self.events.append)
+        return await self.registry.subscribe(f"avatar/{component}", event, self._take)
+
+    def _take(self, item: Event | SubscriptionLost) -> None:
+        assert isinstance(item, Event)
+        self.events.append(item)
 
     async def do(self, component: str, command: str, **arguments: str) -> None:
         kinds = {"languages": "string[]", "microphone_distance": "int", "detection_threshold": "int"}
@@ -136,7 +140,7 @@ class TestSoundLocalization:
         await room.subscribe("SoundLocalization", "sound_localized")
         noise = np.random.default_rng(1).normal(0, 3000, (48_000, 2)).astype(np.int16)
         await room.say(np.concatenate([SILENCE, noise, SILENCE]))
-        assert room.events == room.faults == []
+        assert (room.events, room.faults) == ([], [])
         await room.do("SoundLocalization", "stop")
 
 
@@ -186,7 +190,7 @@ class TestSpeechRecognition:
 
     async def test_a_recogniser_without_english_begins_with_its_own_language(self) -> None:
         recognizer = ScriptedRecognizer()
-        recognizer.languages = ("ja", "ko")  # type: ignore[assignment]
+        recognizer.languages = ("ja", "ko")
         assert '["ja"]' in str(await Room(recognizer).ask("SpeechRecognition", "get_parameter"))
 
     async def test_without_a_recogniser_it_does_not_work(self) -> None:

@@ -47,9 +47,9 @@ async def test_nothing_is_looked_for_while_nobody_attends(ears: Ears) -> None:
 async def test_speech_is_told_with_its_times_and_its_sound(ears: Ears) -> None:
     leave = ears.hearing.attend()
     await ears.say(np.concatenate([SILENCE, VOICE]))
-    assert ears.hearing.speaking
+    during = ears.hearing.speaking
     await ears.say(SILENCE)
-    assert not ears.hearing.speaking
+    assert (during, ears.hearing.speaking) == (True, False)
     (began, at), (ended, until) = ears.told
     assert (began, ended) == ("began", "ended")
     assert at == pytest.approx(1.05, abs=0.1)

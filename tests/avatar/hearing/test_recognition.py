@@ -78,7 +78,7 @@ async def test_speech_that_is_not_understood_is_not_told(office: Office) -> None
     office.recognizer.understands = ()
     await office.say(UTTERANCE)
     assert office.recognizer.heard
-    assert office.recognized == office.guesses == []
+    assert (office.recognized, office.guesses) == ([], [])
 
 
 async def test_a_quiet_voice_is_made_louder(office: Office) -> None:
@@ -123,6 +123,7 @@ async def test_an_utterance_that_it_fails_at_again_is_lost_and_the_next_is_not(o
 async def test_a_recogniser_that_is_missing_is_told_until_nobody_wants_it(office: Office) -> None:
     office.recognizer.installed = False
     leave = office.recognition.want()
+    await office.say(UTTERANCE)
     await office.clock.advance(10)
     assert office.recognition.failure == "install it"
     assert 2 <= len(office.failures) <= 6
@@ -152,5 +153,16 @@ async def test_nothing_is_told_once_nobody_wants_it(office: Office) -> None:
     leave()
     office.recognizer.held.set()
     await settle()
-    assert office.recognized == office.guesses == []
+    assert (office.recognized, office.guesses) == ([], [])
     assert office.recognizer.closed == 1
+
+
+async def test_what_was_said_while_there_was_no_recogniser_is_written_down_once_there_is(office: Office) -> None:
+    office.recognizer.installed = False
+    office.recognition.want()
+    await office.say(UTTERANCE)
+    assert office.recognized == []
+    office.recognizer.installed = True
+    await office.clock.advance(30)
+    assert office.recognized == [("hello", "hollow")]
+    assert office.recognition.failure == ""
