@@ -112,8 +112,10 @@ class Seat:
 
     def _vacate(self, reason: str) -> None:
         self._holder = None
-        if self._pilot is not None:
-            self._pilot.lose(reason)
+        pilot, self._pilot = self._pilot, None
+        if pilot is not None:
+            pilot.lose(reason)
+            self._tell = _nobody_hears
         if self._vacated is not None and not self._vacated.done():
             self._vacated.set_result(reason)
 

@@ -11,6 +11,7 @@ What is reached for, and why nothing public does it:
 import logging
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from typing import Final
 
 from aiortc import RTCSctpCapabilities, RTCSctpTransport
@@ -31,7 +32,8 @@ AT_ONCE: Final = 256 * 1024
 PER_SECOND: Final = 256 * 1024.0
 """Bytes of SCTP that are taken of one peer connection. What is dropped comes again."""
 
-_TEXTS: Final = frozenset({51, 56})
+_TEXT: Final = 51
+_TEXTS: Final = frozenset({_TEXT, 56})
 """Payload protocol identifiers of texts (RFC 8831 section 8): one, and an empty one."""
 
 _log = logging.getLogger(__name__)
@@ -96,15 +98,14 @@ class _Contained:
 
     async def receive(self, stream_id: int, protocol: int, data: bytes) -> None:
         """In the place of `_receive`."""
-        if protocol not in _TEXTS:
-            self._on_message(stream_id, data)
-            return
+        message: str | bytes = data
+        if protocol in _TEXTS:
+            with suppress(UnicodeDecodeError):
+                message = data.decode() if protocol == _TEXT else ""
         try:
-            text = data.decode()
-        except UnicodeDecodeError:
-            self._on_message(stream_id, data)
-        else:
-            self._on_message(stream_id, text if protocol == 51 else "")
+            self._on_message(stream_id, message)
+        except Exception:
+            _log.exception("a message of an application could not be taken")
 
 
 def differences(transport: RTCSctpTransport) -> list[str]:

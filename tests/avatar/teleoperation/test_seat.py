@@ -109,6 +109,7 @@ async def test_who_does_not_hold_it_any_more_is_stopped_at_once(room: Room, how:
         assert room.controls.words == ["drive", "halt"]
         assert how in await vacated
         room.press("ann")
+        room.press("bob")
         assert room.controls.words == ["drive", "halt"]
 
 

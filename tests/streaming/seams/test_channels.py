@@ -74,10 +74,29 @@ async def test_nobody_opens_channels(association: Association) -> None:
     assert association.transport._data_channels == before
 
 
-async def test_what_a_receiver_raises_ends_here(association: Association) -> None:
+async def test_what_a_receiver_raises_ends_here_and_is_told(
+    association: Association, caplog: pytest.LogCaptureFixture
+) -> None:
     association.came = None  # type: ignore[assignment]
     await association.receive(b"hello")
+    assert "could not be taken" in caplog.text
+    association.came = []
+    await association.receive(b"again", stream_seq=1)
+    assert association.came == [(0, "again")]
+
+
+class Twice(sctp.Chunk):
+    """An INIT that is not alone, which aiortc asserts that it is."""
+
+    def __bytes__(self) -> bytes:
+        return bytes(sctp.InitChunk()) * 2
+
+
+async def test_what_aiortc_trips_over_ends_here(association: Association) -> None:
+    await association.take(sctp.serialize_packet(5000, 5000, 0, Twice()))
     assert association.figures.unreadable == 1
+    await association.receive(b"hello")
+    assert association.came == [(0, "hello")]
 
 
 async def unfinished(association: Association) -> None:

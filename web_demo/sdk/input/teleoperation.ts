@@ -164,6 +164,8 @@ export class Teleoperation {
     if (this.#command !== command) return;
     this.#command = null;
     this.#held.clear();
+    // Whoever wants to operate again asks for it again; the client must not take the component back by itself.
+    void this.#client.release(this.componentRef).catch(() => undefined);
     this.#events.emit("ended", reason);
   }
 }

@@ -225,6 +225,7 @@ describe("Teleoperation", () => {
     gateway.notify("rois.command.completed", { command_id: units[0]?.command_id ?? "", status: "ABORT" });
     await pass(1);
     expect([teleoperation.operating, told]).toEqual([false, ["ended: ABORT"]]);
+    expect(asked("rois.command.release")).toEqual([{ component_ref: REF }]);
     press("KeyW");
     await pass(500);
     expect(sent("input")).toEqual([]);
