@@ -96,6 +96,8 @@ class Camerawork:
         self._x, self._y, self._share = _Spring(place.x), _Spring(place.y), _Spring(0.0)
         self._stood = time - _LINGER
         """Since when the figure stands."""
+        self._wanted = 0.0
+        """The share that the camera is on its way to."""
 
     def follow(self, time: float, place: Place, pace: Pace, expressive: bool) -> Shot:
         """The shot of a figure that is there, moves so, and is `expressive` while its face or hands say something."""
@@ -103,14 +105,17 @@ class Camerawork:
         self._time = time
         if hypot(pace.ahead, pace.left) > _GOING:
             self._stood = time
-        share = self._wanted(time, place, expressive)
+        self._choose(time, place, expressive)
+        share = self._wanted
         self._share.move(share, _BACKING if share > self._share.value else _NEARING, seconds)
         along = 1 - (1 - _ROOM_SHARE) * share
         self._x.move(place.x * along, _PANNING, seconds)
         self._y.move(place.y * along, _PANNING, seconds)
         return shot(self._x.value, self._y.value, max(0.0, self._share.value))
 
-    def _wanted(self, time: float, place: Place, expressive: bool) -> float:
-        if time - self._stood < _LINGER:
-            return _TALKING if expressive else 1.0
-        return 0.0 if cos(turned(place.th + pi / 2)) > 0.3 else _AWAY
+    def _choose(self, time: float, place: Place, expressive: bool) -> None:
+        """Say how far away to be; who has just stopped is seen as before for a while."""
+        if self._stood == time:
+            self._wanted = _TALKING if expressive else 1.0
+        elif time - self._stood >= _LINGER:
+            self._wanted = 0.0 if cos(turned(place.th + pi / 2)) > 0.3 else _AWAY

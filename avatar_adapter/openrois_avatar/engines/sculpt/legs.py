@@ -8,7 +8,7 @@ from openrois_avatar.engines.sculpt.distance import Array, Field, Triple, cone, 
 from openrois_avatar.engines.sculpt.mesh import Mesh, compact, polygonised
 from openrois_avatar.engines.sculpt.part import Part, mirrored_mesh, still
 from openrois_avatar.engines.sculpt.rig import ANKLE, HIP, KNEE, Space
-from openrois_avatar.engines.sculpt.shading import CLOTH, linear
+from openrois_avatar.engines.sculpt.shading import CLOTH, SKIN, linear
 
 _CELL = 0.17
 _WAIST, _HEM = -3.1, -5.0
@@ -65,7 +65,8 @@ def sculpted(field: Field, low: Triple, high: Triple, cell: float, colour: str) 
 
 def parts() -> list[Part]:
     """Everything, for the spaces that `rig.leg_frames` places."""
-    made = [still("jumper_back", "back", _back(), CLOTH)]
+    nape = sculpted(_nape_field, (-0.6, -0.2, -2.5), (0.6, 1.1, -0.2), _CELL, palette.SKIN)
+    made = [still("jumper_back", "back", _back(), CLOTH), still("nape", "back", nape, SKIN)]
     shapes = meshes()
     made.append(still("hips", "hips", shapes.pop("hips"), CLOTH))
     spaces: dict[str, tuple[Space, Space]] = {
@@ -79,6 +80,10 @@ def parts() -> list[Part]:
     return made
 
 
+def _nape_field(points: Array) -> Array:
+    return cone(points, (0.0, 0.28, -0.60), (0.0, 0.34, -1.50), 0.32, 0.30)
+
+
 def _back() -> Mesh:
     """The part of the jumper that the close view leaves out."""
     mesh = sculpted(whole_jumper_field, (-1.65, -0.75, -5.6), (1.65, 1.25, -1.2), 0.14, palette.JUMPER)
@@ -86,5 +91,5 @@ def _back() -> Mesh:
     hidden = (points[:, 2] < _HEM) | ((points[:, 1] < 0.68) & (points[:, 2] > _WAIST))
     faces = mesh.faces[~hidden[mesh.faces].any(axis=1)]
     # It lies under the collar.
-    points = points - mesh.normals * (0.05 * (points[:, 2:] > -1.95))
+    points = points - mesh.normals * (0.07 * (points[:, 2:] > -2.0))
     return compact(Mesh(points, mesh.normals, faces, mesh.albedo, mesh.openness))

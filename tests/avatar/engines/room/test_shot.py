@@ -51,6 +51,12 @@ def test_it_stays_closer_to_one_who_talks_on_the_way() -> None:
     assert not talking.is_close
 
 
+def test_it_does_not_back_off_from_one_who_stops_talking_and_walking() -> None:
+    camera = Camerawork(0.0)
+    last = shots(camera, HOME, WALKING, 4.0, 0.0, talks=True)[-1]
+    assert min(seen.y for seen in shots(camera, HOME, Pace(), 4.0, 4.0)) > last.y - 0.5
+
+
 def test_it_does_not_come_near_to_see_a_back() -> None:
     camera = Camerawork(0.0)
     shots(camera, Place(0.0, 1.0, pi / 2), WALKING, 3.0, 0.0)
