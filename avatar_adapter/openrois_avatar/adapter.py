@@ -11,6 +11,7 @@ from openrois_streaming.clock import MediaClock, SystemClock
 from openrois_streaming.codecs import available_codecs
 from openrois_streaming.network.settings import NetworkSettings
 from openrois_streaming.publisher import AudioPublisher, VideoPublisher
+from openrois_streaming.self_encoding import EitherPublisher, EncodedPublisher
 from openrois_streaming.sessions import StreamSessions
 
 from openrois.adapter.running import hosted
@@ -26,6 +27,7 @@ from openrois_avatar.components.streaming import AudioStreaming, VideoStreaming
 from openrois_avatar.components.system_information import SystemInformation
 from openrois_avatar.game_engines import choose_game_engine, link_address
 from openrois_avatar.health import Health, worst
+from openrois_avatar.link.encoded_inlet import EngineEncoded
 from openrois_avatar.metrics.figures import Snapshot
 from openrois_avatar.metrics.looking import Looking
 from openrois_avatar.microphone_senses import microphone_senses
@@ -49,7 +51,7 @@ class Avatar:
     """An avatar adapter that runs: what it serves to a gateway, and what it publishes."""
 
     host: EngineHost
-    video: VideoPublisher
+    video: EitherPublisher
     audio: AudioPublisher
     look: Callable[[], Awaitable[Snapshot]]
     """Takes a snapshot of all figures."""
@@ -105,10 +107,13 @@ async def serve_scene(
     Raises:
         UnsupportedLibrary: the installed aiortc is not one that can be used.
     """
-    video = VideoPublisher(scene.video, clock=clock, stamp=True, frame_rate=scene.frame_rate, size=scene.size)
+    video = _publisher(scene, clock)
     audio = AudioPublisher(scene.audio, clock=clock)
     microphone, camera = Microphone(clock), Camera()
-    pictures, sounds = Published(video, "video", camera.inlet), Published(audio, "audio", microphone.inlet)
+    pictures, sounds = (
+        Published(video, "video", camera.inlet, video.codecs),
+        Published(audio, "audio", microphone.inlet),
+    )
     published = {reference(engine_id, VIDEO): pictures, reference(engine_id, AUDIO): sounds}
     picture, voice = Health("the picture", clock.now()), Health("the sound", clock.now())
     showing = VideoStreaming(_codecs("video/"), pictures.directions, lambda: worst(scene.status(), picture.status))
@@ -141,6 +146,15 @@ async def serve_scene(
         scene.pauses.changed.add(lambda on: _pause(streams.sessions, reference(engine_id, VIDEO), on))
         looking = Looking(streams.sessions, {"picture": video, "sound": audio}, sources, streams.guarded, clock)
         yield Avatar(host, video, audio, looking.snapshot)
+
+
+def _publisher(scene: Scene, clock: MediaClock) -> EitherPublisher:
+    encoded = scene.encoded or EngineEncoded(clock)
+    return EitherPublisher(
+        VideoPublisher(scene.video, clock=clock, stamp=True, frame_rate=scene.frame_rate, size=scene.size),
+        EncodedPublisher(encoded, clock=clock, frame_rate=scene.frame_rate, size=scene.size),
+        lambda: encoded.announced is not None,
+    )
 
 
 def _pause(sessions: StreamSessions, component_ref: str, on: bool) -> None:

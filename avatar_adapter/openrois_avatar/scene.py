@@ -29,6 +29,7 @@ from openrois_avatar.components.teleoperation import Teleoperation
 from openrois_avatar.health import Health, Observed
 from openrois_avatar.legs import Legs
 from openrois_avatar.link.embedded import EmbeddedEngine
+from openrois_avatar.link.encoded_inlet import EngineEncoded
 from openrois_avatar.link.external import ExternalEngine
 from openrois_avatar.link.linked import LinkedEngine
 from openrois_avatar.link.messages import Event, Hello, Place, VideoShape
@@ -58,6 +59,7 @@ class Scene:
     pictures are not to be shown now. `hear` lets it hear the operator. `world` is what is known of the scene, `legs`
     move the figure in it, `voice` is what it speaks with; None where there is no figure. `announced` tells of the
     pictures to be expected of another game engine that has come. `seat` says who operates the figure by hand.
+    `encoded` has the pictures while it is an engine that encodes them itself.
     """
 
     video: MediaSource[RawVideo]
@@ -74,6 +76,7 @@ class Scene:
     voice: Voice | None = None
     announced: Listeners[VideoShape] = field(default_factory=Listeners)
     seat: Seat | None = None
+    encoded: EngineEncoded | None = None
 
     def place(self) -> Place | None:
         """Where the figure is, as far as the game engine has told."""
@@ -230,4 +233,5 @@ async def _engine_scene(
             voice,
             announced,
             seat,
+            engine.encoded,
         )

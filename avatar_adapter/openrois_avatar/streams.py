@@ -67,6 +67,23 @@ class Published:
     publisher: MediaPublisher
     kind: MediaKind
     inlet: MediaInlet | None = None
+    codecs: Callable[[], tuple[str, ...] | None] = lambda: None
+    """The only media types that it can be had in now; None: all that can be encoded here."""
+
+    def choose(self, wanted: tuple[str, ...] | None) -> tuple[str, ...] | None:
+        """The media types that an application can be sent of those it wants; None: any.
+
+        Raises:
+            Unsupported: it can decode none that there is.
+        """
+        ours = self.codecs()
+        if ours is None or wanted is None:
+            return wanted if ours is None else ours
+        theirs = {name.lower().removeprefix(f"{self.kind}/") for name in wanted}
+        found = tuple(codec for codec in ours if codec.lower().removeprefix(f"{self.kind}/") in theirs)
+        if not found:
+            raise Unsupported(f"the pictures come encoded as {', '.join(ours)}, which the application does not decode")
+        return found
 
     @property
     def directions(self) -> tuple[Direction, ...]:
@@ -236,6 +253,7 @@ class AvatarStreams:
             raise Unsupported(f"{params.component_ref} has no streams of direction {transport.direction!r}: {possible}")
         if direction != "recvonly" and params.component_ref in self._senders:
             raise OutOfResources(f"somebody sends to {params.component_ref} already, and only one can at a time")
+        codecs = encoding.codecs if direction == "sendonly" else published.choose(encoding.codecs)
         session = self.sessions.open(self._session_name(client))
         session.ice_servers = params.ice_servers
         stream_id = new_id(self._engine_id)
@@ -244,7 +262,7 @@ class AvatarStreams:
             params.component_ref,
             None if direction == "sendonly" else published.publisher,
             published.kind,
-            encoding.codecs,
+            codecs,
             direction=direction,
             inlet=None if direction == "recvonly" else published.inlet,
             caps=encoding.caps() if self._cap is None else encoding.caps().within(self._cap(client)),

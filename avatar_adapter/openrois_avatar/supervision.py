@@ -3,10 +3,9 @@
 import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from openrois_streaming.clock import MediaClock
-from openrois_streaming.publisher import Publisher
+from openrois_streaming.publisher import Publishing
 from openrois_streaming.supervision import LOOK_INTERVAL
 
 from openrois.component import Component
@@ -44,7 +43,7 @@ class Supervised:
             _log.info("%s is there again", self.health.what)
 
 
-def seen_of(publisher: Publisher[Any]) -> Observed:
+def seen_of(publisher: Publishing) -> Observed:
     """What is seen of a publisher: it gives frames only while somebody plays it."""
     wanted = publisher.running_encoders > 0
     return Observed(publisher.last_frame_at, publisher.frames, wanted=wanted, failure=publisher.failure)

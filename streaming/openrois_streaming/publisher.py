@@ -2,7 +2,7 @@
 
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
-from typing import Generic, TypeVar
+from typing import Generic, Protocol, TypeVar
 
 from openrois_streaming.adaptation.demand import LOWEST, MIDDLE, TOP, Demands
 from openrois_streaming.adaptation.rung import Rung, every_for, ladder
@@ -14,7 +14,8 @@ from openrois_streaming.encoder_audio import OpusEncoder
 from openrois_streaming.encoder_video import VideoEncoder
 from openrois_streaming.encoding import Encoding
 from openrois_streaming.fanout import Fanout
-from openrois_streaming.rendition import Rendition
+from openrois_streaming.feed import MediaPublisher
+from openrois_streaming.rendition import Rendition, encoded_rendition
 from openrois_streaming.source import MediaSource, RawAudio, RawVideo
 from openrois_streaming.stamp import stamped
 
@@ -45,6 +46,35 @@ class _HandOver(Generic[RawT]):
             yield self._finish(item)
 
 
+class Publishing(MediaPublisher, Protocol):
+    """A source that is published, and what is seen of it."""
+
+    @property
+    def made(self) -> tuple[Rendition, ...]:
+        """All renditions that were played so far."""
+        ...
+
+    @property
+    def running_encoders(self) -> int:
+        """How many renditions run now: each that has a viewer."""
+        ...
+
+    @property
+    def frames(self) -> int:
+        """Frames taken from the source so far."""
+        ...
+
+    @property
+    def failure(self) -> str:
+        """A sentence on what failed last, if no frame has come since; empty where nothing did."""
+        ...
+
+    @property
+    def last_frame_at(self) -> float | None:
+        """When the source last gave a frame, on the media clock; None if it has given none since it was opened."""
+        ...
+
+
 class Publisher(Generic[RawT]):
     """Shares one source among its renditions. The source is open only while somebody plays one of them."""
 
@@ -59,10 +89,10 @@ class Publisher(Generic[RawT]):
         self._clock = clock
         self._source = _HandOver(source, clock, finish)
         self._raw: Fanout[RawT] = Fanout(self._source, name=name)
-        self._made: dict[tuple[object, ...], Rendition[RawT]] = {}
+        self._made: dict[tuple[object, ...], Rendition] = {}
 
     @property
-    def made(self) -> tuple[Rendition[RawT], ...]:
+    def made(self) -> tuple[Rendition, ...]:
         """All renditions that were played so far."""
         return tuple(each for each in self._made.values() if each.was_played)
 
@@ -129,7 +159,7 @@ class VideoPublisher(Publisher[RawVideo]):
         """Another frame rate, and width and height, are to be expected of the source from now on."""
         self._frame_rate, self._size = frame_rate, size
 
-    def renditions(self, mime_type: str, fps: float | None = None) -> tuple[Rendition[RawVideo], ...]:
+    def renditions(self, mime_type: str, fps: float | None = None) -> tuple[Rendition, ...]:
         """The renditions of a media type, the largest first: the same ones for all who ask.
 
         Args:
@@ -146,14 +176,14 @@ class VideoPublisher(Publisher[RawVideo]):
         rungs = ladder(*self._size, self._frame_rate, every=every, max_bitrate=self._max_bitrate)
         return tuple(self._rendition(codec, rung, last=rung is rungs[-1]) for rung in rungs)
 
-    def _rendition(self, codec: str, rung: Rung, *, last: bool) -> Rendition[RawVideo]:
+    def _rendition(self, codec: str, rung: Rung, *, last: bool) -> Rendition:
         key = (codec, rung.halvings, rung.every)
         tolerance = LOWEST if last else TOP if rung.halvings == 0 else MIDDLE
         rendition = self._made.get(key)
         if rendition is None:
             demands = Demands(rung, tolerance)
             encoding = _video_encoding(codec, demands)
-            rendition = self._made[key] = Rendition(
+            rendition = self._made[key] = encoded_rendition(
                 self._raw, encoding, clock=self._clock, bitrate=rung.max_bitrate, demands=demands
             )
         rendition.suit(rung, tolerance)
@@ -180,7 +210,7 @@ class AudioPublisher(Publisher[RawAudio]):
         super().__init__(source, clock=clock, name=name)
         self._bitrate = bitrate
 
-    def renditions(self, mime_type: str, fps: float | None = None) -> tuple[Rendition[RawAudio], ...]:
+    def renditions(self, mime_type: str, fps: float | None = None) -> tuple[Rendition, ...]:
         """The one rendition of a media type; `fps` says nothing about sound.
 
         Raises:
@@ -189,7 +219,7 @@ class AudioPublisher(Publisher[RawAudio]):
         codec = codec_named(mime_type)
         if (codec,) not in self._made:
             encoding = _audio_encoding(codec)
-            self._made[codec,] = Rendition(self._raw, encoding, clock=self._clock, bitrate=self._bitrate)
+            self._made[codec,] = encoded_rendition(self._raw, encoding, clock=self._clock, bitrate=self._bitrate)
         return (self._made[codec,],)
 
 

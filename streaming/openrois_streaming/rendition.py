@@ -1,12 +1,14 @@
 """One encoding of one source, made once and shared by every viewer that plays it."""
 
+from __future__ import annotations
+
 import logging
 from collections import deque
 from collections.abc import AsyncIterator, Callable, Hashable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from functools import partial
-from typing import Generic, TypeVar
+from typing import Protocol, TypeVar
 
 from openrois_streaming.adaptation.demand import CoarseRate, Demands
 from openrois_streaming.adaptation.rung import Rung
@@ -16,6 +18,7 @@ from openrois_streaming.encoded import EncodedFrame
 from openrois_streaming.encoding import EncodedSource, Encoding
 from openrois_streaming.fanout import DropOldest, Fanout, Mailbox, Subscription
 from openrois_streaming.keyframes import KeyFrameCause
+from openrois_streaming.source import MediaSource
 
 RawT = TypeVar("RawT")
 
@@ -127,7 +130,67 @@ class RenditionFigures:
     """Width, height and pace, as in "640x360@30"; empty for sound."""
 
 
-class Rendition(Generic[RawT]):
+class FrameKind(Protocol):
+    """What a rendition has to know of its frames."""
+
+    @property
+    def mime_type(self) -> str:
+        """`video/H264`, `video/VP8` or `audio/opus`."""
+        ...
+
+    @property
+    def clock_rate(self) -> int:
+        """Units of the frames' times, per second."""
+        ...
+
+    @property
+    def predicted(self) -> bool:
+        """Whether most frames can only be decoded after those before them."""
+        ...
+
+
+class FrameSource(MediaSource[EncodedFrame], Protocol):
+    """Makes the frames of a rendition, or passes them on; its counters are those of `RenditionFigures`."""
+
+    bitrate: int
+    encoded: int
+    encoded_bytes: int
+    key_frames: int
+    forced: dict[KeyFrameCause, int]
+
+    @property
+    def dropped_input(self) -> int:
+        """Frames that were lost before they were encoded or passed on."""
+        ...
+
+    @property
+    def encode_seconds(self) -> float:
+        """Time spent in the encoder."""
+        ...
+
+    def request_key_frame(self, cause: KeyFrameCause) -> None:
+        """Have one of the next frames be a key frame, as soon as the budget of `cause` allows."""
+        ...
+
+    def set_bitrate(self, bitrate: int) -> None:
+        """Aim at `bitrate` (bit/s)."""
+        ...
+
+
+def encoded_rendition(
+    raw: Fanout[RawT],
+    encoding: Encoding[RawT],
+    *,
+    clock: MediaClock,
+    bitrate: int,
+    demands: Demands | None = None,
+) -> Rendition:
+    """A rendition of raw frames, with an encoder of its own."""
+    source = EncodedSource(raw, encoding, clock=clock, bitrate=bitrate)
+    return Rendition(source, encoding, name=f"{raw.name} {encoding.mime_type}", clock=clock, demands=demands)
+
+
+class Rendition:
     """One media type and bit rate of one source.
 
     Its encoder runs, in a thread of its own, from the first subscription to the last. When the encoder or the source
@@ -135,30 +198,24 @@ class Rendition(Generic[RawT]):
     """
 
     def __init__(
-        self,
-        raw: Fanout[RawT],
-        encoding: Encoding[RawT],
-        *,
-        clock: MediaClock,
-        bitrate: int,
-        demands: Demands | None = None,
+        self, source: FrameSource, kind: FrameKind, *, name: str, clock: MediaClock, demands: Demands | None = None
     ) -> None:
-        self._encoding = encoding
+        self._kind = kind
         self._clock = clock
         self._demands = demands
-        self._coarse = CoarseRate() if encoding.mime_type == VP8 else None
-        self._source = EncodedSource(raw, encoding, clock=clock, bitrate=bitrate)
-        self._fanout: Fanout[EncodedFrame] = Fanout(self._source, name=f"{raw.name} {encoding.mime_type}")
+        self._coarse = CoarseRate() if kind.mime_type == VP8 else None
+        self._source = source
+        self._fanout: Fanout[EncodedFrame] = Fanout(source, name=name)
 
     @property
     def mime_type(self) -> str:
         """`video/H264`, `video/VP8` or `audio/opus`."""
-        return self._encoding.mime_type
+        return self._kind.mime_type
 
     @property
     def clock_rate(self) -> int:
         """Units of `EncodedFrame.pts` per second."""
-        return self._encoding.clock_rate
+        return self._kind.clock_rate
 
     @property
     def running(self) -> bool:
@@ -184,7 +241,7 @@ class Rendition(Generic[RawT]):
         repair, when it reads again.
         """
         mailbox: Mailbox[EncodedFrame]
-        if self._encoding.predicted:
+        if self._kind.predicted:
             mailbox = WholePictures(maxsize, partial(self.request_key_frame, KeyFrameCause.REPAIR))
         else:
             mailbox = DropOldest(maxsize)

@@ -46,6 +46,22 @@ class RawVideo:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class EncodedVideo:
+    """One picture that its source has encoded itself: an H.264 access unit in Annex B form, constrained baseline.
+
+    `keyframe` is whether it can be decoded by itself. `sequence` counts the pictures of one source, by one each; after
+    a gap nothing can be decoded until the next key frame. `captured_at` is as in `RawVideo`.
+    """
+
+    data: bytes
+    keyframe: bool
+    width: int
+    height: int
+    sequence: int
+    captured_at: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class RawAudio:
     """A block of sound: `samples` is int16 of shape (n, channels), 48 kHz, one or two channels.
 
@@ -73,6 +89,21 @@ class MediaSource(Protocol[FrameT_co]):
 
     def open(self) -> AbstractAsyncContextManager[AsyncIterator[FrameT_co]]:
         """Acquire the source for as long as the context lasts."""
+        ...
+
+
+class EncodingSource(MediaSource[EncodedVideo], Protocol):
+    """A source of pictures that encodes them itself, with one encoder for all who look.
+
+    What is asked of it while it is not open, or cannot be had, is forgotten.
+    """
+
+    def request_key_frame(self) -> None:
+        """Make one of the next pictures a key frame, soon."""
+        ...
+
+    def set_bitrate(self, bitrate: int) -> None:
+        """Aim at `bitrate` (bit/s) from now on."""
         ...
 
 

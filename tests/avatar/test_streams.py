@@ -33,8 +33,9 @@ class Stage:
         self.seat = Seat("avatar/Teleoperation", self.clock)
         self.publisher = FedPublisher()
         self.camera, self.microphone = FakeInlet(), FakeInlet()
+        self.come_encoded: tuple[str, ...] | None = None
         published = {
-            VIDEO: Published(self.publisher, "video", self.camera),
+            VIDEO: Published(self.publisher, "video", self.camera, lambda: self.come_encoded),
             AUDIO: Published(self.publisher, "audio", self.microphone),
             SCREEN: Published(self.publisher, "video"),
         }
@@ -437,3 +438,28 @@ async def test_an_avatar_that_cannot_be_operated_offers_no_channels_and_hears_of
         await settle()
         assert WirelessConnection.made[-1].channels is None
         assert await streams.call("openrois.holder", {}, client) == OK
+
+
+@pytest.mark.parametrize(
+    ("wanted", "offered"),
+    [
+        (None, ("video/H264",)),
+        (("video/VP8", "h264"), ("video/H264",)),
+        (("video/h264",), ("video/H264",)),
+    ],
+)
+def test_pictures_that_come_encoded_are_offered_as_they_are(
+    wanted: tuple[str, ...] | None, offered: tuple[str, ...]
+) -> None:
+    assert Published(FedPublisher(), "video", codecs=lambda: ("video/H264",)).choose(wanted) == offered
+    assert Published(FedPublisher(), "video").choose(wanted) == wanted
+
+
+async def test_an_application_that_cannot_decode_what_comes_encoded_is_refused_and_told_why(
+    stage: Stage, alice: Caller
+) -> None:
+    stage.come_encoded = ("video/H264",)
+    with pytest.raises(Unsupported, match="come encoded as video/H264, which the application does not decode"):
+        await alice.connect()
+    assert WirelessConnection.made == []
+    assert await alice.connect(direction="sendonly")

@@ -9,7 +9,7 @@ from openrois_streaming.encoder_thread import HANG, EncoderHung
 from openrois_streaming.encoding import MAX_ABANDONED, Encoding
 from openrois_streaming.fanout import DropOldest, Fanout, SourceEnded, Subscription
 from openrois_streaming.keyframes import KeyFrameCause
-from openrois_streaming.rendition import Rendition, WholePictures
+from openrois_streaming.rendition import Rendition, WholePictures, encoded_rendition
 from openrois_streaming.source import RawVideo
 
 from tests.support.streaming import FakeEncoders, FedSource, VirtualClock, picture, settle
@@ -26,7 +26,7 @@ class Stage:
         self.encoders = FakeEncoders()
         self.raw = Fanout(self.source, name="stage")
         encoding = Encoding("video/H264", 90_000, self.encoders, predicted=predicted, depth=1)
-        self.rendition = Rendition(self.raw, encoding, clock=self.clock, bitrate=1000)
+        self.rendition = encoded_rendition(self.raw, encoding, clock=self.clock, bitrate=1000)
         self.next = 0
 
     async def shoot(self, watcher: Subscription[EncodedFrame]) -> EncodedFrame:
@@ -361,11 +361,11 @@ async def test_a_viewer_that_leaves_while_it_waits_leaves_nothing_behind(stage: 
 RUNG = Rung(160, 90, 30.0, 50_000, 200_000)
 
 
-def laddered(mime_type: str = "video/H264") -> tuple[Stage, Rendition[RawVideo]]:
+def laddered(mime_type: str = "video/H264") -> tuple[Stage, Rendition]:
     stage = Stage()
     encoding = Encoding(mime_type, 90_000, stage.encoders, predicted=True, depth=1)
     demands = Demands(RUNG, LOWEST)
-    return stage, Rendition(stage.raw, encoding, clock=stage.clock, bitrate=RUNG.max_bitrate, demands=demands)
+    return stage, encoded_rendition(stage.raw, encoding, clock=stage.clock, bitrate=RUNG.max_bitrate, demands=demands)
 
 
 async def test_who_plays_it_takes_each_frame_at_once_and_says_what_it_can_take() -> None:
@@ -434,7 +434,7 @@ async def test_frames_that_are_not_chosen_are_not_encoded() -> None:
     encoding = Encoding(
         "video/H264", 90_000, stage.encoders, predicted=True, depth=1, choose=lambda raw: raw.sequence % 2 == 0
     )
-    rendition = Rendition(stage.raw, encoding, clock=stage.clock, bitrate=1000)
+    rendition = encoded_rendition(stage.raw, encoding, clock=stage.clock, bitrate=1000)
     async with rendition.subscribe() as viewer:
         for number in range(4):
             await stage.source.feed(picture(number, stage.clock.now()))

@@ -11,11 +11,13 @@ from openrois_avatar.check.finding import Finding, failed, judged, not_tried, pa
 from openrois_avatar.check.line import Line
 from openrois_avatar.link.media import Audio
 from openrois_avatar.link.messages import (
+    Bitrate,
     Completed,
     Drive,
     Halt,
     Hello,
     Input,
+    KeyFrame,
     Look,
     Place,
     Reached,
@@ -31,6 +33,7 @@ from openrois_avatar.link.messages import (
 __all__ = ["Patience", "acting"]
 
 MESSAGES: Final = "JSON messages"
+ENCODED: Final = "Encoded pictures"
 _UNKNOWN: Final = "a reaction that no engine has"
 _STEP: Final = 0.5
 _SPEED: Final = 0.5
@@ -61,9 +64,10 @@ async def acting(line: Line, hello: Hello, patience: Patience) -> AsyncIterator[
     if hello.reactions:
         yield await _reaction(line, hello, patience)
         yield await _stopped(line, hello, patience)
+        yield await _unknown(line, patience)
     else:
         yield not_tried("reaction", "HELLO lists none", MESSAGES)
-    yield await _unknown(line, patience)
+    yield await _key_frame(line, hello, patience)
     yield await _gestures(line, patience)
     yield await _hearing(line, hello, patience)
     yield await _operated(line, hello, patience)
@@ -118,6 +122,22 @@ async def _unknown(line: Line, patience: Patience) -> Finding:
         return failed("unknown", told, MESSAGES)
     faults = [] if status == "ERROR" else [f"a reaction that there is not was completed with {status}, not with ERROR"]
     return judged("unknown", faults, "a reaction that there is not was completed with ERROR", MESSAGES)
+
+
+async def _key_frame(line: Line, hello: Hello, patience: Patience) -> Finding:
+    if not hello.encodes:
+        return not_tried("key frame", "the pictures do not come encoded", ENCODED)
+
+    def key_frames() -> int:
+        return sum(picture.keyframe for picture in line.seen.pictures)
+
+    await line.watch(_ON_ITS_WAY)
+    before, at = key_frames(), time.monotonic()
+    line.tell(Bitrate(500_000))
+    line.tell(KeyFrame())
+    if not await line.until(lambda: key_frames() > before, patience.answer):
+        return failed("key frame", f"none came within {patience.answer:g} s of `key_frame`", ENCODED)
+    return passed("key frame", f"one came {1000 * (time.monotonic() - at):.0f} ms after it was asked for", ENCODED)
 
 
 async def _gestures(line: Line, patience: Patience) -> Finding:

@@ -65,7 +65,7 @@ def _count(seen: Sequence[Picture]) -> Finding:
 def _shape(hello: Hello, seen: Sequence[Picture]) -> Finding:
     shape = hello.video
     announced = f"{shape.width}x{shape.height} {shape.format}"
-    found = dict.fromkeys(f"{width}x{height} {p.format.name.lower()}" for p in seen for width, height in (p.size,))
+    found = dict.fromkeys(f"{width}x{height} {p.format}" for p in seen for width, height in (p.size,))
     others = [each for each in found if each != announced]
     return judged(
         "size", [f"HELLO announced {announced}, and {', '.join(others)} came"] if others else [], announced, FRAMES

@@ -9,6 +9,7 @@ from contextlib import suppress
 from typing import Any, Final
 
 from openrois_avatar.check.seen import Seen
+from openrois_avatar.link.encoded_inlet import check_encoded
 from openrois_avatar.link.messages import Bye, Command, Completed, Event, Hello, LinkError, Pause
 from openrois_avatar.link.protocol import (
     HEADER,
@@ -16,6 +17,7 @@ from openrois_avatar.link.protocol import (
     VERSION,
     Audio,
     Doorbell,
+    Encoded,
     MessageType,
     Parser,
     Sender,
@@ -131,18 +133,24 @@ class Line:
                 self.hello = message
             case Bye():
                 self._close(f"the engine said goodbye: {message.reason}")
-            case Video() | Doorbell() | Audio():
-                if isinstance(message, Doorbell):
-                    self._look_into_ring(message)
+            case Video() | Encoded() | Doorbell() | Audio():
+                self._check(message)
                 self.seen.take(message, now)
             case _:
                 assert isinstance(message, Event), "the parser lets an engine say nothing else"
                 self.seen.take(message, now)
 
-    def _look_into_ring(self, bell: Doorbell) -> None:
-        if self.ring is None:
-            raise LinkError("RING: no ring was given")
-        self.ring.picture(bell)
+    def _check(self, message: Video | Encoded | Doorbell | Audio) -> None:
+        """Raise `LinkError` for what an adapter would not take."""
+        encodes = self.hello is not None and self.hello.encodes
+        if not isinstance(message, Audio) and isinstance(message, Encoded) is not encodes:
+            raise LinkError(f"VIDEO: HELLO announced {'h264' if encodes else 'no h264'}")
+        if isinstance(message, Encoded):
+            check_encoded(message)
+        if isinstance(message, Doorbell):
+            if self.ring is None:
+                raise LinkError("RING: no ring was given")
+            self.ring.picture(message)
 
     def _close(self, reason: str) -> None:
         self.end = self.end or reason

@@ -4,7 +4,7 @@ from collections import deque
 from dataclasses import dataclass, field
 from typing import Final
 
-from openrois_avatar.link.media import Audio, Doorbell, PixelFormat, Video
+from openrois_avatar.link.media import Audio, Doorbell, Encoded, Video
 from openrois_avatar.link.messages import Event
 
 __all__ = ["Block", "Picture", "Seen", "Told"]
@@ -21,8 +21,9 @@ class Picture:
     claimed: float
     sequence: int
     size: tuple[int, int]
-    format: PixelFormat
-    in_ring: bool
+    format: str
+    in_ring: bool = False
+    keyframe: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,13 +53,17 @@ class Seen:
     blocks: deque[Block] = field(default_factory=lambda: deque(maxlen=_KEPT))
     events: deque[Told] = field(default_factory=lambda: deque(maxlen=_KEPT))
 
-    def take(self, message: Video | Doorbell | Audio | Event, at: float) -> None:
+    def take(self, message: Video | Encoded | Doorbell | Audio | Event, at: float) -> None:
         """Keep what is of interest of a message that arrived at that moment."""
         match message:
             case Video() | Doorbell():
                 size, claimed = (message.width, message.height), message.timestamp_ns / 1e9
                 in_ring = isinstance(message, Doorbell)
-                self.pictures.append(Picture(at, claimed, message.sequence, size, message.format, in_ring))
+                name = message.format.name.lower()
+                self.pictures.append(Picture(at, claimed, message.sequence, size, name, in_ring))
+            case Encoded():
+                size, claimed = (message.width, message.height), message.timestamp_ns / 1e9
+                self.pictures.append(Picture(at, claimed, message.sequence, size, "h264", keyframe=message.keyframe))
             case Audio():
                 samples = len(message.samples) // (2 * message.channels)
                 claimed, seconds = message.timestamp_ns / 1e9, samples / 48_000

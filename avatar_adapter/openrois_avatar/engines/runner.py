@@ -32,6 +32,7 @@ from openrois_avatar.engines.settings import Available, Factory, Picture, Pixels
 from openrois_avatar.engines.sound import PERIOD, Samples, Sound
 from openrois_avatar.link.client import connect_from_environment
 from openrois_avatar.link.messages import (
+    Bitrate,
     Command,
     Completed,
     Drive,
@@ -39,6 +40,7 @@ from openrois_avatar.link.messages import (
     Halt,
     Hello,
     Input,
+    KeyFrame,
     LinkError,
     Log,
     Look,
@@ -264,8 +266,8 @@ class Runner:
                 self._coming.append((self._sent, command))
             case Walk() | Drive() | Halt():
                 self._life.obey(now, command)
-            case Quit() | Input():
-                pass  # its greeting does not ask for input
+            case Quit() | Input() | KeyFrame() | Bitrate():
+                pass  # its greeting does not ask for input, and its pictures are not encoded
             case _:
                 assert_never(command)
 

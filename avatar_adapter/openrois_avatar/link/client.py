@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrois_avatar.link.address import ADDRESS_VARIABLE, SECRET_VARIABLE, connect_socket, parse_address
-from openrois_avatar.link.media import Doorbell, check_picture
+from openrois_avatar.link.media import Doorbell, Encoded, check_picture
 from openrois_avatar.link.messages import Bye, Command, Event, Hello, LinkError, Log, RingPlace, Welcome
 from openrois_avatar.link.outbox import MAX_AUDIO_BLOCKS, Outbox
 from openrois_avatar.link.protocol import Audio, Message, Parser, PixelFormat, Sender, Video
@@ -140,6 +140,18 @@ class LinkClient:
             own = pixels if isinstance(pixels, bytes) else bytes(view)
             self._outbox.put_video(Video(*shape, own, bottom_up))
 
+    def send_encoded(self, data: bytes, width: int, height: int, timestamp_ns: int, *, keyframe: bool) -> bool:
+        """Send a picture that was encoded here: an H.264 access unit in Annex B form, constrained baseline.
+
+        Key frames are IDR pictures with SPS and PPS before them. Pictures are sent in order and all of them, as long
+        as the adapter reads: False says that some were lost, and that the next one has to be a key frame.
+
+        Raises:
+            LinkError: there can be no such picture.
+        """
+        picture = Encoded(next(self._numbers), timestamp_ns, width, height, keyframe, data)
+        return self._outbox.put_encoded(picture)
+
     def send_audio(self, samples: NDArray[np.int16], timestamp_ns: int) -> None:
         """Send a block of 48 kHz sound, shape (n, channels), whose first sample was made at `timestamp_ns`.
 
@@ -162,7 +174,8 @@ class LinkClient:
         deadline = time.monotonic() + timeout
         try:
             while self.connected and self._selector.select(self._patience(deadline)):
-                self._receive()
+                for message in self._read():
+                    self._take(message)
         except (OSError, LinkError) as error:
             self._end(self._failure or str(error))
         commands = list(self._commands)
@@ -209,10 +222,6 @@ class LinkClient:
                 self._ring = RingWriter(place)
             except LinkError as error:
                 self.send_event(Log(f"{error}; pictures go through the socket"))
-
-    def _receive(self) -> None:
-        for message in self._read():
-            self._take(message)
 
     def _read(self) -> list[Message]:
         data = self._stream.recv(_READ_SIZE)

@@ -12,7 +12,7 @@ import numpy as np
 from openrois_streaming.source import RawAudio
 
 from openrois_avatar.link.messages import Bye, Command, Event, Hello, LinkError, Welcome
-from openrois_avatar.link.protocol import Audio, Bytes, Doorbell, Message, Parser, Sender, Video, encode
+from openrois_avatar.link.protocol import Audio, Bytes, Doorbell, Encoded, Message, Parser, Sender, Video, encode
 from openrois_avatar.link.receivers import Arrivals, Receivers
 from openrois_avatar.link.unheard import Unheard
 
@@ -163,7 +163,7 @@ class EngineConnection(asyncio.BufferedProtocol):
                 self._reason = message.reason
                 self._shut()
             case _:
-                assert isinstance(message, Video | Doorbell | Audio | Event), (
+                assert isinstance(message, Video | Encoded | Doorbell | Audio | Event), (
                     "the parser lets an engine say nothing else"
                 )
                 self._arrivals.take(message)
@@ -179,7 +179,7 @@ class EngineConnection(asyncio.BufferedProtocol):
         ring, now_ns = self._arrivals.begin(hello), round(self._clock.now() * 1e9)
         self._send(encode(Welcome(_NAME, ring, now_ns)))
         _log.info("engine link: %s %s is connected", hello.name, hello.version)
-        self._arrivals.announce(hello)
+        self._arrivals.announce(hello, self.send_command)
 
     def _send(self, parts: tuple[Bytes, ...]) -> None:
         self._transport.write(b"".join(parts))

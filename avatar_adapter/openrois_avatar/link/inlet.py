@@ -82,9 +82,13 @@ class EngineVideo:
 
     def lost(self) -> None:
         """A picture has come that is not there any more: a later one has its place in the ring."""
+        self.passed_by()
+        self.dropped += self._open
+
+    def passed_by(self) -> None:
+        """A picture has come that takes another way: the engine has encoded it."""
         self.received += 1
         self.last_at = self._clock.now()
-        self.dropped += self._open
 
     def put(self, video: Video, is_whole: Callable[[], bool] | None = None) -> None:
         """Take a picture from the link; never waits.

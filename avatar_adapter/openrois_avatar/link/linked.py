@@ -12,6 +12,7 @@ from openrois_streaming.clock import MediaClock
 from openrois_streaming.source import RawAudio
 from openrois_streaming.supervision import HUNG, LOOK_INTERVAL, SourceWatch
 
+from openrois_avatar.link.encoded_inlet import EngineEncoded
 from openrois_avatar.link.inlet import EngineVideo
 from openrois_avatar.link.messages import Command, Event, Hello, LinkError, Pause
 from openrois_avatar.link.receivers import tell
@@ -63,6 +64,11 @@ class LinkedEngine(ABC):
     def video(self) -> EngineVideo:
         """The pictures of whichever engine is there; a `MediaSource`."""
         return self._server.video
+
+    @property
+    def encoded(self) -> EngineEncoded:
+        """Its pictures, where it encodes them itself."""
+        return self._server.encoded
 
     @property
     def hello(self) -> Hello | None:

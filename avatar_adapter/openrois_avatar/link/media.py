@@ -29,13 +29,16 @@ SLOT: Final = struct.Struct("<II")
 RING_SIZE: Final = VIDEO_HEADER.size + SLOT.size
 AUDIO_HEADER: Final = struct.Struct("<QQII")
 _BOTTOM_UP: Final = 1
+_KEY_FRAME: Final = 2
+_H264: Final = 4
+"""The format word of pictures that come encoded."""
 _UINT64: Final = 2**64 - 1
 
 Bytes: TypeAlias = bytes | bytearray | memoryview
 
 
 class PixelFormat(IntEnum):
-    """The format word of a VIDEO payload; the names in HELLO are the same in lower case."""
+    """The format word of a VIDEO payload with pixels; the names in HELLO are the same in lower case."""
 
     BGRA = 1
     I420 = 2
@@ -58,6 +61,25 @@ class Video:
     def __post_init__(self) -> None:
         """Raise `LinkError` when the numbers do not describe the pixels."""
         check_picture(self.width, self.height, self.stride, self.format, len(memoryview(self.pixels).cast("B")))
+
+
+@dataclass(frozen=True, slots=True)
+class Encoded:
+    """One picture that the engine has encoded: an H.264 access unit in Annex B form."""
+
+    sequence: int
+    timestamp_ns: int
+    width: int
+    height: int
+    keyframe: bool
+    data: Bytes
+
+    def __post_init__(self) -> None:
+        """Raise `LinkError` when there can be no such picture."""
+        if not (MIN_SIDE <= self.width <= MAX_SIDE and MIN_SIDE <= self.height <= MAX_SIDE):
+            raise LinkError(f"VIDEO: width and height from {MIN_SIDE} to {MAX_SIDE} expected")
+        if len(self.data) > MAX_VIDEO - VIDEO_HEADER.size:
+            raise LinkError(f"VIDEO: over the limit of {MAX_VIDEO} bytes")
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,22 +150,22 @@ def check_picture(width: int, height: int, stride: int, pixel_format: PixelForma
         raise LinkError(f"VIDEO: {expected} bytes of pixels expected, {size} found")
 
 
-def read_video(payload: memoryview) -> Video:
+def read_video(payload: memoryview) -> Video | Encoded:
     """Read a VIDEO payload; the pixels are a view of it."""
     if len(payload) < VIDEO_HEADER.size:
         raise LinkError("VIDEO: shorter than its header")
-    *shape, number, bottom_up = _picture(payload)
-    sequence, timestamp_ns, width, height, stride = shape
-    return Video(
-        sequence,
-        timestamp_ns,
-        width,
-        height,
-        stride,
-        PixelFormat(number),
-        payload[VIDEO_HEADER.size :],
-        bool(bottom_up),
-    )
+    if VIDEO_HEADER.unpack_from(payload)[5] == _H264:
+        return _read_encoded(payload)
+    sequence, timestamp_ns, width, height, stride, pixel_format, bottom_up = _picture(payload)
+    pixels = payload[VIDEO_HEADER.size :]
+    return Video(sequence, timestamp_ns, width, height, stride, pixel_format, pixels, bottom_up)
+
+
+def _read_encoded(payload: memoryview) -> Encoded:
+    sequence, timestamp_ns, width, height, stride, _, flags, reserved = VIDEO_HEADER.unpack_from(payload)
+    if flags & ~_KEY_FRAME or reserved or stride:
+        raise LinkError("VIDEO: unknown flags, or a stride, with an encoded picture")
+    return Encoded(sequence, timestamp_ns, width, height, bool(flags), payload[VIDEO_HEADER.size :])
 
 
 def read_doorbell(payload: memoryview) -> Doorbell:
@@ -177,7 +199,7 @@ def read_audio(payload: memoryview) -> Audio:
     return Audio(sequence, timestamp_ns, channels, payload[AUDIO_HEADER.size :])
 
 
-def media_header(message: Video | Doorbell | Audio) -> bytes:
+def media_header(message: Video | Encoded | Doorbell | Audio) -> bytes:
     """What stands before the pixels or samples, or all there is of a doorbell.
 
     Raises:
@@ -185,9 +207,13 @@ def media_header(message: Video | Doorbell | Audio) -> bytes:
     """
     if isinstance(message, Audio):
         return _pack(AUDIO_HEADER, message.sequence, message.timestamp_ns, message.channels, 0)
+    if isinstance(message, Encoded):
+        flags = _KEY_FRAME if message.keyframe else 0
+        shape = message.width, message.height, 0, _H264
+        return _pack(VIDEO_HEADER, message.sequence, message.timestamp_ns, *shape, flags, 0)
     flags = _BOTTOM_UP if message.bottom_up else 0
-    shape = message.width, message.height, message.stride, message.format
-    head = _pack(VIDEO_HEADER, message.sequence, message.timestamp_ns, *shape, flags, 0)
+    layout = message.width, message.height, message.stride, message.format
+    head = _pack(VIDEO_HEADER, message.sequence, message.timestamp_ns, *layout, flags, 0)
     return head + SLOT.pack(message.slot, 0) if isinstance(message, Doorbell) else head
 
 

@@ -8,11 +8,12 @@ from collections.abc import Callable
 from typing import Final, Generic, TypeVar
 
 from openrois_avatar.link.messages import Bye, Event
-from openrois_avatar.link.protocol import Audio, Doorbell, Message, Video
+from openrois_avatar.link.protocol import Audio, Doorbell, Encoded, Message, Video
 
 MAX_AUDIO_BLOCKS: Final = 25
 """Half a second of 20 ms blocks."""
 MAX_EVENTS: Final = 256
+MAX_ENCODED: Final = 8
 
 _Item = TypeVar("_Item")
 
@@ -28,6 +29,9 @@ class Outbox:
         self._events: deque[Event | Bye] = deque()
         self._audio = _Lossy[Audio](MAX_AUDIO_BLOCKS)
         self._video: Video | Doorbell | None = None
+        self._encoded: deque[Encoded] = deque()
+        self._broken = False
+        """Whether an encoded picture was lost, and no key frame has come since."""
         self._dropped_video = 0
         self._open = True
         self._aborted = False
@@ -66,6 +70,21 @@ class Outbox:
             self._video = picture
             self._changed.notify()
 
+    def put_encoded(self, picture: Encoded) -> bool:
+        """Queue an encoded picture; False if it, or those before it, were lost: only a key frame helps then."""
+        with self._changed:
+            if len(self._encoded) >= MAX_ENCODED:
+                self._dropped_video += len(self._encoded)
+                self._encoded.clear()
+                self._broken = True
+            if self._broken and not picture.keyframe:
+                self._dropped_video += 1
+                return False
+            self._broken = False
+            self._encoded.append(picture)
+            self._changed.notify()
+            return True
+
     def take(self) -> Message | None:
         """The next message, as soon as there is one; None when there will be none any more."""
         with self._changed:
@@ -80,7 +99,7 @@ class Outbox:
     def claim(self) -> bool:
         """Have the socket, if nothing waits and nobody else has it; `unclaim` gives it back."""
         with self._changed:
-            waiting = self._events or self._audio.queue or self._video
+            waiting = self._events or self._audio.queue or self._video or self._encoded
             if self._writing or waiting or not self._open:
                 return False
             self._writing = True
@@ -98,6 +117,7 @@ class Outbox:
             if self._open:
                 self._audio.queue.clear()
                 self._video = None
+                self._encoded.clear()
                 self._events.append(farewell)
             self._open = False
             self._changed.notify()
@@ -114,6 +134,8 @@ class Outbox:
             return self._events.popleft()
         if self._audio.queue:
             return self._audio.queue.popleft()
+        if self._encoded:
+            return self._encoded.popleft()
         picture, self._video = self._video, None
         return picture
 

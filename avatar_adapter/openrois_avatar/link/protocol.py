@@ -25,6 +25,7 @@ from openrois_avatar.link.media import (
     Audio,
     Bytes,
     Doorbell,
+    Encoded,
     PixelFormat,
     Video,
     media_header,
@@ -56,6 +57,7 @@ __all__ = [
     "Audio",
     "Bytes",
     "Doorbell",
+    "Encoded",
     "Message",
     "MessageType",
     "Parser",
@@ -91,7 +93,7 @@ class Sender(Enum):
     ADAPTER = "adapter"
 
 
-Message: TypeAlias = Hello | Welcome | Video | Doorbell | Audio | Command | Event | Bye
+Message: TypeAlias = Hello | Welcome | Video | Encoded | Doorbell | Audio | Command | Event | Bye
 
 _LIMITS: Final[Mapping[MessageType, int]] = {
     **dict.fromkeys(MessageType, MAX_JSON),
@@ -262,6 +264,8 @@ def encode(message: Message) -> tuple[Bytes, ...]:
     match message:
         case Video():
             kind, head, payload = MessageType.VIDEO, media_header(message), memoryview(message.pixels).cast("B")
+        case Encoded():
+            kind, head, payload = MessageType.VIDEO, media_header(message), memoryview(message.data).cast("B")
         case Doorbell():
             kind, head = MessageType.RING, media_header(message)
         case Audio():

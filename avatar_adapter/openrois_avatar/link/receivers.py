@@ -11,9 +11,10 @@ import numpy as np
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.source import RawAudio
 
+from openrois_avatar.link.encoded_inlet import EngineEncoded
 from openrois_avatar.link.inlet import MAX_AHEAD, EngineVideo, believed
-from openrois_avatar.link.media import Audio, Doorbell, Video
-from openrois_avatar.link.messages import Event, Hello, LinkError, RingPlace
+from openrois_avatar.link.media import Audio, Doorbell, Encoded, Video
+from openrois_avatar.link.messages import Command, Event, Hello, LinkError, RingPlace
 from openrois_avatar.link.ring import Ring
 
 _Item = TypeVar("_Item")
@@ -27,6 +28,7 @@ class Receivers:
 
     clock: MediaClock
     video: EngineVideo
+    encoded: EngineEncoded
     on_audio: Callable[[RawAudio], None] | None = None
     on_event: Callable[[Event], None] | None = None
     on_hello: Callable[[Hello], None] | None = None
@@ -41,10 +43,11 @@ class Arrivals:
     def __init__(self, receivers: Receivers) -> None:
         self._receivers = receivers
         self._ring: Ring | None = None
-        self._begun = False
+        self._hello: Hello | None = None
 
     def begin(self, hello: Hello) -> RingPlace | None:
         """The engine is welcome; gives the ring that it gets, if it wants one and there is one to be had."""
+        self._hello = hello
         self._receivers.video.begin()
         if hello.ring:
             try:
@@ -53,35 +56,46 @@ class Arrivals:
                 _log.warning("engine link: %s gets no ring: %s", hello.name, error)
         return None if self._ring is None else self._ring.place
 
-    def announce(self, hello: Hello) -> None:
-        """The engine has been welcomed: commands may follow."""
-        self._begun = True
+    def announce(self, hello: Hello, ask: Callable[[Command], None]) -> None:
+        """The engine has been welcomed: `ask` sends it a command."""
+        self._receivers.encoded.begin(hello.video if hello.encodes else None, ask)
         tell(self._receivers.on_hello, hello)
 
     def end(self, reason: str) -> None:
         """Nothing more arrives, for this reason."""
-        if self._begun:
+        if self._hello is not None:
+            self._receivers.encoded.end()
             tell(self._receivers.on_gone, reason)
         if self._ring is not None:
             self._ring.release()
 
-    def take(self, message: Video | Doorbell | Audio | Event) -> None:
+    def take(self, message: Video | Encoded | Doorbell | Audio | Event) -> None:
         """Hand on what has arrived.
 
         Raises:
-            LinkError: a doorbell is not true.
+            LinkError: a doorbell is not true, a picture is of a kind that was not announced, or cannot be passed on.
         """
         match message:
-            case Video():
-                self._receivers.video.put(message)
-            case Doorbell():
-                self._take_from_ring(message)
+            case Video() | Encoded() | Doorbell():
+                self._take_picture(message)
             case Audio():
                 samples = np.frombuffer(message.samples, dtype="<i2").reshape(-1, message.channels)
                 moment = believed(message.timestamp_ns, self._receivers.clock.now(), MAX_AHEAD)
                 tell(self._receivers.on_audio, RawAudio(samples, moment))
             case _:
                 tell(self._receivers.on_event, message)
+
+    def _take_picture(self, picture: Video | Encoded | Doorbell) -> None:
+        encodes = self._hello is not None and self._hello.encodes
+        if isinstance(picture, Encoded) is not encodes:
+            raise LinkError(f"VIDEO: HELLO announced {'h264' if encodes else 'no h264'}")
+        if isinstance(picture, Video):
+            self._receivers.video.put(picture)
+        elif isinstance(picture, Doorbell):
+            self._take_from_ring(picture)
+        else:
+            self._receivers.encoded.put(picture)
+            self._receivers.video.passed_by()
 
     def _take_from_ring(self, bell: Doorbell) -> None:
         ring = self._ring

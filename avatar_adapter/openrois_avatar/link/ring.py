@@ -99,7 +99,9 @@ def _written(bell: Doorbell) -> int:
 
 
 def _slot_bytes(shape: VideoShape) -> int:
-    pixel_format = PixelFormat[shape.format.upper()]
+    pixel_format = PixelFormat.__members__.get(shape.format.upper())
+    if pixel_format is None:
+        raise LinkError("pictures that come encoded go through the socket")
     row = shape.width * (4 if pixel_format is PixelFormat.BGRA else 1)
     size = picture_size(shape.width, shape.height, _up(row, _ROW), pixel_format)
     return min(_up(SLOT_HEAD + size, _PAGE), MAX_VIDEO)

@@ -2,14 +2,14 @@
 
 import asyncio
 import threading
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict
 
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.errors import UnknownStream
 from openrois_streaming.network.guard import GuardFigures
-from openrois_streaming.publisher import AudioPublisher, VideoPublisher
+from openrois_streaming.publisher import Publishing
 from openrois_streaming.session import StreamSession
 from openrois_streaming.sessions import SESSIONS_LIMIT, StreamSessions
 from openrois_streaming.stats import StreamStats
@@ -34,7 +34,7 @@ class Looking:
     def __init__(
         self,
         sessions: StreamSessions,
-        publishers: dict[str, VideoPublisher | AudioPublisher],
+        publishers: Mapping[str, Publishing],
         sources: dict[str, Supervised],
         guarded: GuardFigures,
         clock: MediaClock,

@@ -104,6 +104,7 @@ def found() -> dict[str, Found]:
         async with asyncio.timeout(60), asyncio.TaskGroup() as tasks:
             running = {odd: tasks.create_task(of_thread(odd)) for odd in (*ODD, *RIGHT)}
             running["puppet"] = tasks.create_task(of_process("-m", "openrois_avatar.engines.puppet"))
+            running["encoder"] = tasks.create_task(of_process("-m", "tests.support.encoding_engine"))
             running["example"] = tasks.create_task(of_process(str(ROOT / "docs/examples/engine.py")))
         return {odd: task.result() for odd, task in running.items()}
 
@@ -121,9 +122,16 @@ def test_what_is_wrong_is_named(found: dict[str, Found], odd: str) -> None:
 
 @pytest.mark.engine
 @pytest.mark.timeout(90)
-@pytest.mark.parametrize("engine", [*RIGHT, "puppet", "example"])
+@pytest.mark.parametrize("engine", [*RIGHT, "puppet", "encoder", "example"])
 def test_what_is_right_passes(found: dict[str, Found], engine: str) -> None:
     assert found[engine].failed == []
+
+
+@pytest.mark.engine
+@pytest.mark.timeout(90)
+def test_an_engine_that_encodes_is_asked_for_a_key_frame(found: dict[str, Found]) -> None:
+    assert found["encoder"]["key frame"].outcome is Outcome.PASSED
+    assert found["puppet"]["key frame"].outcome is Outcome.NOT_TRIED
 
 
 @pytest.mark.engine
@@ -137,7 +145,7 @@ def test_how_engines_end_is_told(found: dict[str, Found]) -> None:
     assert ends["comes back"] == ("the engine connected again, and greeted anew", "the engine closed its connection")
     assert ends["nothing"][0].startswith("the engine did not connect again within 1 s")
     assert ends["nothing"][1] == "the engine does not connect again"
-    for started in ("puppet", "example"):
+    for started in ("puppet", "encoder", "example"):
         assert ends[started] == ("the engine ended, with status 0", "the engine ended with status 0")
 
 

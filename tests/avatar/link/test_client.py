@@ -8,7 +8,7 @@ from openrois_avatar.link import client
 from openrois_avatar.link.client import LinkClient, connect_from_environment
 from openrois_avatar.link.messages import Bye, Completed, LinkError, Log, Quit, React, Silence, Welcome
 from openrois_avatar.link.outbox import MAX_EVENTS
-from openrois_avatar.link.protocol import Audio, PixelFormat, Video
+from openrois_avatar.link.protocol import Audio, Encoded, PixelFormat, Video
 
 from tests.support.avatar_link import HELLO, FakeAdapter, wire
 
@@ -46,6 +46,18 @@ def test_pictures_sound_and_events_arrive() -> None:
         link.send_event(Completed("1", "OK"))
         assert adapter.read() == Completed("1", "OK")
         assert link.dropped_video == link.dropped_audio == 0
+
+
+def test_encoded_pictures_arrive() -> None:
+    with FakeAdapter() as adapter, connect(adapter) as link:
+        adapter.read()
+        assert link.send_encoded(b"\0\0\1\x65", 4, 2, 11, keyframe=True)
+        read = adapter.read()
+        assert isinstance(read, Encoded)
+        assert (read.sequence, read.timestamp_ns, read.width, read.height, read.keyframe) == (0, 11, 4, 2, True)
+        assert bytes(read.data) == b"\0\0\1\x65"
+        with pytest.raises(LinkError, match="width and height"):
+            link.send_encoded(b"", 1, 2, 11, keyframe=True)
 
 
 def test_the_caller_may_draw_into_the_same_buffer_at_once() -> None:

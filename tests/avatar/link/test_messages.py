@@ -12,6 +12,7 @@ from openrois_avatar.link.messages import (
     MAX_TEXT,
     MAX_VISEMES,
     VISEMES,
+    Bitrate,
     Bye,
     Command,
     Completed,
@@ -21,6 +22,7 @@ from openrois_avatar.link.messages import (
     Halt,
     Hello,
     Input,
+    KeyFrame,
     LinkError,
     Log,
     Look,
@@ -48,7 +50,13 @@ HELLO = Hello("puppet", "1.0", VideoShape(640, 360, 29.97, "i420"), 2, ("nod", "
 SPEAK = Speak("7", 123_456_789_000, (Viseme(0, "PP", 0.5), Viseme(62.5, "aa", 1)), 900)
 INPUT = Input({"seq": 1, "t": 2.5, "event": "key", "code": "KeyW", "down": True})
 COMMANDS: list[Command] = [React("1", "nod"), SPEAK, Silence(), Look(-1, 0.25), Stop("1"), Stop(), INPUT, Quit()]
-COMMANDS += [Walk("2", (Waypoint(1.5, -2, 3.14159), Waypoint(0, 0)), 0.8), Drive(1, -0.5, 2), Halt()]
+COMMANDS += [
+    Walk("2", (Waypoint(1.5, -2, 3.14159), Waypoint(0, 0)), 0.8),
+    Drive(1, -0.5, 2),
+    Halt(),
+    KeyFrame(),
+    Bitrate(2_000_000),
+]
 EVENTS: list[Event] = [
     Completed("1", "OK"),
     Completed("é", "ABORT"),

@@ -1,8 +1,8 @@
 import threading
 
 from openrois_avatar.link.messages import Bye, Completed, Log
-from openrois_avatar.link.outbox import MAX_AUDIO_BLOCKS, MAX_EVENTS, Outbox
-from openrois_avatar.link.protocol import Audio, Message, PixelFormat, Video
+from openrois_avatar.link.outbox import MAX_AUDIO_BLOCKS, MAX_ENCODED, MAX_EVENTS, Outbox
+from openrois_avatar.link.protocol import Audio, Encoded, Message, PixelFormat, Video
 
 
 def picture(sequence: int) -> Video:
@@ -28,6 +28,40 @@ def test_the_newest_picture_replaces_the_one_that_waits_and_the_gap_shows() -> N
         outbox.put_video(picture(number))
     assert outbox.take() == picture(2)
     assert outbox.dropped_video == 2
+
+
+def test_encoded_pictures_are_sent_all_and_in_order_or_not_before_a_key_frame() -> None:
+    outbox = Outbox()
+
+    def coded(sequence: int, *, keyframe: bool = False) -> Encoded:
+        return Encoded(sequence, 0, 2, 2, keyframe, b"")
+
+    assert all(outbox.put_encoded(coded(number)) for number in range(MAX_ENCODED))
+    assert outbox.take() == coded(0)
+    assert outbox.put_encoded(coded(8))
+    assert not outbox.put_encoded(coded(9))
+    assert not outbox.put_encoded(coded(10))
+    assert outbox.put_encoded(coded(11, keyframe=True))
+    assert outbox.put_encoded(coded(12))
+    assert [outbox.take(), outbox.take()] == [coded(11, keyframe=True), coded(12)]
+    assert outbox.dropped_video == MAX_ENCODED + 2
+    outbox.put_encoded(coded(13))
+    outbox.finish(Bye("end"))
+    assert outbox.take() == Bye("end")
+
+
+def test_the_socket_can_be_claimed_only_while_nothing_else_wants_it() -> None:
+    outbox = Outbox()
+    assert outbox.claim()
+    assert not outbox.claim()
+    outbox.unclaim()
+    outbox.put_event(Log("first"))
+    assert not outbox.claim()
+    assert outbox.take() == Log("first")
+    assert not outbox.claim()
+    outbox.abort()
+    assert outbox.take() is None
+    assert not outbox.claim()
 
 
 def test_sound_is_bounded_and_loses_its_oldest_block() -> None:

@@ -9,12 +9,14 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from openrois_avatar.link.messages import (
     MAX_VISEMES,
+    Bitrate,
     Bye,
     Completed,
     Drive,
     Floor,
     Halt,
     Hello,
+    KeyFrame,
     LinkError,
     Log,
     Look,
@@ -43,6 +45,7 @@ from openrois_avatar.link.protocol import (
     VIDEO_HEADER,
     Audio,
     Doorbell,
+    Encoded,
     Message,
     MessageType,
     Parser,
@@ -57,6 +60,7 @@ BGRA = Video(1, 2, 4, 2, 16, PixelFormat.BGRA, bytes(range(32)), bottom_up=True)
 I420 = Video(2, 3, 4, 2, 6, PixelFormat.I420, bytes(18))
 NV12 = Video(2**64 - 1, 2**64 - 1, 2, 2, 2, PixelFormat.NV12, bytes(6))
 BELL = Doorbell(5, 6, 4, 2, 6, PixelFormat.I420, 3, bottom_up=True)
+CODED = Encoded(6, 7, 4, 2, True, b"\0\0\1\x65")
 SOUND = Audio(3, 4, 2, bytes(3840))
 SPEAK = Speak("2", 5, (Viseme(0.0, "PP", 1.0),), 100)
 FROM_ENGINE: list[Message] = [
@@ -65,6 +69,7 @@ FROM_ENGINE: list[Message] = [
     I420,
     BELL,
     NV12,
+    CODED,
     SOUND,
     Completed("1", "OK"),
     Log("ä"),
@@ -86,6 +91,8 @@ FROM_ADAPTER: list[Message] = [
     Walk("3", (Waypoint(1.0, 2.0), Waypoint(0.0, 0.0, 1.0)), 1.0),
     Drive(1.0, 0.0, 0.0),
     Halt(),
+    KeyFrame(),
+    Bitrate(2_000_000),
     Quit(),
     Bye(""),
 ]
@@ -107,6 +114,8 @@ def _plain(message: Message) -> Message:
             return Video(sequence, timestamp, width, height, stride, pixel_format, bytes(pixels), bottom_up)
         case Audio(sequence, timestamp, channels, samples):
             return Audio(sequence, timestamp, channels, bytes(samples))
+        case Encoded(sequence, timestamp, width, height, keyframe, data):
+            return Encoded(sequence, timestamp, width, height, keyframe, bytes(data))
         case other:
             return other
 
@@ -244,7 +253,11 @@ def test_the_header_is_not_overwritten_by_what_follows_an_empty_payload() -> Non
         (raw(3, bytes(39)), "bad VIDEO: VIDEO: shorter than its header"),
         (raw(3, video_payload(32, 1, 1, 4, 2, 16, 1, 2, 0)), "unknown flags"),
         (raw(3, video_payload(32, 1, 1, 4, 2, 16, 1, 0, 1)), "unknown flags"),
-        (raw(3, video_payload(32, 1, 1, 4, 2, 16, 4, 0, 0)), "unknown pixel format"),
+        (raw(3, video_payload(32, 1, 1, 4, 2, 16, 5, 0, 0)), "unknown pixel format"),
+        (raw(3, video_payload(9, 1, 1, 4, 2, 16, 4, 0, 0)), "a stride, with an encoded picture"),
+        (raw(3, video_payload(9, 1, 1, 4, 2, 0, 4, 1, 0)), "unknown flags, or"),
+        (raw(3, video_payload(9, 1, 1, 4, 2, 0, 4, 2, 1)), "unknown flags, or"),
+        (raw(3, video_payload(9, 1, 1, 1, 2, 0, 4, 2, 0)), "width and height"),
         (raw(3, video_payload(32, 1, 1, 4, 2, 15, 1, 0, 0)), "stride shorter than a row"),
         (raw(3, video_payload(31, 1, 1, 4, 2, 16, 1, 0, 0)), "32 bytes of pixels expected, 31 found"),
         (raw(3, video_payload(33, 1, 1, 4, 2, 16, 1, 0, 0)), "32 bytes of pixels expected, 33 found"),
@@ -319,6 +332,8 @@ def test_what_does_not_fit_the_link_cannot_be_made_or_sent() -> None:
         encode(Look(float("nan"), 0))
     with pytest.raises(LinkError, match="AUDIO: over the limit"):
         Audio(0, 0, 1, bytes(MAX_AUDIO))
+    with pytest.raises(LinkError, match="VIDEO: over the limit"):
+        Encoded(0, 0, 4, 2, True, bytes(2**26))
     with pytest.raises(LinkError, match="VIDEO: over the limit"):
         Video(0, 0, 4096, 4096, 16384, PixelFormat.BGRA, bytes(2**26))
 

@@ -13,11 +13,13 @@ import uvloop
 from openrois_avatar.link.connection import MAX_UNREAD
 from openrois_avatar.link.messages import (
     MAX_TEXT,
+    Bitrate,
     Bye,
     Completed,
     Event,
     Floor,
     Hello,
+    KeyFrame,
     LinkError,
     Log,
     Look,
@@ -28,7 +30,7 @@ from openrois_avatar.link.messages import (
     Things,
     Welcome,
 )
-from openrois_avatar.link.protocol import Audio, Doorbell, Message, Parser, PixelFormat, Sender
+from openrois_avatar.link.protocol import Audio, Doorbell, Encoded, Message, Parser, PixelFormat, Sender
 from openrois_avatar.link.server import MAX_STRANGERS, LinkServer
 from openrois_avatar.link.unheard import MAX_UNHEARD
 from openrois_streaming.source import RawAudio
@@ -256,6 +258,37 @@ async def test_a_doorbell_that_lies_closes_that_connection_only(world: World) ->
         assert await engine.read() is None
         assert world.server.engine is None
         assert file_type(welcome.ring.path) is None
+
+
+async def test_pictures_are_encoded_where_hello_says_so_and_nowhere_else(world: World) -> None:
+    encodes = replace(world.hello, video=replace(world.hello.video, format="h264"), ring=True)
+    coded = Encoded(0, 0, 4, 2, True, b"\0\0\1\x02")
+    for hello, sent, named in (
+        (encodes, picture(), "VIDEO: HELLO announced h264"),
+        (encodes, Doorbell(0, 0, 4, 2, 16, PixelFormat.BGRA, 0), "VIDEO: HELLO announced h264"),
+        (encodes, coded, "VIDEO: a NAL unit of type 2 has no place"),
+        (world.hello, coded, "VIDEO: HELLO announced no h264"),
+    ):
+        engine = await world.dial()
+        engine.send(hello)
+        welcome = await engine.read()
+        assert isinstance(welcome, Welcome)
+        assert welcome.ring is None
+        engine.send(sent)
+        bye = await engine.read()
+        assert isinstance(bye, Bye)
+        assert bye.reason.startswith(named)
+        assert await engine.read() is None
+
+
+async def test_what_the_media_plane_asks_reaches_an_engine_that_encodes(world: World) -> None:
+    engine = await world.dial()
+    engine.send(replace(world.hello, video=replace(world.hello.video, format="h264")))
+    async with world.server.encoded.open():
+        assert isinstance(await engine.read(), Welcome)
+        assert await engine.read() == KeyFrame()
+        world.server.encoded.set_bitrate(400_000)
+        assert await engine.read() == Bitrate(400_000)
 
 
 async def test_every_event_arrives(world: World) -> None:

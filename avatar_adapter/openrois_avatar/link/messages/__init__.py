@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, Final, TypeAlias
 
+from openrois_avatar.link.messages.encoding import Bitrate, KeyFrame
 from openrois_avatar.link.messages.events import Completed, Log, Pause, Status
 from openrois_avatar.link.messages.gestures import (
     MAX_VISEMES,
@@ -59,6 +60,7 @@ __all__ = [
     "MIN_SIDE",
     "SLOT_HEAD",
     "VISEMES",
+    "Bitrate",
     "Bye",
     "Command",
     "Completed",
@@ -68,6 +70,7 @@ __all__ = [
     "Halt",
     "Hello",
     "Input",
+    "KeyFrame",
     "LinkError",
     "Log",
     "Look",
@@ -92,7 +95,7 @@ __all__ = [
     "event_from_json",
 ]
 
-Command: TypeAlias = React | Speak | Silence | Look | Stop | Walk | Drive | Halt | Input | Quit
+Command: TypeAlias = React | Speak | Silence | Look | Stop | Walk | Drive | Halt | Input | KeyFrame | Bitrate | Quit
 Event: TypeAlias = Completed | Log | Pause | Reached | Place | Floor | Things
 
 _COMMANDS: Final[Mapping[str, Callable[[Mapping[str, Any]], Command]]] = {
@@ -105,6 +108,8 @@ _COMMANDS: Final[Mapping[str, Callable[[Mapping[str, Any]], Command]]] = {
     "drive": Drive.from_json,
     "halt": Halt.from_json,
     "input": Input.from_json,
+    "key_frame": KeyFrame.from_json,
+    "bitrate": Bitrate.from_json,
     "quit": Quit.from_json,
 }
 _EVENTS: Final[Mapping[str, Callable[[Mapping[str, Any]], Event]]] = {

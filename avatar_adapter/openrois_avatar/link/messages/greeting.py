@@ -28,8 +28,8 @@ MAX_SLOT: Final = 64 * 1024 * 1024
 """Most slots of a ring, and bytes of each."""
 SLOT_HEAD: Final = 64
 """Bytes of a slot before its pixels: the lock word, and nothing after it."""
-FORMATS: Final = ("bgra", "i420", "nv12")
-"""Pixel formats as HELLO names them."""
+FORMATS: Final = ("bgra", "i420", "nv12", "h264")
+"""Formats of pictures as HELLO names them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,6 +74,11 @@ class Hello:
     """Whether it wants a ring for its pictures: memory that it shares with the adapter."""
     input: bool = False
     """Whether it takes `Input`: what the operator does with keyboard, mouse, touch and gamepad."""
+
+    @property
+    def encodes(self) -> bool:
+        """Whether its pictures come encoded."""
+        return self.video.format == "h264"
 
     def to_json(self) -> dict[str, Any]:
         """The body of HELLO."""
