@@ -63,7 +63,9 @@ export class Control {
 
   #show(operating: boolean): void {
     this.#detach?.();
-    this.#detach = operating ? (this.#teleoperation?.attach(this.#picture) ?? null) : null;
+    // Reactions are a component of their own, and stay on the page's keys.
+    const options = { pageKeys: (code: string) => code.startsWith("Digit") };
+    this.#detach = operating ? (this.#teleoperation?.attach(this.#picture, options) ?? null) : null;
     this.#button.setAttribute("aria-pressed", String(operating));
     this.#picture.tabIndex = operating ? 0 : -1;
     if (!operating) return;

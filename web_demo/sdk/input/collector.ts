@@ -6,6 +6,8 @@ import type { Change, Why } from "./messages.ts";
 export interface CollectorOptions {
   /** A click captures the mouse until Escape is pressed: it moves without an end, and its movements count. */
   readonly pointerLock?: boolean;
+  /** Whether a key (`KeyboardEvent.code`) stays the page's own. */
+  readonly pageKeys?: (code: string) => boolean;
 }
 
 export interface CollectorEvents {
@@ -75,6 +77,7 @@ export class Collector {
 
   #listenToKeys(): void {
     const key = (event: KeyboardEvent, down: boolean): void => {
+      if (this.#options.pageKeys?.(event.code)) return;
       if (NOT_OURS.has(event.code) || (down && (event.ctrlKey || event.metaKey || event.altKey))) return;
       if (event.target === this.#element) {
         // The page's own keys are not meant.

@@ -119,6 +119,12 @@ describe("Teleoperation", () => {
     expect(sent("control")).toEqual([]);
   });
 
+  it("leaves the page the keys that it keeps for itself", () => {
+    teleoperation.attach(element as unknown as HTMLElement, { pageKeys: (code) => code === "Digit1" });
+    expect([press("Digit1").defaultPrevented, press("Digit2").defaultPrevented]).toEqual([false, true]);
+    expect(sent("control").map(({ code }) => code)).toEqual([undefined, "Digit2"]);
+  });
+
   it("sends where the pointer is, at most as often as pictures are shown", async () => {
     for (let x = 100; x <= 300; x += 1)
       happen(element, "pointermove", { pointerType: "mouse", clientX: x, clientY: 100, buttons: 0 });
