@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from openrois_avatar.bench.conditions import conditions, load
 from openrois_avatar.hearing.recognizer import Expectation, Transcriber
 from openrois_avatar.hearing.sphinx import Sphinx
-from openrois_avatar.hearing.voice_activity import VoiceActivity
+from openrois_avatar.hearing.voice_activity import END_SILENCE, PREROLL, VoiceActivity
 
 from tests.support.hearing import RATE, not_speech, spoken
 
@@ -64,6 +64,12 @@ def pieces_of_speech(sound: Sound) -> list[tuple[int, int, int]]:
     return found
 
 
+def as_heard(sound: Sound, pieces: Sequence[tuple[int, int, int]]) -> Sound:
+    """What a recogniser gets of the first piece: from before its beginning until its end is sure."""
+    begin, end = pieces[0][:2] if pieces else (0, 0)
+    return sound[max(0, begin - round(PREROLL * RATE)) : end + round(END_SILENCE * RATE)]
+
+
 async def understood(transcriber: Transcriber, sound: Sound, expected: Expectation) -> tuple[tuple[str, ...], float]:
     """The candidates, and the seconds from the last sound to them."""
     await transcriber.begin(expected)
@@ -96,6 +102,7 @@ async def speech(transcriber: Transcriber, speakers: Sequence[str]) -> dict[str,
                 pieces = pieces_of_speech(sound)
                 found += len(pieces) == 1
                 noticed += [(at - begin) / RATE for begin, _, at in pieces]
+                sound = as_heard(sound, pieces)
                 heard, _ = await understood(transcriber, sound, COMMANDS)
                 if phrase in EXPECTED:
                     right += heard[:1] == (phrase,)
@@ -128,7 +135,7 @@ async def other_sounds(transcriber: Transcriber) -> dict[str, float]:
             seconds += len(sound) / RATE
             for begin, end, _ in pieces_of_speech(sound):
                 pieces += 1
-                heard, _ = await understood(transcriber, sound[max(0, begin - RATE // 3) : end], COMMANDS)
+                heard, _ = await understood(transcriber, as_heard(sound, [(begin, end, 0)]), COMMANDS)
                 recognized += bool(heard)
     return {"seconds": seconds, "taken for speech": pieces, "taken for a phrase of the grammar": recognized}
 

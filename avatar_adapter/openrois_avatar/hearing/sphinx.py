@@ -28,10 +28,11 @@ MAX_GRAMMAR: Final = 16_384
 """Characters of a grammar."""
 CANDIDATES: Final = 5
 """What may have been said, at most."""
-_WORST: Final = -24_000.0
+_WORST: Final = -28_000.0
 """The acoustic score of a grammar's sentence from which on it was not said, in PocketSphinx's units per 10 ms.
 
-Clean synthetic speech that was expected has -6,000 to -20,000, other speech mostly -20,000 to -66,000.
+Clean synthetic speech that was expected has -6,000 to -20,000, in noise down to -36,000; other speech mostly -30,000 to
+-66,000.
 """
 _CHILD: Final = "openrois_avatar.hearing.sphinx_child"
 _LIBRARY: Final = "pocketsphinx"
