@@ -98,6 +98,9 @@ class Part:
         """What `component_status` answers."""
         return ComponentStatus.BUSY if self._running and self.is_in is ComponentStatus.READY else self.is_in
 
+    def subscribers_changed(self, event_type: str, number: int) -> None:
+        """It announces whether or not anybody listens."""
+
     def tell(self, event_type: str, **values: Any) -> Payload:
         """Announce an event with `values` and examples for the rest; return what was told."""
         kind = next(each for each in self.kind.all_events() if each.name == event_type)
