@@ -19,9 +19,10 @@ var _shapes := Shapes.new()
 
 func _ready() -> void:
 	_light()
-	_build_floor_and_walls()
+	# What is nearest comes first: what is behind it then need not be drawn.
 	for name in FURNITURE:
 		_furnish(name, FURNITURE[name])
+	_build_floor_and_walls()
 	_shapes.draw_in(self)
 
 
@@ -54,24 +55,18 @@ func _light() -> void:
 	var environment := Environment.new()
 	environment.background_mode = Environment.BG_COLOR
 	environment.background_color = Color(0.55, 0.62, 0.68)
-	environment.ambient_light_color = Color(0.9, 0.92, 1.0)
-	environment.ambient_light_energy = 0.55
+	environment.ambient_light_color = Shapes.AMBIENT
 	var world := WorldEnvironment.new()
 	world.environment = environment
 	add_child(world)
 	var lamp := DirectionalLight.new()
 	lamp.rotation = Vector3(-0.8, 0.5, 0)
-	lamp.light_color = Color(1.0, 0.96, 0.9)
-	lamp.light_energy = 0.75
-	lamp.light_specular = 0.2
+	lamp.light_color = Shapes.LAMP
 	add_child(lamp)
+	_shapes.painted_from = lamp.transform.basis.z
 
 
 func _build_floor_and_walls() -> void:
-	for index in 144:
-		var at := Vector3(index % 12 - 5.5, 0, index / 12 - 4.5)
-		var is_light := (index % 12 + index / 12) % 2 == 0
-		_shapes.tile(1.0, at, Color(0.72, 0.62, 0.5) if is_light else Color(0.65, 0.55, 0.44))
 	_shapes.box(Vector3(6.4, 3.2, 0.1), Vector3(0, 1.6, -4.1), Color(0.80, 0.78, 0.72))
 	_shapes.box(Vector3(6.4, 0.12, 0.12), Vector3(0, 0.06, -4.05), Color(0.95, 0.94, 0.9))
 	for side in [-1, 1]:
@@ -80,6 +75,10 @@ func _build_floor_and_walls() -> void:
 	_shapes.box(Vector3(1.3, 0.9, 0.06), Vector3(-0.2, 1.75, -4.03), Color(0.35, 0.27, 0.2))
 	_shapes.box(Vector3(1.15, 0.42, 0.02), Vector3(-0.2, 1.92, -3.99), Color(0.55, 0.75, 0.9))
 	_shapes.box(Vector3(1.15, 0.34, 0.02), Vector3(-0.2, 1.54, -3.99), Color(0.35, 0.6, 0.4))
+	for index in 144:
+		var at := Vector3(index % 12 - 5.5, 0, index / 12 - 4.5)
+		var is_light := (index % 12 + index / 12) % 2 == 0
+		_shapes.tile(1.0, at, Color(0.72, 0.62, 0.5) if is_light else Color(0.65, 0.55, 0.44))
 
 
 func _furnish(name: String, piece: Array) -> void:

@@ -1,6 +1,12 @@
 # Primitives of many colours put together into one mesh: one thing to draw costs less than many.
 extends Reference
 
+const AMBIENT := Color(0.5, 0.51, 0.55)
+const LAMP := Color(0.75, 0.72, 0.68)
+
+# Where the light comes from, for what never moves: it is painted on, which costs nothing when it is drawn.
+var painted_from := Vector3.ZERO
+
 var _vertices := PoolVector3Array()
 var _normals := PoolVector3Array()
 var _colours := PoolColorArray()
@@ -52,7 +58,7 @@ func limb(radius: float, length: float, at: Vector3, colour: Color) -> void:
 	_add(mesh, Transform(Basis(Vector3.RIGHT, PI / 2), at), colour)
 
 
-# What was put together, drawn as a child of `parent`; light falls on it unless it is `flat`.
+# What was put together, drawn as a child of `parent`; light falls on it unless it is painted on or all is `flat`.
 func draw_in(parent: Spatial, flat := false) -> void:
 	if _indices.empty():
 		return
@@ -67,7 +73,7 @@ func draw_in(parent: Spatial, flat := false) -> void:
 	var material := SpatialMaterial.new()
 	material.vertex_color_use_as_albedo = true
 	material.flags_transparent = flat
-	material.flags_unshaded = flat
+	material.flags_unshaded = flat or painted_from != Vector3.ZERO
 	material.params_diffuse_mode = SpatialMaterial.DIFFUSE_LAMBERT
 	material.params_specular_mode = SpatialMaterial.SPECULAR_DISABLED
 	mesh.surface_set_material(0, material)
@@ -83,7 +89,14 @@ func _add(mesh: PrimitiveMesh, at: Transform, colour: Color) -> void:
 	# Of what is stretched the normals lean the other way.
 	var leaning := at.basis.inverse().transposed()
 	for normal in arrays[Mesh.ARRAY_NORMAL]:
-		_normals.append(leaning.xform(normal).normalized())
-		_colours.append(colour)
+		var turned := leaning.xform(normal).normalized()
+		_normals.append(turned)
+		_colours.append(colour if painted_from == Vector3.ZERO else colour * _light(turned))
 	for index in arrays[Mesh.ARRAY_INDEX]:
 		_indices.append(first + index)
+
+
+func _light(normal: Vector3) -> Color:
+	var light := AMBIENT + LAMP * max(0.0, normal.dot(painted_from))
+	light.a = 1.0
+	return light
