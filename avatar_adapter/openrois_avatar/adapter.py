@@ -28,6 +28,7 @@ from openrois_avatar.components.system_information import SystemInformation
 from openrois_avatar.game_engines import choose_game_engine, link_address
 from openrois_avatar.health import Health, worst
 from openrois_avatar.link.encoded_inlet import EngineEncoded
+from openrois_avatar.link.messages import VideoShape
 from openrois_avatar.metrics.figures import Snapshot
 from openrois_avatar.metrics.looking import Looking
 from openrois_avatar.microphone_senses import microphone_senses
@@ -142,7 +143,7 @@ async def serve_scene(
         tasks.start(eyes.run())
         tasks.start(ears.run())
         microphone.heard.add(scene.hear)
-        scene.announced.add(lambda shape: video.expect(shape.fps, (shape.width, shape.height)))
+        scene.announced.add(lambda shape: _expect(shape, video, showing))
         scene.pauses.changed.add(lambda on: _pause(streams.sessions, reference(engine_id, VIDEO), on))
         looking = Looking(streams.sessions, {"picture": video, "sound": audio}, sources, streams.guarded, clock)
         yield Avatar(host, video, audio, looking.snapshot)
@@ -155,6 +156,12 @@ def _publisher(scene: Scene, clock: MediaClock) -> EitherPublisher:
         EncodedPublisher(encoded, clock=clock, frame_rate=scene.frame_rate, size=scene.size),
         lambda: encoded.announced is not None,
     )
+
+
+def _expect(shape: VideoShape, video: EitherPublisher, showing: VideoStreaming) -> None:
+    """Another game engine has come, with such pictures."""
+    video.expect(shape.fps, (shape.width, shape.height))
+    showing.offer_codecs(video.codecs() or _codecs("video/"))
 
 
 def _pause(sessions: StreamSessions, component_ref: str, on: bool) -> None:

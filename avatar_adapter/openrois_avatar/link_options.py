@@ -11,14 +11,21 @@ from openrois_avatar.settings import DEFAULT_LINK
 __all__ = ["add_link_options", "link_arguments", "link_secret"]
 
 
-def add_link_options(parser: argparse.ArgumentParser, *, when: str = "") -> None:
-    """Add `--link` and `--link-secret-file`; `when` says when they count."""
+def add_link_options(parser: argparse.ArgumentParser, *, when: str = "", otherwise: str = "") -> None:
+    """Add `--link` and `--link-secret-file`.
+
+    Args:
+        parser: gets them.
+        when: says when they count.
+        otherwise: says what there is without an address, which is None then; empty: `DEFAULT_LINK`.
+    """
     parser.add_argument(
         "--link",
         type=_address,
-        default=DEFAULT_LINK,
+        default=None if otherwise else DEFAULT_LINK,
         metavar="ADDRESS",
-        help=f"where the game engine is awaited{when}: tcp:HOST:PORT or unix:PATH, on this machine (%(default)s)",
+        help=f"where the game engine is awaited{when}: tcp:HOST:PORT or unix:PATH, on this machine"
+        f" ({otherwise or DEFAULT_LINK})",
     )
     parser.add_argument(
         "--link-secret-file",
@@ -30,7 +37,7 @@ def add_link_options(parser: argparse.ArgumentParser, *, when: str = "") -> None
 
 
 def link_secret(chosen: argparse.Namespace) -> str:
-    """The secret that was chosen, empty where there is none.
+    """The secret that was chosen, the first line of the file; empty where there is none.
 
     Raises:
         ValueError: the file cannot be read, or does not hold a secret.
@@ -39,7 +46,7 @@ def link_secret(chosen: argparse.Namespace) -> str:
     if file is None:
         return ""
     try:
-        secret = file.read_text(encoding="utf-8").strip()
+        secret = file.read_text(encoding="utf-8").partition("\n")[0].strip()
     except (OSError, UnicodeDecodeError) as error:
         raise ValueError(f"--link-secret-file: {error}") from error
     if not 0 < len(secret) <= MAX_NAME:

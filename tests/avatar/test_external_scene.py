@@ -5,11 +5,13 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import pytest
 from openrois_avatar.adapter import serve_scene
 from openrois_avatar.components.reaction import Reaction
 from openrois_avatar.link.client import LinkClient
 from openrois_avatar.link.messages import Completed, React, VideoShape
 from openrois_avatar.scene import Scene, external_scene
+from openrois_streaming.codecs import CodecUnavailable
 
 from openrois.types.codes import ComponentStatus
 from tests.support.avatar_link import HELLO
@@ -72,3 +74,13 @@ async def test_the_components_follow_an_engine_that_comes_goes_and_comes_otherwi
         assert await reaction.available_reactions() == ("urn:x-rois:def:reaction:OpenRoIS::dance",)
         assert sizes()[0] == (320, 240, 60)
         await asyncio.to_thread(second.close)
+        await until(lambda: not is_there(scene))
+
+        encoding = replace(HELLO, video=VideoShape(640, 360, 30, "h264"))
+        third = await asyncio.to_thread(LinkClient.connect, address, encoding)
+        await until(lambda: is_there(scene))
+        assert avatar.video.codecs() == ("video/H264",)
+        with pytest.raises(CodecUnavailable):
+            avatar.video.renditions("video/VP8")
+        assert sizes()[0] == (640, 360, 30)
+        await asyncio.to_thread(third.close)

@@ -24,8 +24,7 @@ def main(arguments: Sequence[str]) -> int:
         description="Whether a game engine does what docs/engine-link.md asks of it. Start it while this waits, or let"
         f" this run its COMMAND, which finds the address in {ADDRESS_VARIABLE} and the secret in {SECRET_VARIABLE}.",
     )
-    add_link_options(parser)
-    parser.set_defaults(link=None)
+    add_link_options(parser, otherwise=f"{DEFAULT_LINK}, with COMMAND a free port")
     parser.add_argument(
         "--wait", type=float, default=60.0, metavar="SECONDS", help="for the engine to connect (%(default)s)"
     )

@@ -24,8 +24,12 @@ class _Streaming:
         self, codecs: Iterable[str], directions: Iterable[str], source_status: Callable[[], ComponentStatus]
     ) -> None:
         self._source_status = source_status
-        self.available_encodings = json.dumps({"codecs": list(codecs)})
+        self.offer_codecs(codecs)
         self.available_transports = json.dumps({"direction": list(directions)})
+
+    def offer_codecs(self, codecs: Iterable[str]) -> None:
+        """It can be streamed in these media types from now on, best first."""
+        self.available_encodings = json.dumps({"codecs": list(codecs)})
 
     def condition(self) -> ComponentStatus:
         """Follow the source."""

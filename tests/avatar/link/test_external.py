@@ -2,9 +2,11 @@ import asyncio
 import logging
 import socket
 import stat
+import time
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack
 from dataclasses import dataclass, field, replace
+from itertools import islice
 from pathlib import Path
 
 import pytest
@@ -12,6 +14,7 @@ from openrois_avatar.link.client import LinkClient
 from openrois_avatar.link.external import FIRST_PICTURE, ExternalEngine
 from openrois_avatar.link.messages import Hello, LinkError, Log, Pause, React, VideoShape
 from openrois_avatar.link.protocol import PixelFormat
+from openrois_avatar.link.reconnecting import connections
 from openrois_streaming.supervision import HUNG, LOOK_INTERVAL
 
 from tests.support.avatar_link import HELLO
@@ -173,3 +176,20 @@ async def test_what_is_no_socket_stays(tmp_path: Path) -> None:
         async with ExternalEngine(f"unix:{tmp_path}/engine"):
             pass
     assert (tmp_path / "engine").read_text() == "precious"
+
+
+async def test_an_engine_that_connects_again_outlives_its_adapter(tmp_path: Path) -> None:
+    path = f"unix:{tmp_path}/engine"
+
+    def live() -> None:
+        for link in islice(connections(lambda: LinkClient.connect(path, HELLO), sleep=lambda _: time.sleep(0.01)), 2):
+            with link:
+                while link.connected:
+                    link.poll_commands(1)
+
+    living = asyncio.create_task(asyncio.to_thread(live))
+    for _ in range(2):
+        async with asyncio.timeout(10), ExternalEngine(path) as engine:
+            while engine.hello is None:
+                await settle()
+    await living
