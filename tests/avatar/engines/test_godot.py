@@ -201,14 +201,14 @@ async def test_it_looks_where_it_is_told_to(engine: Engine) -> None:
 
 async def test_it_walks_and_tells_what_it_reaches(engine: Engine) -> None:
     before = await engine.take()
-    path = (Waypoint(0.5, 0.4), Waypoint(0.5, 0.4, 0.0), Waypoint(-0.4, 0.2, -pi / 2))
-    engine.send(Walk("w", path, 1.5))
+    path = (Waypoint(0.2, 0.2), Waypoint(0.2, 0.2, 0.0), Waypoint(-0.1, 0.1, -pi / 2))
+    engine.send(Walk("w", path, 2.0))
     await engine.until(lambda picture: difference(picture, before) > 4)
     await engine.told(*(Reached("w", index) for index in range(3)), Completed("w", "OK"))
     place = await engine.still()
     assert (place.x, place.y, place.th) == (
-        pytest.approx(-0.4, abs=0.01),
-        pytest.approx(0.2, abs=0.01),
+        pytest.approx(-0.1, abs=0.01),
+        pytest.approx(0.1, abs=0.01),
         pytest.approx(-pi / 2, abs=0.03),
     )
 
@@ -244,8 +244,8 @@ async def test_it_comes_back_when_it_is_killed(engine: Engine) -> None:
     assert len(engine.ends) == 1
     assert picture.data.std() > 20
     await engine.told(Place(0.0, 0.0, pytest.approx(-pi / 2, abs=1e-3)))
-    engine.send(React("again", "nod"))
-    await engine.told(Completed("again", "OK"))
+    engine.send(React("again", "nod"), Stop("again"))
+    await engine.told(Completed("again", "ABORT"))
 
 
 async def test_nothing_is_left_of_it_when_the_adapter_is_killed(godot: None, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,6 +11,7 @@ const TURNING := 3.0  # rad/s
 const ASIDE := 0.4  # metres before a point with a direction at which the body turns that way
 const FACED := 0.01  # radians
 const _NEAR := 0.0005
+const _STEP := 0.02  # metres after which one looks again whether there is something in the way
 
 export(NodePath) var link := NodePath()
 export(NodePath) var body := NodePath()
@@ -157,11 +158,14 @@ func _face(off: float, time: float) -> float:
 # Goes by hand; what is in the way is not entered.
 func _steer(seconds: float) -> void:
 	_th = wrapf(_th + clamp(_drive.z, -TURNING, TURNING) * seconds, -PI, PI)
-	var step := Vector2(_drive.x, _drive.y).clamped(FASTEST).rotated(_th) * seconds
-	for part in [step, Vector2(step.x, 0), Vector2(0, step.y)]:
-		if _fits(_at + part):
-			_at += part
-			return
+	var way := Vector2(_drive.x, _drive.y).clamped(FASTEST).rotated(_th) * seconds
+	var steps := int(ceil(way.length() / _STEP))
+	for _number in steps:
+		# Along a wall it slides.
+		for part in [way / steps, Vector2(way.x / steps, 0), Vector2(0, way.y / steps)]:
+			if _fits(_at + part):
+				_at += part
+				break
 
 
 func _fits(at: Vector2) -> bool:
