@@ -1,0 +1,1 @@
+"""Facades: game engines that do WebRTC themselves, behind RoIS. Their media never passes through here."""

@@ -1,0 +1,131 @@
+"""The signaling server of a Unity Render Streaming sender in private mode, without input or output. Pure.
+
+A sender asks for connections by ids of its own and offers as soon as it is told that a connection is there. So it is
+told when somebody wants to see, and not before: each connection that it has asked for is a place for one player.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Final
+
+from openrois_signaling.messages import IceServer
+
+from openrois_avatar.facades.messages.reading import ProtocolError, Said
+from openrois_avatar.facades.messages.render_streaming import (
+    SENDER_SAYS,
+    Answer,
+    Candidate,
+    Connect,
+    Connected,
+    Description,
+    Disconnect,
+    Failure,
+    Offer,
+)
+from openrois_avatar.facades.messages.render_streaming import Found as FoundData
+from openrois_avatar.facades.streamer import Found, Heard, Left, NoRoom, Offered
+
+__all__ = ["CONNECTIONS_LIMIT", "UnitySender"]
+
+CONNECTIONS_LIMIT: Final = 64
+"""Connections that a sender may have asked for."""
+
+
+class UnitySender:
+    """One sender; a `Streamer`. It takes as many players as it has asked for connections.
+
+    Args:
+        send: sends it a message.
+        tell: is told what it says to or about a player.
+        epoch: the time, in seconds since the epoch.
+    """
+
+    name = "Unity"
+
+    def __init__(self, send: Callable[[str], None], tell: Callable[[Heard], None], epoch: Callable[[], float]) -> None:
+        self._send = send
+        self._tell = tell
+        self._epoch = epoch
+        self._places: dict[str, str] = {}
+        """Who has which connection: a player id, or nobody yet."""
+
+    @property
+    def ready(self) -> bool:
+        """Whether it has asked for a connection."""
+        return bool(self._places)
+
+    def begin(self) -> None:
+        """Wait for what it says: the protocol has no greeting."""
+
+    def take(self, text: str) -> None:
+        """Take one message; what is said of connections that are gone is dropped, and so is what is not known.
+
+        Raises:
+            ProtocolError: it cannot be understood, or it is an offer's answer, which nobody here has asked for.
+        """
+        message = SENDER_SAYS.read(text)
+        match message:
+            case Connect(connection_id=connection_id):
+                self._reserve(connection_id)
+            case Disconnect(connection_id=connection_id):
+                player_id = self._places.pop(connection_id, "")
+                self._say(Disconnect(connection_id=connection_id))
+                if player_id:
+                    self._tell(Left(player_id, "the game engine has ended it"))
+            case Offer(data=description) if player_id := self._places.get(message.connection_id, ""):
+                self._tell(Offered(player_id, description.sdp))
+            case Candidate(data=found) if player_id := self._places.get(message.connection_id, ""):
+                self._tell(Found(player_id, found.candidate, found.sdp_mid or None, found.sdp_m_line_index))
+            case Answer():
+                raise ProtocolError("answer: nothing was offered")
+
+    def invite(self, player_id: str, ice_servers: Sequence[IceServer]) -> None:
+        """Let it make an offer to a new player; its STUN and TURN servers are set in Unity, not here.
+
+        Raises:
+            NoRoom: all connections that it has asked for are in use.
+        """
+        connection_id = next((each for each, player in self._places.items() if not player), None)
+        if connection_id is None:
+            raise NoRoom("all connections of the game engine are in use; each takes one viewer")
+        self._places[connection_id] = player_id
+        # Nothing is ever offered from this side, so it does not matter who gives way.
+        self._say(Connected(connection_id=connection_id, polite=True))
+
+    def answer(self, player_id: str, sdp: str) -> None:
+        """Hand it a player's answer."""
+        for connection_id in self._of(player_id):
+            self._say(Answer(from_=connection_id, data=Description(sdp=sdp, datetime=self._milliseconds())))
+
+    def find(self, found: Found) -> None:
+        """Hand it a player's candidate."""
+        data = FoundData(
+            candidate=found.candidate,
+            sdp_mid=found.sdp_mid,
+            sdp_m_line_index=found.sdp_m_line_index,
+            datetime=self._milliseconds(),
+        )
+        for connection_id in self._of(found.player_id):
+            self._say(Candidate(from_=connection_id, data=data))
+
+    def dismiss(self, player_id: str) -> None:
+        """Tell it that a player is gone, if it does not know that; it may ask for the connection again."""
+        for connection_id in self._of(player_id):
+            del self._places[connection_id]
+            self._say(Disconnect(connection_id=connection_id))
+
+    def _reserve(self, connection_id: str) -> None:
+        if connection_id in self._places:
+            self._say(Failure(message=f"{connection_id}: this connection is there already"))
+        elif len(self._places) >= CONNECTIONS_LIMIT:
+            self._say(Failure(message=f"{CONNECTIONS_LIMIT} connections are there already"))
+        else:
+            self._places[connection_id] = ""
+
+    def _of(self, player_id: str) -> list[str]:
+        return [each for each, player in self._places.items() if player == player_id]
+
+    def _milliseconds(self) -> int:
+        return round(self._epoch() * 1000)
+
+    def _say(self, message: Said) -> None:
+        self._send(message.text())
