@@ -31,7 +31,7 @@ from openrois_avatar.link.messages import (
 from openrois_avatar.link.protocol import Audio, Doorbell, Message, Parser, PixelFormat, Sender, Video, encode
 from openrois_avatar.link.ring_writer import RingWriter
 
-WIDTH, HEIGHT, FPS = 16, 8, 50
+WIDTH, HEIGHT, FPS = 16, 8, 25
 PIXELS: Final = bytes(WIDTH * HEIGHT * 4)
 HELLO: Final = Hello("odd", "1", VideoShape(WIDTH, HEIGHT, FPS), 1, ("nod",), "", hears=True, walks=True, input=True)
 
@@ -166,7 +166,7 @@ class OddEngine:
         self._sound()
 
     def _show(self, now: float) -> None:
-        if self._odd == "shows nothing" or (self._odd == "is slow" and self._number % 10):
+        if self._odd == "shows nothing" or (self._odd == "is slow" and self._number % 5):
             return
         moment = {
             "has no time": 0.0,
