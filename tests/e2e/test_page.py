@@ -56,8 +56,8 @@ async def test_the_tab_key_goes_everywhere_in_the_order_in_which_one_reads(guest
         *("sound-off", "statistics-toggle", "control-toggle", "fullscreen"),
         *("say-text", "say-language", "say-send"),
         *reactions,
+        *("map-open", "map", "microphone-toggle", "camera-toggle"),
         *("video-suspend", "video-disconnect", "audio-suspend", "audio-disconnect"),
-        *("microphone-toggle", "camera-toggle"),
         *("log-filter", "log-pause", "log-clear", "log"),
     ]
     assert await _tab(guest.page, len(order)) == order

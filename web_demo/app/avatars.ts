@@ -14,6 +14,13 @@ export interface Avatar {
   readonly gaze: string | null;
   readonly operator: string | null;
   readonly teleoperation: string | null;
+  readonly surroundings: string | null;
+  readonly navigation: string | null;
+  readonly follow: string | null;
+  readonly progress: string | null;
+  readonly sight: string | null;
+  readonly enrolment: string | null;
+  readonly hearing: string | null;
 }
 
 export function findAvatars(profile: Profile): Avatar[] {
@@ -32,6 +39,13 @@ export function findAvatars(profile: Profile): Avatar[] {
       gaze: of("Gaze"),
       operator: of("Operator"),
       teleoperation: of("Teleoperation"),
+      surroundings: of("Surroundings"),
+      navigation: of("Navigation"),
+      follow: of("Follow"),
+      progress: of("SpeechProgress"),
+      sight: of("Sight"),
+      enrolment: of("Enrolment"),
+      hearing: of("Hearing"),
     });
   }
   return avatars;

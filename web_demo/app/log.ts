@@ -47,9 +47,9 @@ export class MessageLog {
     const { scrollHeight, scrollTop, clientHeight } = this.#list;
     const following = scrollHeight - scrollTop - clientHeight < NEAR_END;
     for (const entry of this.#waiting.filter((each) => matches(each, this.#filter.value))) {
-      const last = this.#list.lastElementChild;
-      const again = last instanceof HTMLElement && last.dataset["number"] === String(entry.number);
-      if (again) last.replaceWith(row(entry));
+      const before =
+        entry.repeats > 1 ? this.#list.querySelector(`:scope > [data-number="${entry.number}"]`) : null;
+      if (before) before.replaceWith(row(entry));
       else this.#list.append(row(entry));
     }
     this.#waiting = [];

@@ -4,6 +4,11 @@ import type { Json, Traffic } from "../sdk/index.ts";
 
 export const MAX_ENTRIES = 500;
 const EVENT = "rois.event.notify_event";
+const QUERY = "rois.query.query";
+/** How many lines back one is looked for that says the same. */
+const LOOK_BACK = 12;
+/** Questions whose answers are awaited; of an older one the answer is a line of its own. */
+const MAX_ASKED = 64;
 /** Characters of SDP that are shown; the message itself stays whole. */
 const SDP_SHOWN = 120;
 /** Ids are 96 or 128 random bits; their first digits tell them apart. */
@@ -18,13 +23,17 @@ export interface LogEntry {
   /** In small letters, for the filter. */
   readonly text: string;
   readonly failed: boolean;
-  /** How many of its kind came in a row, this one the last: a level that is told all the time is one line. */
+  /** How many of its kind came, this one the last: what is told or asked all the time is one line. */
   readonly repeats: number;
+  /** What those of its kind have in common; null for what is a line of its own each time. */
+  readonly sort: string | null;
 }
 
 /** Remembers the newest messages. While it is paused, what is shown does not change. */
 export class LogModel {
   readonly #entries: LogEntry[] = [];
+  /** The sorts of the questions that are not answered, by their ids. */
+  readonly #asked = new Map<Json, string>();
   #number = 0;
 
   get entries(): readonly LogEntry[] {
@@ -32,19 +41,20 @@ export class LogModel {
   }
 
   add(traffic: Traffic): LogEntry {
-    const summary = summarize(traffic);
-    const last = this.#entries.at(-1);
-    const repeats = last && isSame(last.traffic, traffic) ? last.repeats + 1 : 1;
-    if (repeats > 1) this.#entries.pop();
+    const sort = this.#sort(traffic);
+    const index = sort === null ? -1 : this.#again(sort);
+    const before = this.#entries[index];
     const entry = {
-      number: repeats > 1 && last ? last.number : this.#number++,
-      repeats,
+      number: before ? before.number : this.#number++,
+      repeats: (before?.repeats ?? 0) + 1,
+      sort,
       traffic,
-      summary,
+      summary: summarize(traffic),
       text: `${traffic.direction} ${traffic.kind} ${traffic.method} ${JSON.stringify(traffic.message)}`.toLowerCase(),
       failed: isFailure(traffic),
     };
-    this.#entries.push(entry);
+    if (before) this.#entries[index] = entry;
+    else this.#entries.push(entry);
     if (this.#entries.length > MAX_ENTRIES) this.#entries.shift();
     return entry;
   }
@@ -52,13 +62,33 @@ export class LogModel {
   clear(): void {
     this.#entries.length = 0;
   }
-}
 
-/** Both tell an event of the same subscription. */
-function isSame(one: Traffic, other: Traffic): boolean {
-  const subscription = ({ method, message }: Traffic): Json | undefined =>
-    method === EVENT ? field(field(message, "params"), "subscribe_id") : undefined;
-  return subscription(one) !== undefined && subscription(one) === subscription(other);
+  /** Where the line is that says the same, with nothing but events and questions after it; -1 where there is none. */
+  #again(sort: string): number {
+    const end = this.#entries.length - 1;
+    for (let index = end; index >= Math.max(0, end - LOOK_BACK); index--) {
+      const other = this.#entries[index]?.sort ?? null;
+      if (other === null || other === sort) return other === null ? -1 : index;
+    }
+    return -1;
+  }
+
+  #sort(traffic: Traffic): string | null {
+    const { kind, method, message } = traffic;
+    const params = field(message, "params");
+    if (method === EVENT) return `event ${String(field(params, "subscribe_id"))}`;
+    if (method !== QUERY) return null;
+    const id = field(message, "id") ?? null;
+    if (kind === "request") {
+      const sort = `${String(field(params, "query_type"))} ${String(field(params, "condition"))}`;
+      this.#asked.set(id, sort);
+      for (const first of this.#asked.keys()) if (this.#asked.size > MAX_ASKED) this.#asked.delete(first);
+      return `question ${sort}`;
+    }
+    const sort = this.#asked.get(id);
+    this.#asked.delete(id);
+    return sort === undefined || isFailure(traffic) ? null : `answer ${sort}`;
+  }
 }
 
 /** Every word of the filter has to be somewhere in the message. */

@@ -18,6 +18,7 @@ import { FiguresPanel } from "./figures.ts";
 import { Gaze } from "./gaze.ts";
 import { Header } from "./header.ts";
 import { MessageLog } from "./log.ts";
+import { MapCard } from "./map/map_card.ts";
 import { recall, remember } from "./memory.ts";
 import { OperatorCard } from "./operator.ts";
 import { Overlay } from "./overlay.ts";
@@ -64,6 +65,7 @@ const say = new SayLine(client);
 const reactions = new Reactions(client);
 const gaze = new Gaze(client, stage.element);
 const operator = new OperatorCard(client, receiver);
+const map = new MapCard(client);
 const control = new Control(client, receiver, stage.video);
 new MessageLog(client);
 new StampReader(stage.video, stage.frames, (reading) => readings.stampRead(reading));
@@ -86,6 +88,7 @@ function avatarChanged(): void {
   reactions.setComponent(present?.reaction ?? null);
   gaze.setComponent(present?.gaze ?? null);
   control.setComponent(present?.teleoperation ?? null);
+  map.setAvatar(present);
   if (present) {
     void readClock(present);
     void operator.watch(present).then((streams) => Object.assign(window.openrois, streams));
@@ -138,6 +141,7 @@ function render(): void {
   const avatar = directory.chosen;
   header.render(client.state);
   stage.render(directory.present, readings.latency);
+  map.shown = views.current === "avatar" && document.visibilityState === "visible";
   const trouble = findTrouble({
     canStream,
     connection: client.state,

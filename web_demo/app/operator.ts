@@ -1,6 +1,5 @@
 /** The person at this machine: microphone and camera on their way to the avatar, and what arrives there. */
 
-import { RoISCommon } from "../sdk/index.ts";
 import type { Client, Subscription } from "../sdk/index.ts";
 import type { LocalStream, MediaReceiver } from "../sdk/media/index.ts";
 import type { Avatar } from "./avatars.ts";
@@ -8,15 +7,7 @@ import { SILENCE } from "./decibels.ts";
 import { DeviceControl } from "./device_control.ts";
 import { byRole, make } from "./dom.ts";
 import { LevelBar, TrackLevel } from "./level_bar.ts";
-
-/** The avatar's component that tells what it hears and sees of its operator. */
-class Operator extends RoISCommon {
-  static readonly componentType = "urn:x-rois:def:component:OpenRoIS::Operator";
-  readonly microphoneLevel = this.event<{ readonly rms: number; readonly peak: number }>("microphone_level", {
-    rms: "double",
-    peak: "double",
-  });
-}
+import { Operator } from "./own_components.ts";
 
 export class OperatorCard {
   readonly #client: Client;

@@ -35,6 +35,26 @@ describe("LogModel", () => {
     expect(log.entries).toHaveLength(4);
   });
 
+  it("takes a question that is asked again, and its answer, for one line each", () => {
+    const log = new LogModel();
+    const told = (method: string, kind: Traffic["kind"], message: Json): number =>
+      log.add(traffic({ method, kind, message })).repeats;
+    const ask = (id: number, query_type: string): number =>
+      told("rois.query.query", "request", { id, params: { query_type, condition: "c" } });
+    const answer = (id: number, return_code = "OK"): number =>
+      told("rois.query.query", "response", { id, result: { return_code } });
+    const event = (): number =>
+      told("rois.event.notify_event", "notification", { params: { subscribe_id: "a" } });
+
+    expect([event(), ask(1, "things"), answer(1)]).toEqual([1, 1, 1]);
+    expect([event(), ask(2, "floor"), ask(3, "things"), answer(3), answer(2)]).toEqual([2, 1, 2, 2, 1]);
+    expect(log.entries).toHaveLength(5);
+    expect([ask(4, "things"), answer(4, "ERROR"), ask(5, "things")]).toEqual([3, 1, 1]);
+    expect(answer(99)).toBe(1);
+    for (let id = 100; id < 200; id++) ask(id, "floor");
+    expect([answer(101), answer(199)]).toEqual([1, 1]);
+  });
+
   it.each<[string, Partial<Traffic>]>([
     ["avatar/SpeechSynthesis", { message: { params: { component_ref: "avatar/SpeechSynthesis" } } }],
     ["OK", { kind: "response", message: { result: { return_code: "OK", subscribe_id: "", results: null } } }],

@@ -135,6 +135,13 @@ describe("findAvatars", () => {
       system: null,
       gaze: null,
       teleoperation: null,
+      surroundings: null,
+      navigation: null,
+      follow: null,
+      progress: null,
+      sight: null,
+      enrolment: null,
+      hearing: null,
     };
     expect(findAvatars(profile)).toEqual([
       { ...nothing, engineId: "a", video: "a/eyes", speech: "a/mouth" },

@@ -1,0 +1,92 @@
+"""The floor map of the page: a click or the keyboard sends the avatar there, and it arrives; a person is followed."""
+
+import math
+import re
+from typing import Final
+
+import pytest
+from playwright.async_api import expect
+
+from tests.support.browser import PATIENCE, Visit
+from tests.support.conversation import outcome
+
+pytestmark = [
+    pytest.mark.browser,
+    pytest.mark.engine,
+    pytest.mark.timeout(60),
+    pytest.mark.asyncio(loop_scope="session"),
+]
+
+ENGINE: Final = "puppet"
+
+_FIGURE: Final = "document.querySelector('[data-testid=map]').dataset.figure"
+_VISITOR: Final = """(() => {
+    const { left, top, width, height } =
+        document.querySelector(".map-thing.person circle").getBoundingClientRect();
+    return [left + width / 2, top + height / 2];
+})()"""
+
+
+async def _figure(visit: Visit) -> tuple[float, float]:
+    """Where the map shows the figure."""
+    x, y = str(await visit.until(_FIGURE)).split(",")
+    return float(x), float(y)
+
+
+async def _click(visit: Visit, x: float, y: float) -> None:
+    """Click on a place of the room, which is 6 m wide and 5 m deep, with 0.2 m around it."""
+    box = await visit.item("map").bounding_box()
+    assert box is not None
+    metre = box["width"] / 6.4
+    await visit.page.mouse.click(box["x"] + (x + 3.2) * metre, box["y"] + (4.2 - y) * metre)
+
+
+async def _says(visit: Visit, words: str) -> None:
+    await expect(visit.item("map-words")).to_have_text(re.compile(words), timeout=PATIENCE * 1000)
+
+
+async def test_a_click_sends_the_avatar_there_and_it_arrives(guest: Visit) -> None:
+    await _figure(guest)
+    await _says(guest, "^Click where")
+    await _click(guest, -0.8, 0.6)
+    await _says(guest, r"^Walking to -0\.8, 0\.6$")
+    await guest.until("document.querySelectorAll('.map-target').length === 1")
+    await _says(guest, "^Arrived after")
+    assert await outcome(guest, "avatar/Navigation", "start") == "OK"
+    assert math.dist(await _figure(guest), (-0.8, 0.6)) < 0.1
+    assert await guest.read("document.querySelectorAll('.map-target').length") == 0
+
+
+async def test_it_is_stopped_and_what_is_out_of_reach_is_named(guest: Visit) -> None:
+    await _figure(guest)
+    await guest.item("map").focus()
+    for key in ("Shift+ArrowDown", "Shift+ArrowRight", "Enter"):
+        await guest.page.keyboard.press(key)
+    await guest.press("map-stop")
+    await _says(guest, "^(Stopped|.*stop)")
+    assert await outcome(guest, "avatar/Navigation", "start") == "ABORT"
+    await _click(guest, 0.0, 4.1)
+    await _says(guest, "is outside of the floor or inside an obstacle")
+    assert await outcome(guest, "avatar/Navigation", "start") == "ERROR"
+
+
+async def test_somebody_is_followed_until_stop(guest: Visit) -> None:
+    await _figure(guest)
+    await guest.until("document.querySelector('.map-thing.person')")
+    await guest.page.mouse.click(*await guest.read(_VISITOR))
+    await guest.press("map-follow")
+    await _says(guest, "^Following visitor$")
+    await guest.press("map-stop")
+    assert await outcome(guest, "avatar/Follow", "start") == "ABORT"
+
+
+async def test_a_map_that_is_closed_asks_nothing(guest: Visit) -> None:
+    await _figure(guest)
+    await guest.press("map-open")
+    await expect(guest.item("map")).to_be_hidden()
+    mine = {"figure_moved", "floor_changed", "things_changed"}
+    await guest.until("document.querySelector('[data-method=\"rois.event.unsubscribe\"]')")
+    subscribed = [m for m in guest.sent if m["method"] == "rois.event.subscribe"]
+    assert mine <= {m["params"]["event_type"] for m in subscribed}
+    left = [m for m in guest.sent if m["method"] == "rois.event.unsubscribe"]
+    assert len(left) == len(mine)

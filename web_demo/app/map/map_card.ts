@@ -1,0 +1,251 @@
+/** The floor map: where the avatar is and what is around it; a click sends it there. */
+
+import { SystemInformation } from "../../sdk/index.ts";
+import type { Client, Subscription } from "../../sdk/index.ts";
+import type { Avatar } from "../avatars.ts";
+import { ComponentWatch, isUsable } from "../component_status.ts";
+import { byRole, icon, make, setText } from "../dom.ts";
+import { Surroundings } from "../own_components.ts";
+import { FloorView } from "./floor_view.ts";
+import type { Ground } from "./floor_view.ts";
+import { moved, nearest, pointWords, positionText, readCorners, readPlace } from "./geometry.ts";
+import type { Place, Point } from "./geometry.ts";
+import { readThings } from "./scene.ts";
+import type { Thing } from "./scene.ts";
+import { Walk } from "./walk.ts";
+
+/** The least milliseconds between two questions for the things. */
+const PACE = 400;
+/** Metres from a thing within which it is meant. */
+const REACH = 0.35;
+const HINT = "Click where it shall go; with Shift, where it shall go next.";
+const NO_WALK = "This figure does not walk.";
+const NO_FLOOR = "This engine tells no floor: ways are straight.";
+const NOWHERE: Ground = { outline: [], obstacles: [] };
+
+export class MapCard {
+  readonly #client: Client;
+  readonly #element = byRole("card-map", HTMLElement);
+  readonly #view = new FloorView();
+  readonly #walk: Walk;
+  readonly #watch: ComponentWatch;
+  readonly #words = make("p", { class: "map-words", "data-testid": "map-words", "aria-live": "polite" });
+  readonly #choice = make("div", { class: "map-choice", "data-testid": "map-choice" });
+  readonly #stop = make(
+    "button",
+    { type: "button", class: "button small", "data-testid": "map-stop" },
+    "Stop",
+  );
+  readonly #open: HTMLButtonElement;
+  readonly #body = make("div", { class: "map-body", id: "map-body" });
+  #avatar: Avatar | null = null;
+  #surroundings: Surroundings | null = null;
+  #shown = false;
+  #following: Promise<Subscription>[] = [];
+  #asked: ReturnType<typeof setTimeout> | undefined;
+  #ground = NOWHERE;
+  #things: readonly Thing[] = [];
+  #figure: Place | null = null;
+  #cursor: Point | null = null;
+  #walks = false;
+
+  constructor(client: Client) {
+    this.#client = client;
+    this.#walk = new Walk(client, () => this.#render());
+    this.#watch = new ComponentWatch(client, (status) => {
+      this.#walks = isUsable(status);
+      this.#render();
+    });
+    this.#open = make(
+      "button",
+      {
+        type: "button",
+        class: "disclosure",
+        "data-testid": "map-open",
+        "aria-expanded": "true",
+        "aria-controls": "map-body",
+      },
+      icon("M4 6.500l5-2 6 2 5-2v13l-5 2-6-2-5 2ZM9 4.500v13M15 6.500v13"),
+      "Floor",
+      icon("M8 10l4 4 4-4"),
+    );
+    const title = make("h2", { id: "map-title" }, this.#open);
+    this.#body.append(this.#view.element, this.#choice, this.#words);
+    this.#element.append(make("header", {}, title, this.#stop), this.#body);
+    this.#open.addEventListener("click", () => {
+      this.#body.hidden = !this.#body.hidden;
+      this.#open.setAttribute("aria-expanded", String(!this.#body.hidden));
+      this.#look();
+    });
+    this.#stop.addEventListener("click", () => this.#walk.stop());
+    this.#listen();
+    this.#render();
+  }
+
+  /** @param avatar what is there now; null while it is away */
+  setAvatar(avatar: Avatar | null): void {
+    if (avatar !== null) this.#element.hidden = avatar.surroundings === null;
+    const ref = avatar?.surroundings ?? null;
+    this.#avatar = avatar;
+    if (ref === (this.#surroundings?.componentRef ?? null)) {
+      // It may have been away meanwhile; what is subscribed to has come back by itself.
+      if (this.#surroundings && this.#following.length > 0) void this.#askAll(this.#surroundings);
+      return;
+    }
+    this.#unfollow();
+    this.#surroundings = ref === null ? null : new Surroundings(this.#client, ref);
+    if (avatar) this.#walk.setComponents(avatar.navigation, avatar.follow);
+    this.#look();
+  }
+
+  /** Whether anybody can see it: what nobody sees is not asked for. */
+  set shown(shown: boolean) {
+    if (shown === this.#shown) return;
+    this.#shown = shown;
+    this.#look();
+  }
+
+  /** Begins to follow what happens on the floor, or ends that. */
+  #look(): void {
+    const surroundings = this.#shown && !this.#body.hidden ? this.#surroundings : null;
+    if (surroundings === null) {
+      this.#watch.watch(null);
+      return this.#unfollow();
+    }
+    if (this.#following.length > 0) return;
+    this.#watch.watch(this.#avatar?.navigation ?? null);
+    this.#following = [
+      surroundings.figureMoved.subscribe(({ position_data: text }) => this.#moved(readPlace(text))),
+      surroundings.floorChanged.subscribe(() => void this.#askFloor(surroundings)),
+      surroundings.thingsChanged.subscribe(() => this.#askSoon(surroundings)),
+    ];
+    for (const each of this.#following) each.catch(() => undefined);
+    void this.#askAll(surroundings);
+  }
+
+  #unfollow(): void {
+    clearTimeout(this.#asked);
+    this.#asked = undefined;
+    for (const each of this.#following.splice(0))
+      void each.then((subscription) => subscription.cancel()).catch(() => undefined);
+  }
+
+  async #askAll(surroundings: Surroundings): Promise<void> {
+    const system = this.#avatar?.system ?? null;
+    const where = system === null ? null : new SystemInformation(this.#client, system).robotPosition();
+    await Promise.all([
+      this.#askFloor(surroundings),
+      this.#askThings(surroundings),
+      where?.then(({ position_data: [text = ""] }) => this.#moved(readPlace(text))).catch(() => undefined),
+    ]);
+  }
+
+  async #askFloor(surroundings: Surroundings): Promise<void> {
+    const floor = await surroundings.floor().catch(() => null);
+    if (floor === null || surroundings !== this.#surroundings) return;
+    const { outline, obstacles } = floor;
+    this.#ground = { outline: readCorners(outline), obstacles: obstacles.map(readCorners) };
+    this.#render();
+    this.#drawGround();
+  }
+
+  /** Things tell of each step that they make: they are asked for less often. */
+  #askSoon(surroundings: Surroundings): void {
+    this.#asked ??= setTimeout(() => {
+      this.#asked = undefined;
+      void this.#askThings(surroundings);
+    }, PACE);
+  }
+
+  async #askThings(surroundings: Surroundings): Promise<void> {
+    const told = await surroundings.things().catch(() => null);
+    if (told === null || surroundings !== this.#surroundings) return;
+    this.#things = readThings(told);
+    this.#view.showThings(this.#things);
+    if (this.#ground.outline.length === 0) this.#drawGround();
+  }
+
+  #moved(place: Place | null): void {
+    const first = this.#figure === null;
+    this.#figure = place;
+    this.#view.showFigure(place);
+    this.#view.showWay(place, this.#walk.targets);
+    if (first && this.#ground.outline.length === 0) this.#drawGround();
+  }
+
+  #drawGround(): void {
+    const all = [
+      { x: 0, y: 0 },
+      ...this.#things.map(({ place }) => place),
+      ...(this.#figure ? [this.#figure] : []),
+    ];
+    this.#view.showGround(
+      this.#ground,
+      all.map(({ x, y }) => [x, y]),
+    );
+  }
+
+  #listen(): void {
+    const { element } = this.#view;
+    element.addEventListener("click", ({ clientX, clientY, shiftKey }) => {
+      const point = this.#view.at(clientX, clientY);
+      this.#point(null);
+      if (point) this.#choose(point, shiftKey);
+    });
+    element.addEventListener("keydown", (event) => {
+      const from =
+        this.#cursor ?? (this.#figure ? ([this.#figure.x, this.#figure.y] as const) : ([0, 0] as const));
+      const point = moved(from, event.key, event.shiftKey, this.#view.extent);
+      if (point) this.#point(point);
+      else if (event.key === "Enter" && this.#cursor) this.#choose(this.#cursor, event.shiftKey);
+      else if (event.key === "Escape") this.#point(null);
+      else return;
+      event.preventDefault();
+      if (event.key !== "Escape") event.stopPropagation();
+    });
+    element.addEventListener("blur", () => this.#point(null));
+  }
+
+  #point(at: Point | null): void {
+    this.#cursor = at;
+    this.#view.showCursor(at);
+  }
+
+  /** A place is gone to; of somebody it is asked first what is meant. */
+  #choose(point: Point, further: boolean): void {
+    this.#choice.replaceChildren();
+    if (!this.#walks) return;
+    const thing = nearest(this.#things, point, REACH);
+    if (thing === null || further)
+      return this.#walk.go(
+        { text: positionText(point), words: pointWords(point), place: { x: point[0], y: point[1] } },
+        further,
+      );
+    const option = (words: string, name: string, run: () => void): HTMLButtonElement => {
+      const button = make("button", { type: "button", class: "button small", "data-testid": name }, words);
+      button.addEventListener("click", () => {
+        this.#choice.replaceChildren();
+        this.#view.element.focus({ preventScroll: true });
+        run();
+      });
+      return button;
+    };
+    const { ref, name, place, kind } = thing;
+    const go = option("Go there", "map-go", () => this.#walk.go({ text: ref, words: name, place }, false));
+    const follow = option("Follow", "map-follow", () => this.#walk.follow(thing));
+    const options = kind === "person" && this.#walk.canFollow ? [follow, go] : [go];
+    this.#choice.append(make("span", {}, name), ...options);
+    options[0]?.focus({ preventScroll: true });
+  }
+
+  #render(): void {
+    const { state, words, targets, followed } = this.#walk;
+    const idle = !this.#walks ? NO_WALK : this.#ground.outline.length === 0 ? NO_FLOOR : HINT;
+    setText(this.#words, state === "idle" || !this.#walks ? idle : words);
+    this.#words.dataset["state"] = this.#walks ? state : "idle";
+    this.#view.element.classList.toggle("walks", this.#walks);
+    this.#stop.hidden = state !== "walking";
+    this.#view.showWay(this.#figure, targets);
+    this.#element.dataset["followed"] = followed?.ref ?? "";
+  }
+}

@@ -1,0 +1,147 @@
+/** Sending the avatar somewhere, or after somebody; and what becomes of it, in words. */
+
+import { CommandFailed, Follow, Navigation } from "../../sdk/index.ts";
+import type { Client, Subscription } from "../../sdk/index.ts";
+import { describeFailure } from "../outcome.ts";
+import type { Place } from "./geometry.ts";
+import { ahead } from "./scene.ts";
+import type { Thing } from "./scene.ts";
+
+export interface Target {
+  /** As RoIS has it: `x,y`, or the ref of a thing. */
+  readonly text: string;
+  /** As people read it. */
+  readonly words: string;
+  readonly place: Pick<Place, "x" | "y">;
+}
+
+export type WalkState = "idle" | "walking" | "done" | "stopped" | "failed" | "refused";
+
+const BUSY = "Somebody else moves this avatar; try again in a moment";
+/** Millimetres from whom it follows. */
+const DISTANCE = 1000;
+
+export class Walk {
+  readonly #client: Client;
+  readonly #onChange: () => void;
+  #navigation: Navigation | null = null;
+  #follow: Follow | null = null;
+  #hearing: Promise<Subscription> | null = null;
+  #targets: readonly Target[] = [];
+  #followed: Thing | null = null;
+  #state: WalkState = "idle";
+  #words = "";
+  #number = 0;
+
+  /** @param onChange is called when any of the properties has changed */
+  constructor(client: Client, onChange: () => void) {
+    this.#client = client;
+    this.#onChange = onChange;
+  }
+
+  /** Where it still has to go, in turn. */
+  get targets(): readonly Target[] {
+    return this.#targets;
+  }
+
+  get followed(): Thing | null {
+    return this.#followed;
+  }
+
+  get state(): WalkState {
+    return this.#state;
+  }
+
+  get words(): string {
+    return this.#words;
+  }
+
+  get canFollow(): boolean {
+    return this.#follow !== null;
+  }
+
+  /** @param navigation,follow refs of components; null where there are none */
+  setComponents(navigation: string | null, follow: string | null): void {
+    if (navigation !== (this.#navigation?.componentRef ?? null)) {
+      void this.#hearing?.then((subscription) => subscription.cancel()).catch(() => undefined);
+      this.#hearing = null;
+      this.#navigation = navigation === null ? null : new Navigation(this.#client, navigation);
+    }
+    if (follow !== (this.#follow?.componentRef ?? null))
+      this.#follow = follow === null ? null : new Follow(this.#client, follow);
+  }
+
+  /** @param further goes on from where it was going to */
+  go(target: Target, further: boolean): void {
+    const navigation = this.#navigation;
+    if (!navigation) return;
+    const targets = further ? [...this.#targets, target] : [target];
+    const [first] = targets;
+    const words =
+      targets.length > 1 ? `Walking to ${targets.length} places` : `Walking to ${first?.words ?? ""}`;
+    void this.#run(words, targets, null, async () => {
+      await this.#hear(navigation);
+      await navigation.perform({ target_positions: targets.map(({ text }) => text) });
+    });
+  }
+
+  follow(whom: Thing): void {
+    const follow = this.#follow;
+    if (!follow) return;
+    void this.#run(`Following ${whom.name}`, [], whom, () =>
+      follow.perform({ target_object_ref: whom.ref, distance: DISTANCE }),
+    );
+  }
+
+  stop(): void {
+    for (const component of [this.#navigation, this.#follow])
+      if (component?.inUse) void component.stop().catch(() => undefined);
+  }
+
+  async #hear(navigation: Navigation): Promise<void> {
+    this.#hearing ??= navigation.reachedTarget.subscribe(({ target }) => {
+      this.#targets = ahead(this.#targets, target);
+      this.#onChange();
+    });
+    // Without the event the marks of what was passed stay until the end.
+    await this.#hearing.catch(() => (this.#hearing = null));
+  }
+
+  async #run(
+    words: string,
+    targets: readonly Target[],
+    followed: Thing | null,
+    perform: () => Promise<void>,
+  ): Promise<void> {
+    const number = ++this.#number;
+    const began = Date.now();
+    [this.#targets, this.#followed] = [targets, followed];
+    this.#show("walking", words);
+    const [state, outcome] = await perform().then(
+      () => ["done", `Arrived after ${((Date.now() - began) / 1000).toFixed(1)} s`] as const,
+      (error: unknown) => failure(error),
+    );
+    // A walk that the next one has ended is nobody's concern any more.
+    if (number !== this.#number) return;
+    [this.#targets, this.#followed] = [[], null];
+    this.#show(state, outcome);
+  }
+
+  #show(state: WalkState, words: string): void {
+    this.#state = state;
+    this.#words = words;
+    this.#onChange();
+  }
+}
+
+function failure(error: unknown): readonly [WalkState, string] {
+  if (!(error instanceof CommandFailed)) {
+    const { state, text } = describeFailure(error, BUSY);
+    return [state, sentence(text)];
+  }
+  if (error.status === "ABORT") return ["stopped", error.reason ? sentence(error.reason) : "Stopped"];
+  if (error.status === "TIMEOUT") return ["failed", "It took too long"];
+  return ["failed", error.reason ? sentence(error.reason) : "It could not get there"];
+}
+
+const sentence = (text: string): string => `${text.charAt(0).toUpperCase()}${text.slice(1)}`;
