@@ -102,7 +102,11 @@ class TestStreamMethods:
     async def test_each_end_gets_credentials_of_its_own_and_the_engine_fresh_ones_with_a_restart(
         self, robot: Robot
     ) -> None:
-        turn = {"turn": ("turn:turn.example.org",), "turn_secret": "an example of a secret", "turn_ttl": 60}
+        turn: dict[str, Any] = {
+            "turn": ("turn:turn.example.org",),
+            "turn_secret": "an example of a secret",
+            "turn_ttl": 60,
+        }
         async with (
             deployment.gateway(**turn) as gateway,
             deployment.adapter(gateway, *robot.parts(), extension=robot.streams),

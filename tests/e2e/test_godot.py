@@ -37,6 +37,7 @@ async def test_the_page_shows_godot_and_godot_obeys_the_page(guest: Visit, tmp_p
     # The figure's shirt is blue, in the middle of the picture.
     box = await guest.item("stage").bounding_box()
     picture = cv2.imdecode(np.frombuffer(await guest.page.screenshot(clip=box), np.uint8), cv2.IMREAD_COLOR)
+    assert picture is not None
     height, width, _ = picture.shape
     shirt = picture[int(0.42 * height) : int(0.52 * height), int(0.47 * width) : int(0.53 * width)]
     blue, _, red = (float(channel.mean()) for channel in cv2.split(shirt))

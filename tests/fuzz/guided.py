@@ -48,14 +48,14 @@ with atheris.instrument_imports(include=INSTRUMENTED):
     from openrois_streaming.clock import SystemClock
     from openrois_streaming.encoded import EncodedFrame
     from openrois_streaming.errors import InvalidCandidate, InvalidDescription
-    from openrois_streaming.network.guard import Allowance, GuardFigures
+    from openrois_streaming.network.guard import RTCP_AT_ONCE, RTCP_PER_SECOND, Allowance, GuardFigures
     from openrois_streaming.network.policy import CandidatePolicy
     from openrois_streaming.receiving.assembly import BYTES_LIMIT, PACKETS_LIMIT, VideoAssembly, VideoPacket
     from openrois_streaming.receiving.payloads import h264_piece, vp8_piece
     from openrois_streaming.rtp.reports import ReceiverReport
     from openrois_streaming.sdp import Answered, OfferedSection, clean_answer, read_candidate
     from openrois_streaming.seams.ice_rehearsal import Rehearsal
-    from openrois_streaming.seams.incoming import RTCP_AT_ONCE, RTCP_PER_SECOND, Incoming
+    from openrois_streaming.seams.incoming import Incoming
     from openrois_streaming.seams.sending import DtlsWire, take_over
     from openrois_streaming.sending.outlet import Outlet
     from openrois_streaming.sending.sender import Negotiated, RtpSender

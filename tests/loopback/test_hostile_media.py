@@ -46,6 +46,7 @@ async def test_packets_that_cannot_be_read_end_nothing_and_sources_without_end_d
         await engine.until(stream_id, StreamStatus.RUNNING)
     camera = talker.connections["engine/p1"].getTransceivers()[1]
     payload_type, dtls = camera._codecs[0].payloadType, camera.sender.transport
+    assert payload_type is not None
     await dtls._send_rtp(rtcp(206, 15, struct.pack("!LL4sBBH", 1, 0, b"REMB", 200, 0, 0)))
     await dtls._send_rtp(rtcp(206, 1, bytes(4)))
     await dtls._send_rtp(rtcp(203, 31, bytes(4)))

@@ -104,6 +104,7 @@ async def test_leaving_gives_everything_back(host: EngineHost, registry: LocalRe
     app.extended = True
     host.reservations.bind(LAMP, app)
     reply = await app.events.subscribe("robot/bell", "rang", of_streams=False)
+    assert reply.then is not None
     reply.then()
     await connect_stream(app, CAMERA, ())
     replied = app.order.asked("robot")

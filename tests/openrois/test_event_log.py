@@ -66,6 +66,7 @@ class Setting:
 
     async def subscribe(self, event_type: str = "rang", *, of_streams: bool = False) -> tuple[str, Callable[[], None]]:
         reply = await self.log.subscribe(BELL, event_type, of_streams=of_streams)
+        assert reply.then is not None
         return reply.result.subscribe_id, reply.then
 
 

@@ -1,5 +1,5 @@
 import logging
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 
 import pytest
 from openrois_signaling.messages import MediaKind
@@ -167,8 +167,9 @@ async def test_a_viewer_that_was_busy_is_sent_what_it_was_sent_before(way: Way) 
     before, padded = way.rendition.demanded, len(way.padded)
     way.downlink.sent(frame(1, data=bytes(50_000)))
     way.downlink.reported(ReceiverReport(1, 0.0, 0, 0, 0.03, 0.03))
-    for delayed in (lambda: way.downlink.estimated(60_000), lambda: report_delay(way)):
-        delayed()
+    complaints: list[Callable[[], None]] = [lambda: way.downlink.estimated(60_000), lambda: report_delay(way)]
+    for complain in complaints:
+        complain()
         await way.live(0.3)
         assert way.rendition.demanded == before
     assert len(way.padded) == padded, "no burst is needed for that"

@@ -166,7 +166,7 @@ async def test_it_leaves_the_rendition_when_it_is_closed_while_it_enters() -> No
 
     class Slow(FedRendition):
         @asynccontextmanager
-        async def play(self, *_: object):  # type: ignore[no-untyped-def, override]
+        async def play(self, *_: object):  # type: ignore[no-untyped-def]
             entered.set()
             await asyncio.Event().wait()
             yield

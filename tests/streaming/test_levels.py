@@ -36,7 +36,7 @@ class Sized(FedPublisher):
 
     def renditions(self, mime_type: str, fps: float | None = None) -> tuple[FedRendition]:
         (rendition,) = super().renditions(mime_type, fps)
-        rendition.rung = self._rung  # type: ignore[misc]
+        rendition.rung = self._rung
         return (rendition,)
 
 

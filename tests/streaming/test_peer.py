@@ -67,6 +67,9 @@ class Owner:
     def peer_ended(self, peer: Peer) -> None:
         self.ended.append(peer.peer_id)
 
+    def peer_muted(self, reason: str) -> None:
+        raise AssertionError(reason)
+
     def attach(self, name: str = "s") -> Stream:
         stream = Stream(name, "engine/Video", "video", self.publisher, ("video/VP8",), Counters())
         self.peer.attach(stream)

@@ -90,6 +90,7 @@ class Microphone(AudioStreamTrack):
     async def recv(self) -> AudioFrame:
         frame = await super().recv()
         assert isinstance(frame, AudioFrame)
+        assert frame.pts is not None
         rate = frame.sample_rate
         phase = 2 * np.pi * 440 * (frame.pts + np.arange(frame.samples)) / rate
         tone = 16_384 * np.sin(phase)

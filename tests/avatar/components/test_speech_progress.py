@@ -17,7 +17,7 @@ from openrois_avatar.speech.synthesizer import Synthesizer
 from openrois_avatar.voice import Voice
 from openrois_streaming.source import RawAudio
 
-from openrois.contract import Event
+from openrois.contract import Event, SubscriptionLost
 from openrois.errors import Aborted
 from openrois.listeners import Listeners
 from openrois.registry import LocalRegistry
@@ -59,7 +59,8 @@ class Stage:
         for event_type in ("word_spoken", "mark_reached", "speech_ended"):
             await self.registry.subscribe(PROGRESS, event_type, self._take)
 
-    def _take(self, event: Event) -> None:
+    def _take(self, event: Event | SubscriptionLost) -> None:
+        assert isinstance(event, Event)
         self.events.append((event.event_type, {result.name: result.value for result in event.results}))
 
     async def set(self, component_ref: str, **values: str) -> None:

@@ -130,7 +130,7 @@ async def test_it_greets_with_what_it_can_and_tells_where_it_is(engine: Engine) 
     assert {"nod", "bow", "wave", "shrug"} <= set(hello.reactions)
     shape = hello.video
     assert (shape.width, shape.height, shape.fps, shape.format) == (640, 360, 30.0, "i420")
-    await engine.told(Place(0.0, 0.0, pytest.approx(-pi / 2, abs=1e-3)))
+    await engine.told(Place(0.0, 0.0, pytest.approx(-pi / 2, abs=1e-3)))  # type: ignore[arg-type]
     floor = next(event for event in engine.events if isinstance(event, Floor))
     assert floor.outline == ((-3.0, -1.0), (3.0, -1.0), (3.0, 4.0), (-3.0, 4.0))
     assert len(floor.obstacles) == 4
@@ -243,7 +243,7 @@ async def test_it_comes_back_when_it_is_killed(engine: Engine) -> None:
         picture = await engine.take()
     assert len(engine.ends) == 1
     assert picture.data.std() > 20
-    await engine.told(Place(0.0, 0.0, pytest.approx(-pi / 2, abs=1e-3)))
+    await engine.told(Place(0.0, 0.0, pytest.approx(-pi / 2, abs=1e-3)))  # type: ignore[arg-type]
     engine.send(React("again", "nod"), Stop("again"))
     await engine.told(Completed("again", "ABORT"))
 
@@ -326,6 +326,7 @@ async def test_a_small_game_shows_its_window_and_comes_back_to_an_adapter_that_w
         async with LinkServer.listen(address, "the secret") as server:
             (await server.accept(PATIENCE)).send_command(Quit())
             async with asyncio.timeout(PATIENCE):
+                assert process is not None
                 assert await process.wait() == 0
     finally:
         if process is not None and process.returncode is None:

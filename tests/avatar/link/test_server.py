@@ -177,7 +177,8 @@ async def test_of_sound_that_is_not_read_the_newest_is_kept_and_nobody_is_cut_of
     connection.send_command(Look(0, 0))
     assert connection.connected
     engine.writer.transport.resume_reading()  # type: ignore[attr-defined]
-    heard, looked = [], False
+    heard: list[int] = []
+    looked = False
     while not looked or heard[-1] != total - 1:
         message = await engine.read()
         looked = looked or message == Look(0, 0)

@@ -1,6 +1,7 @@
-from collections.abc import Iterator
+from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import pytest
 from openrois_avatar.metrics.exposition import written
@@ -13,6 +14,7 @@ from openrois_avatar.metrics.figures import (
     SOURCE,
     STATUSES,
     STREAM,
+    Figure,
     Process,
     Snapshot,
     Source,
@@ -58,10 +60,10 @@ SNAPSHOT = Snapshot(
     (STREAM_1,),
     (("strangers", 3), ("malformed", 0)),
 )
-FIGURES = (*ADAPTER, *GUARD, *SOURCE, *RENDITION, *STREAM, *ADAPTATION, *RECEPTION)
+FIGURES: tuple[Figure[Any], ...] = (*ADAPTER, *GUARD, *SOURCE, *RENDITION, *STREAM, *ADAPTATION, *RECEPTION)
 
 
-def samples(families: Iterator[Metric]) -> dict[str, dict[tuple[str, ...], float]]:
+def samples(families: Iterable[Metric]) -> dict[str, dict[tuple[str, ...], float]]:
     """Values by the name of the sample and the values of its labels, in the order of the labels' names."""
     found: dict[str, dict[tuple[str, ...], float]] = {}
     for family in families:
@@ -125,7 +127,7 @@ def test_what_nobody_has_reported_yet_is_left_out() -> None:
 def test_whoever_prefers_open_metrics_gets_it() -> None:
     text, content_type = written(SNAPSHOT, "application/openmetrics-text; version=1.0.0")
     assert content_type.startswith("application/openmetrics-text")
-    found = samples(read_open_metrics(text.decode()))
+    found = samples(read_open_metrics(text.decode()))  # type: ignore[no-untyped-call]
     assert {figure.name for figure in FIGURES} <= set(found)
 
 

@@ -1,6 +1,7 @@
 """Every operation of the four interfaces, on every kind of gateway."""
 
 import asyncio
+from collections.abc import Awaitable
 
 import pytest
 
@@ -133,13 +134,14 @@ async def test_a_fault_is_told_and_asked_about(ground: Ground, client: Client) -
 
 
 async def test_what_is_refused_is_named(client: Client) -> None:
-    for refused, named in [
+    expected: list[tuple[Awaitable[object], str]] = [
         (client.bind("toys/nothing"), r"rois.command.bind\(toys/nothing\): UNSUPPORTED \(there is no"),
         (client.query("mood", where(component_ref=LAMP)), rf"rois.query.query\(mood, component_ref = '{LAMP}'\): UNS"),
         (client.component(Navigation, LAMP).start(), rf"rois.command.execute\(start of {LAMP}\): OUT_OF_RESOURCES"),
         (client.search("x" * 1000), r"rois.command.search\(x{200}\): BAD_PARAMETER"),
         (client.search("component_ref =\n'x"), r"rois.command.search\(component_ref = 'x\): BAD_PARAMETER"),
-    ]:
+    ]
+    for refused, named in expected:
         with pytest.raises(RoISError, match=named):
             await refused
 

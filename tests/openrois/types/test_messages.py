@@ -168,7 +168,8 @@ def test_results_of_an_adapter_are_read_as_strictly(model: type[Model], params: 
 
 def test_off_the_wire_a_result_has_its_return_code() -> None:
     assert SubscribeResult.read({"return_code": "OK", "subscribe_id": "s"}) == SubscribeResult(subscribe_id="s")
-    for result in ({"subscribe_id": "s"}, {}, [], None, "OK"):
+    results: tuple[Any, ...] = ({"subscribe_id": "s"}, {}, [], None, "OK")
+    for result in results:
         with pytest.raises(ValidationError):
             SubscribeResult.read(result)
 

@@ -73,7 +73,7 @@ class Datagrams:
         )
         pair: Any = SimpleNamespace(protocol=SimpleNamespace(transport=transport), remote_addr=address)
         dtls.transport._connection._nominated[1] = pair
-        dtls._tx_srtp = object()
+        dtls._tx_srtp = object()  # type: ignore[assignment]
         dtls._state = State.CONNECTED
 
     def close(self) -> None:

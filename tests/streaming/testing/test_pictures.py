@@ -38,7 +38,7 @@ def test_all_is_well() -> None:
     assert figures.fps == 30
     assert (figures.missed, figures.repeated, figures.unreadable, figures.freezes, figures.size_changes) == (0,) * 5
     assert figures.size == (640, 360)
-    assert figures.delay == Delays(60, *[pytest.approx(0.05, abs=1e-4)] * 4)
+    assert figures.delay == Delays(60, *[pytest.approx(0.05, abs=1e-4)] * 4)  # type: ignore[arg-type]
     assert list(log.sizes) == [(0.0, 640, 360)]
     assert log.count == 60
 
