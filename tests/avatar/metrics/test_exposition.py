@@ -142,6 +142,6 @@ def test_the_table_for_operators_lists_what_is_there_and_nothing_else() -> None:
     page = (Path(__file__).parents[3] / "docs" / "operating.md").read_text(encoding="utf-8")
     listed = [line.split("|")[1:4] for line in page.splitlines() if line.startswith("| `openrois_")]
     rows = {cells[0].strip().strip("`"): (cells[1].strip(), cells[2].strip()) for cells in listed}
-    exported = {figure.name: (figure.kind, figure.help) for figure in FIGURES}
+    exported: dict[str, tuple[str, str]] = {figure.name: (figure.kind, figure.help) for figure in FIGURES}
     exported |= {name: ("state set", meaning) for name, (meaning, _) in STATUSES.items()}
     assert rows == exported
