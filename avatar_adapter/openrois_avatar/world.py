@@ -38,13 +38,13 @@ class World:
         self.changed: Listeners[Place | Floor | Things | None] = Listeners()
 
     def take(self, event: Event) -> None:
-        """Take an event of the game engine."""
+        """Take an event of the game engine; one that says again what is known changes nothing."""
         match event:
-            case Place():
+            case Place() if event != self.place:
                 self.place = event
-            case Floor():
+            case Floor() if event != self.floor:
                 self.floor = event
-            case Things():
+            case Things() if event.things != self.things:
                 self.things = event.things
             case _:
                 return

@@ -27,6 +27,19 @@ def test_it_knows_what_was_told_last_and_tells_it(world: World) -> None:
     assert (world.place, world.floor, world.things) == (Place(1, 0, 0), SQUARE, (ANNA, TABLE))
 
 
+def test_what_is_said_again_is_no_news(world: World) -> None:
+    told: list[object] = []
+    events = (Place(0, 0, 0), SQUARE, Things((ANNA,)))
+    for event in events:
+        world.take(event)
+    known = world.floor
+    world.changed.add(told.append)
+    for event in (Place(0, 0, 0), Floor(SQUARE.outline, ()), Things((Thing("p1", "person", 1.0, 2.0, name="Anna"),))):
+        world.take(event)
+    assert told == []
+    assert world.floor is known
+
+
 def test_a_lost_engine_takes_its_scene_along(world: World) -> None:
     for event in (Place(0, 0, 0), SQUARE, Things((ANNA,))):
         world.take(event)

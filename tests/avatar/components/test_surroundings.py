@@ -68,7 +68,7 @@ async def test_changes_are_told(stage: Stage) -> None:
         await stage.registry.subscribe(REF, event, stage.hear)
     stage.world.take(Place(1, -2, 0.25))
     stage.world.take(Floor(((0, 0), (4, 0), (4, 3))))
-    stage.world.take(Things(()))
+    stage.world.take(Things((Thing("t", "object", 0, 2),)))
     stage.world.clear()
     assert stage.heard == [
         ("figure_moved", ["1.000,-2.000,0.2500"]),

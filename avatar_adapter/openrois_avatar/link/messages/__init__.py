@@ -125,15 +125,17 @@ _EVENTS: Final[Mapping[str, Callable[[Mapping[str, Any]], Event]]] = {
 
 def command_from_json(body: Mapping[str, Any]) -> Command:
     """The command that the body of a COMMAND message names."""
-    read = _COMMANDS.get(text(body, "command", MAX_NAME))
+    name = text(body, "command", MAX_NAME)
+    read = _COMMANDS.get(name)
     if read is None:
-        raise LinkError("command: unknown")
+        raise LinkError(f"command: unknown: {name!r}")
     return read(body)
 
 
 def event_from_json(body: Mapping[str, Any]) -> Event:
     """The event that the body of an EVENT message names."""
-    read = _EVENTS.get(text(body, "event", MAX_NAME))
+    name = text(body, "event", MAX_NAME)
+    read = _EVENTS.get(name)
     if read is None:
-        raise LinkError("event: unknown")
+        raise LinkError(f"event: expected one of {', '.join(_EVENTS)}, not {name!r}")
     return read(body)
