@@ -7,7 +7,7 @@ import pytest
 from playwright.async_api import Browser, Page, expect
 
 from tests.support.browser import Visit, visiting
-from tests.support.conversation import meet, outcome, speak
+from tests.support.conversation import SAYING, aloud, meet, outcome, say, speak
 from tests.support.demo import Demo
 
 pytestmark = [
@@ -21,6 +21,10 @@ ENGINE: Final = "puppet"
 
 _CONTRAST: Final = Path(__file__).with_name("contrast.js")
 _READABLE: Final = 4.5
+_MARKED: Final = "document.querySelector('[data-testid=say-words] mark')?.textContent"
+_AUDIBLE: Final = 0.003
+_SILENT_WITHIN: Final = 150
+"""Milliseconds from the click on Stop to the end of what is heard."""
 _FOCUS: Final = """(() => {
     const { dataset, className } = document.activeElement;
     const { outlineStyle, outlineWidth } = getComputedStyle(document.activeElement);
@@ -54,7 +58,7 @@ async def test_the_tab_key_goes_everywhere_in_the_order_in_which_one_reads(guest
     order = [
         *("skip", "show-avatar", "show-inspector", "help-open", "theme-toggle", "stage"),
         *("sound-off", "statistics-toggle", "control-toggle", "fullscreen"),
-        *("say-text", "say-language", "say-send"),
+        *("say-text", "say-language", "say-send"),  # pause and stop have nothing to do yet
         *reactions,
         *("map-open", "map", "microphone-toggle", "camera-toggle"),
         *("video-suspend", "video-disconnect", "audio-suspend", "audio-disconnect"),
@@ -134,3 +138,30 @@ async def test_the_puppet_lives_too(guest: Visit) -> None:
     await guest.page.get_by_role("button", name="Bow").click()
     assert await guest.until("probe.watched.picture.some(({ away }) => away > 2)")
     assert await outcome(guest, "avatar/Reaction", "start") == "OK"
+
+
+async def test_the_word_that_is_heard_is_marked_and_a_pause_holds_it(guest: Visit) -> None:
+    await say(guest, "Green parrots whistle melodies loudly.")
+    await guest.until(f"{_MARKED} === 'parrots'")
+    await guest.press("say-pause")
+    await guest.until(f"{SAYING} === 'paused'")
+    await expect(guest.item("say-pause")).to_have_attribute("aria-label", "Go on")
+    await guest.press("say-pause")
+    await guest.until(f"{_MARKED} === 'loudly'")
+    await guest.until(f"{SAYING} === 'done'")
+    await expect(guest.item("say-words")).to_be_hidden()
+    assert await outcome(guest, "avatar/SpeechSynthesis", "suspend") == "OK"
+
+
+async def test_stop_is_silent_before_the_buffer_of_the_browser_is_empty(guest: Visit) -> None:
+    await guest.listen()
+    await say(guest, "Once upon a time there was an avatar that told long stories to whoever would listen.")
+    await aloud(guest)
+    await guest.press("say-stop")
+    pressed = await guest.read("performance.now()")
+    await guest.until(f"{SAYING} === 'stopped'")
+    await expect(guest.item("say-state")).to_contain_text("stopped at the word")
+    await guest.until("openrois.audio.track.enabled")  # the buffer has run out
+    await guest.until(f"probe.sound.at(-1).at > {pressed} + 500")
+    heard = [each["at"] for each in await guest.read("probe.sound") if each["rms"] > _AUDIBLE]
+    assert max(heard) - pressed < _SILENT_WITHIN

@@ -61,7 +61,7 @@ const audioCard = new StreamCard("audio");
 const readings = new Readings();
 new FiguresPanel(readings);
 const overlay = new Overlay(readings);
-const say = new SayLine(client);
+const say = new SayLine(client, (cut) => void window.openrois.audio?.hush(cut));
 const reactions = new Reactions(client);
 const gaze = new Gaze(client, stage.element);
 const operator = new OperatorCard(client, receiver);
@@ -84,7 +84,7 @@ function avatarChanged(): void {
   const present = directory.present && client.state.name === "connected" ? avatar : null;
   say.offered = avatar?.speech !== null;
   reactions.offered = avatar?.reaction !== null;
-  say.setComponent(present?.speech ?? null);
+  say.setComponents(present?.speech ?? null, present?.progress ?? null);
   reactions.setComponent(present?.reaction ?? null);
   gaze.setComponent(present?.gaze ?? null);
   control.setComponent(present?.teleoperation ?? null);

@@ -17,7 +17,10 @@ export function describeCompleted(status: CompletedStatus, elapsed: number, reas
     case "OK":
       return { state: "done", text: `completed OK after ${(elapsed / 1000).toFixed(1)} s` };
     case "ABORT":
-      return { state: "stopped", text: `stopped after ${(elapsed / 1000).toFixed(1)} s (completed ABORT)` };
+      return {
+        state: "stopped",
+        text: `${reason || `stopped after ${(elapsed / 1000).toFixed(1)} s`} (completed ABORT)`,
+      };
     default:
       return {
         state: "failed",

@@ -6,9 +6,10 @@ import { ComponentWatch, isUsable } from "./component_status.ts";
 import type { Availability } from "./component_status.ts";
 import { byRole, byTestId, make, setText } from "./dom.ts";
 import { languageChoice } from "./languages.ts";
-import { describeEnd } from "./outcome.ts";
+import { describeEnd, describeFailure } from "./outcome.ts";
+import { SpeechWords } from "./speech_words.ts";
 
-type State = "idle" | "speaking" | "done" | "stopped" | "failed" | "refused" | "unavailable";
+type State = "idle" | "speaking" | "paused" | "done" | "stopped" | "failed" | "refused" | "unavailable";
 
 const BUSY = "somebody else is speaking through this avatar; try again in a moment";
 
@@ -19,21 +20,28 @@ export class SayLine {
   readonly #language = byTestId("say-language", HTMLSelectElement);
   readonly #send = byTestId("say-send", HTMLButtonElement);
   readonly #stop = byTestId("say-stop", HTMLButtonElement);
+  readonly #pause = byTestId("say-pause", HTMLButtonElement);
   readonly #state = byTestId("say-state", HTMLElement);
   readonly #watch: ComponentWatch;
+  readonly #words: SpeechWords;
+  readonly #onCut: (cut: Promise<unknown>) => void;
   #speech: SpeechSynthesis | null = null;
   #usable = false;
   #performance = 0;
   #last = "";
 
-  constructor(client: Client) {
+  /** @param onCut is told that speech is being broken off, and when that is done */
+  constructor(client: Client, onCut: (cut: Promise<unknown>) => void) {
     this.#client = client;
+    this.#onCut = onCut;
+    this.#words = new SpeechWords(client, () => onCut(Promise.resolve()));
     this.#watch = new ComponentWatch(client, (status) => this.#available(status));
     this.#form.addEventListener("submit", (event) => {
       event.preventDefault();
       void this.#speak();
     });
     this.#stop.addEventListener("click", () => this.stop());
+    this.#pause.addEventListener("click", () => void this.#togglePause());
     this.#input.addEventListener("keydown", (event) => {
       if (event.key !== "ArrowUp" || this.#input.value !== "" || this.#last === "") return;
       event.preventDefault();
@@ -47,8 +55,9 @@ export class SayLine {
     this.#form.hidden = !offered;
   }
 
-  /** @param componentRef the SpeechSynthesis component; null when the avatar has none or is away */
-  setComponent(componentRef: string | null): void {
+  /** @param componentRef,progress the components SpeechSynthesis and SpeechProgress; null when there is none or it is away */
+  setComponents(componentRef: string | null, progress: string | null): void {
+    this.#words.setComponent(progress);
     if (componentRef !== null && this.#speech?.componentRef !== componentRef) {
       this.#speech = new SpeechSynthesis(this.#client, componentRef);
     }
@@ -60,7 +69,23 @@ export class SayLine {
   }
 
   stop(): void {
-    if (this.#speech?.inUse) void this.#speech.stop().catch(() => undefined);
+    if (this.#speech?.inUse) this.#onCut(this.#speech.stop().catch(() => undefined));
+  }
+
+  async #togglePause(): Promise<void> {
+    const paused = this.#state.dataset["state"] === "paused";
+    const performance = this.#performance;
+    try {
+      await (paused ? this.#speech?.resume() : this.#speech?.suspend());
+    } catch (error) {
+      if (performance === this.#performance) setText(this.#state, describeFailure(error, BUSY).text);
+      return;
+    }
+    // It may have come to its end meanwhile.
+    const state = this.#state.dataset["state"];
+    if (performance !== this.#performance || (state !== "speaking" && state !== "paused")) return;
+    if (paused) this.#show("speaking", "speaking");
+    else this.#show("paused", "paused");
   }
 
   async #speak(): Promise<void> {
@@ -72,13 +97,17 @@ export class SayLine {
     const language = this.#language.value;
     const parameters = { speech_text: text, ...(language !== "" && { language }) };
     this.#show("speaking", "speaking");
+    await this.#words.begin(text);
+    if (performance !== this.#performance) return;
     const spoken = speech.perform(parameters, () => {
       this.#last = text;
       if (this.#input.value.trim() === text) this.#input.value = "";
     });
     const { state, text: words } = await describeEnd(spoken, BUSY);
     // A sentence that the next one has cut short is nobody's concern any more.
-    if (performance === this.#performance) this.#show(state, words);
+    if (performance !== this.#performance) return;
+    this.#words.end();
+    this.#show(state, words);
   }
 
   #available(status: Availability): void {
@@ -119,6 +148,11 @@ export class SayLine {
     this.#input.disabled = !this.#usable;
     this.#language.disabled = !this.#usable;
     this.#send.disabled = !this.#usable;
-    this.#stop.disabled = !this.#usable || this.#state.dataset["state"] !== "speaking";
+    const paused = this.#state.dataset["state"] === "paused";
+    const speaking = this.#state.dataset["state"] === "speaking" || paused;
+    this.#stop.disabled = this.#pause.disabled = !this.#usable || !speaking;
+    this.#pause.setAttribute("aria-label", paused ? "Go on" : "Pause");
+    this.#pause.title = paused ? "Go on" : "Pause";
+    this.#pause.classList.toggle("paused", paused);
   }
 }

@@ -18,7 +18,7 @@ import { Walk } from "./walk.ts";
 const PACE = 400;
 /** Metres from a thing within which it is meant. */
 const REACH = 0.35;
-const HINT = "Click where it shall go; with Shift, where it shall go next.";
+const HINT = "Click where it shall go. Shift adds a place.";
 const NO_WALK = "This figure does not walk.";
 const NO_FLOOR = "This engine tells no floor: ways are straight.";
 const NOWHERE: Ground = { outline: [], obstacles: [] };

@@ -24,6 +24,7 @@ export class StreamPlace {
   #next: Attachment | null = null;
   #sample: Sample | null = null;
   #located = false;
+  #bufferDelay: number | null = null;
 
   /** @param receives there is a track of the engine's */
   constructor(events: Emitter<StreamEvents>, receives: boolean) {
@@ -41,6 +42,11 @@ export class StreamPlace {
 
   get newest(): Attachment | null {
     return this.#next ?? this.#current;
+  }
+
+  /** Milliseconds in the jitter buffer, as they were last; null while nothing flows. */
+  get bufferDelay(): number | null {
+    return this.#bufferDelay;
   }
 
   /** The present connection of the stream has a place; what is shown may still come from the one before. */
@@ -98,6 +104,7 @@ export class StreamPlace {
     this.#sample = sample;
     if (!figures) return;
     if (figures.rate > 0) this.onFlow();
+    this.#bufferDelay = figures.bufferDelay;
     this.#events.emit("figures", figures);
   }
 
@@ -105,6 +112,7 @@ export class StreamPlace {
     if (this.#receives) this.#events.emit("interrupted", undefined);
     this.#current = null;
     this.#sample = null;
+    this.#bufferDelay = null;
     this.#events.emit("change", undefined);
   }
 }

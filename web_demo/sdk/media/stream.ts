@@ -3,6 +3,7 @@
 import { Emitter } from "../events.ts";
 import type { BackoffOptions } from "../rois/backoff.ts";
 import type { Direction, MediaKind, StreamStatus } from "../rois/generated/types.ts";
+import { Hush } from "./hush.ts";
 import { StreamPlace } from "./place.ts";
 import { Reconciler } from "./reconciler.ts";
 import type { Desire, Problem, Verb } from "./reconciler.ts";
@@ -208,4 +209,23 @@ export abstract class ControlledStream {
 }
 
 /** A stream that this application receives. */
-export class RemoteStream extends ControlledStream {}
+export class RemoteStream extends ControlledStream {
+  readonly #hush = new Hush();
+
+  /** Milliseconds from the arrival of its media to their being played, lately; null while nothing plays. */
+  get playoutDelay(): number | null {
+    return this.place.bufferDelay;
+  }
+
+  /**
+   * Silences what is still buffered here of a sound that the avatar is made to break off: at once, and until it has run
+   * out. Call it together with `stop`; what is heard ends then, and not with the buffer, which may hold 350 ms.
+   *
+   * @param cut resolves when the avatar has broken it off, as `stop` does or the event that says so; without it the
+   *   avatar has done so already
+   * @returns resolves when the stream is heard again
+   */
+  async hush(cut: Promise<unknown> = Promise.resolve()): Promise<void> {
+    if (this.track) await this.#hush.begin(this.track, () => this.playoutDelay, cut);
+  }
+}

@@ -58,6 +58,11 @@ describe("outcomes in words", () => {
   it.each([
     [describeCompleted("OK", 1849), "done", "completed OK after 1.8 s"],
     [describeCompleted("ABORT", 400), "stopped", "stopped after 0.4 s (completed ABORT)"],
+    [
+      describeCompleted("ABORT", 400, "the speech was stopped at the word 'so'"),
+      "stopped",
+      "the speech was stopped at the word 'so' (completed ABORT)",
+    ],
     [describeCompleted("TIMEOUT", 1), "failed", "the avatar could not finish it (completed TIMEOUT)"],
     [describeFailure(new RoISError("OUT_OF_RESOURCES", "m"), "busy"), "refused", "busy"],
     [describeFailure(new RoISError("ERROR", "m"), "busy"), "failed", "the avatar refused it: ERROR"],
