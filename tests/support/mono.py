@@ -34,17 +34,14 @@ class Mono:
     def compile(self, sources: Iterable[Path], folder: Path) -> Path:
         """Compile the SDK with further sources to a program in `folder`; a warning is an error."""
         program = folder / "program.exe"
-        self._run(
-            self.compiler,
-            "-warnaserror",
-            "-langversion:6",
-            f"-r:{self.newtonsoft}",
-            "-r:System.Runtime.Serialization",
-            f"-out:{program}",
-            *(str(path) for path in (*sorted(SDK.rglob("*.cs")), *sources)),
-        )
-        shutil.copy(self.newtonsoft, folder)
+        self.build(program, (*sorted(SDK.rglob("*.cs")), *sources), "-r:System.Runtime.Serialization")
         return program
+
+    def build(self, target: Path, sources: Iterable[Path], *options: str) -> None:
+        """Compile sources alone to a program or, with `-target:library`, to a library; a warning is an error."""
+        common = ("-warnaserror", "-langversion:6", f"-r:{self.newtonsoft}", f"-out:{target}")
+        self._run(self.compiler, *common, *options, *map(str, sources))
+        shutil.copy(self.newtonsoft, target.parent)
 
     def run(self, program: Path, *arguments: str) -> str:
         """Run a program and return what it prints."""
