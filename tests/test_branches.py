@@ -52,7 +52,7 @@ TESTS = (
     "tests/avatar/sensing",
     "tests/avatar/motion",
     *(f"tests/avatar/vision/test_{part}.py" for part in ("box", "gallery", "head_gestures", "seen", "tracks")),
-    *(f"tests/avatar/facades/test_{part}.py" for part in ("messages", "sections", "streamers")),
+    *(f"tests/avatar/facades/test_{part}.py" for part in ("messages", "sections", "streamers", "viewing")),
     "tests/avatar/test_health.py",
     "tests/avatar/test_sound_lag.py",
     "tests/avatar/test_world.py",

@@ -18,8 +18,10 @@ from openrois.dialer import serve_parent
 from openrois.errors import BadParameter
 from openrois.logs import set_up_logging
 from openrois.transport.address import adapter_url
-from openrois_avatar.adapter import run_avatar
+from openrois_avatar.adapter import Avatar, run_avatar
 from openrois_avatar.check import command as check
+from openrois_avatar.facades.running import FACADES, FacadeAvatar, run_facade
+from openrois_avatar.facades.server import FacadeUnavailable
 from openrois_avatar.game_engines import NoGameEngine
 from openrois_avatar.link.messages import LinkError
 from openrois_avatar.link_options import add_link_options, link_secret
@@ -48,7 +50,7 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument("--gateway", default=defaults.gateway, metavar="URL", help="where it is (%(default)s)")
     parser.add_argument("--engine-id", default=defaults.engine_id, help="unique behind its gateway (%(default)s)")
     parser.add_argument("--engine", choices=ENGINES, default=defaults.engine, help="what renders it (%(default)s)")
-    add_link_options(parser, when=" if it is external")
+    add_link_options(parser, when=" if it is external or a facade")
     parser.add_argument(
         "--metrics",
         metavar="[HOST:]PORT",
@@ -79,6 +81,7 @@ def main(arguments: Sequence[str]) -> int:
         chosen.engine_id,
         chosen.engine,
         link=chosen.link,
+        facade=chosen.facade,
         link_secret=secret,
         metrics=metrics,
         network=network,
@@ -86,7 +89,7 @@ def main(arguments: Sequence[str]) -> int:
     )
     try:
         uvloop.run(_run(settings))
-    except (NoGameEngine, LinkError, UnsupportedLibrary, BadParameter, MetricsUnavailable) as error:
+    except (NoGameEngine, LinkError, UnsupportedLibrary, BadParameter, FacadeUnavailable, MetricsUnavailable) as error:
         print(f"openrois avatar: {error}", file=sys.stderr)
         return 1
     return 0
@@ -116,7 +119,11 @@ async def _run(settings: AvatarSettings) -> None:
 
 async def _serve(settings: AvatarSettings) -> None:
     async with AsyncExitStack() as stack:
-        avatar = await stack.enter_async_context(run_avatar(settings))
+        avatar: Avatar | FacadeAvatar
+        if settings.engine in FACADES:
+            avatar = await stack.enter_async_context(run_facade(settings))
+        else:
+            avatar = await stack.enter_async_context(run_avatar(settings))
         if settings.metrics is not None:
             _log.info("metrics: %s", await stack.enter_async_context(serving_metrics(*settings.metrics, avatar.look)))
         print(f"ready {settings.engine_id}", flush=True)

@@ -27,7 +27,7 @@ def main(arguments: Sequence[str]) -> int:
     parser = argparse.ArgumentParser(prog="openrois demo", description="A live avatar on a page of this machine.")
     parser.add_argument("--port", type=_port, default=8765, help="TCP port of the page (%(default)s)")
     parser.add_argument("--engine", choices=ENGINES, default="auto", help="what renders the avatar (%(default)s)")
-    add_link_options(parser, when=" if it is external")
+    add_link_options(parser, when=" if it is external or a facade")
     add_host_options(parser)
     parser.add_argument("--verbose", action="store_true", help="log more")
     chosen = parser.parse_args(arguments)

@@ -4,9 +4,10 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
+from openrois_avatar.facades.server import facade_address
 from openrois_avatar.link.address import parse_address
 from openrois_avatar.link.messages import MAX_NAME, LinkError
-from openrois_avatar.settings import DEFAULT_LINK
+from openrois_avatar.settings import DEFAULT_FACADE, DEFAULT_LINK
 
 __all__ = ["add_link_options", "link_arguments", "link_secret"]
 
@@ -28,11 +29,18 @@ def add_link_options(parser: argparse.ArgumentParser, *, when: str = "", otherwi
         f" ({otherwise or DEFAULT_LINK})",
     )
     parser.add_argument(
+        "--facade",
+        type=_facade,
+        default=DEFAULT_FACADE,
+        metavar="HOST:PORT",
+        help="where unreal or unity-render-streaming finds its signaling server, on this machine (%(default)s)",
+    )
+    parser.add_argument(
         "--link-secret-file",
         type=Path,
         metavar="FILE",
-        help="holds the secret that the engine must send; without it any program of this machine that reaches the"
-        " address can be the engine",
+        help="holds the secret that the engine must send (to a facade as the path of its URL); without it any program"
+        " of this machine that reaches the address can be the engine",
     )
 
 
@@ -57,7 +65,21 @@ def link_secret(chosen: argparse.Namespace) -> str:
 def link_arguments(chosen: argparse.Namespace) -> Sequence[str]:
     """The same options for another command line."""
     file = chosen.link_secret_file
-    return ("--link", chosen.link, *(() if file is None else ("--link-secret-file", str(file))))
+    return (
+        "--link",
+        chosen.link,
+        "--facade",
+        chosen.facade,
+        *(() if file is None else ("--link-secret-file", str(file))),
+    )
+
+
+def _facade(text: str) -> str:
+    try:
+        facade_address(text)
+    except ValueError as error:
+        raise argparse.ArgumentTypeError(str(error)) from error
+    return text
 
 
 def _address(text: str) -> str:

@@ -5,12 +5,14 @@ from typing import Final
 
 from openrois_streaming.network.settings import NetworkSettings
 
-__all__ = ["DEFAULT_LINK", "ENGINES", "AvatarSettings"]
+__all__ = ["DEFAULT_FACADE", "DEFAULT_LINK", "ENGINES", "AvatarSettings"]
 
-ENGINES: Final = ("auto", "panda3d", "puppet", "godot", "external", "synthetic")
+ENGINES: Final = ("auto", "panda3d", "puppet", "godot", "external", "unreal", "unity-render-streaming", "synthetic")
 """What may render the avatar: `auto` is Panda3D where it runs and else the puppet; `external` is an engine that
-somebody else starts, which connects by itself; `synthetic` is a test picture."""
+somebody else starts, which connects by itself; `unreal` and `unity-render-streaming` are, too, and they send their
+pictures to the viewers themselves; `synthetic` is a test picture."""
 DEFAULT_LINK: Final = "tcp:127.0.0.1:8766"
+DEFAULT_FACADE: Final = "127.0.0.1:8888"
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +24,8 @@ class AvatarSettings:
         engine_id: leads every ref of this avatar; unique behind its gateway.
         engine: one of `ENGINES`.
         link: where an external engine is awaited, `tcp:host:port` or `unix:/path`, on this machine.
-        link_secret: what it must know; empty: any engine will do.
+        facade: where an engine that sends its pictures itself finds its signaling server, `host:port` on this machine.
+        link_secret: what an engine must know; empty: any engine will do.
         metrics: host and port at which Prometheus finds figures; None for nowhere.
         network: how its streams use the network.
         max_viewer_bitrate: bit/s that an application is sent at most of each video stream, whatever it asks for; None:
@@ -33,6 +36,7 @@ class AvatarSettings:
     engine_id: str = "avatar"
     engine: str = "auto"
     link: str = DEFAULT_LINK
+    facade: str = DEFAULT_FACADE
     link_secret: str = field(default="", repr=False)
     metrics: tuple[str, int] | None = None
     network: NetworkSettings = field(default_factory=NetworkSettings)

@@ -4,12 +4,11 @@ RoIS words end here: below it is about sessions, peer connections and tracks.
 """
 
 import itertools
-import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Final, TypeVar
+from typing import Any, Final
 
-from openrois_signaling.messages import Answer, Bye, Candidate, Direction, Downward, IceServer, MediaKind, Restart
+from openrois_signaling.messages import Answer, Bye, Candidate, Direction, Downward, MediaKind, Restart
 from openrois_streaming import errors as media_errors
 from openrois_streaming import state
 from openrois_streaming.adaptation.caps import Caps
@@ -21,22 +20,26 @@ from openrois_streaming.network.settings import NetworkSettings
 from openrois_streaming.session import StreamSession
 from openrois_streaming.sessions import StreamSessions
 from openrois_streaming.stream import StreamChange
-from pydantic import Field, ValidationError
+from pydantic import ValidationError
 
 from openrois.contract import Client
 from openrois.errors import BadParameter, OutOfResources, RoISError, Unsupported
 from openrois.types.codes import ReturnCode, StreamStatus
-from openrois.types.messages import Parameter
-from openrois.types.model import Model
 from openrois.types.references import new_id
 from openrois.types.streams import (
     STREAM_METHODS,
-    ConnectStreamParams,
     HolderNotification,
     StreamParams,
     StreamStatusNotification,
 )
 from openrois.types.values import date_time
+from openrois_avatar.stream_requests import (
+    ConnectFromGateway,
+    EncodingParameters,
+    RestartFromGateway,
+    TransportParameters,
+    read_parameter,
+)
 from openrois_avatar.teleoperation.seat import Seat
 
 __all__ = ["AvatarStreams", "Published"]
@@ -91,46 +94,6 @@ class Published:
         if self.inlet is None:
             return ("recvonly",)
         return ("recvonly", "sendonly", "sendrecv") if self.kind == "audio" else ("recvonly", "sendonly")
-
-
-class _ConnectFromGateway(ConnectStreamParams):
-    """As an application's, and the ICE servers that the gateway adds."""
-
-    ice_servers: tuple[IceServer, ...] = Field(default=(), strict=False)
-
-
-class _RestartFromGateway(Restart):
-    """As an application's, and fresh credentials for the ICE servers."""
-
-    ice_servers: tuple[IceServer, ...] | None = Field(default=None, strict=False)
-
-
-class _EncodingParameters(Model, extra="ignore"):
-    """What of `encoding_parameters` is read; other members are for engines that know them."""
-
-    codecs: tuple[str, ...] | None = Field(default=None, max_length=32, strict=False)
-    width: int | None = Field(default=None, ge=16, le=16_384)
-    height: int | None = Field(default=None, ge=16, le=16_384)
-    fps: float | None = Field(default=None, ge=1, le=1000)
-    max_bitrate: int | None = Field(default=None, ge=50_000, le=1_000_000_000)
-    channels: int = Field(default=1, ge=1, le=2)
-
-    def caps(self) -> Caps:
-        """What the application wants at most."""
-        return Caps(self.max_bitrate, self.width, self.height, self.fps)
-
-
-class _TransportParameters(Model, extra="ignore"):
-    """What of `transport_parameters` is read: `recvonly` is a stream that the application receives.
-
-    With `input` the application wants data channels for what its person does.
-    """
-
-    direction: str = Field(default="recvonly", max_length=32)
-    input: bool = False
-
-
-Read = TypeVar("Read", bound=Model)
 
 
 class AvatarStreams:
@@ -197,7 +160,7 @@ class AvatarStreams:
     async def _handle(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
         match method:
             case "rois.stream.connect_stream":
-                return self._connect(_ConnectFromGateway.model_validate(params), client)
+                return self._connect(ConnectFromGateway.model_validate(params), client)
             case "rois.stream.query_stream_status":
                 session, stream_id = self._stream(params, client)
                 return {"status": _STATUS[session.status(stream_id)].value}
@@ -226,7 +189,7 @@ class AvatarStreams:
                 candidate = Candidate.model_validate(params)
                 await self.sessions.with_peer(self._session_name(client), candidate.peer_id).candidate(candidate)
             case Restart.method:
-                restart = _RestartFromGateway.model_validate(params)
+                restart = RestartFromGateway.model_validate(params)
                 session = self.sessions.with_peer(self._session_name(client), restart.peer_id)
                 if restart.ice_servers is not None:
                     session.ice_servers = restart.ice_servers
@@ -241,12 +204,12 @@ class AvatarStreams:
         stream_id = StreamParams.model_validate(params).stream_id
         return self.sessions.with_stream(self._session_name(client), stream_id), stream_id
 
-    def _connect(self, params: _ConnectFromGateway, client: Client) -> dict[str, Any]:
+    def _connect(self, params: ConnectFromGateway, client: Client) -> dict[str, Any]:
         published = self._published.get(params.component_ref)
         if published is None:
             raise Unsupported(f"{params.component_ref} has no streams")
-        encoding = _parameter(params.parameters, "encoding_parameters", _EncodingParameters)
-        transport = _parameter(params.parameters, "transport_parameters", _TransportParameters)
+        encoding = read_parameter(params.parameters, "encoding_parameters", EncodingParameters)
+        transport = read_parameter(params.parameters, "transport_parameters", TransportParameters)
         direction = next((each for each in published.directions if each == transport.direction), None)
         if direction is None:
             possible = ", ".join(published.directions)
@@ -323,16 +286,3 @@ class AvatarStreams:
         session_name = self._names.pop(client, None)
         if session_name is not None:
             await self.sessions.close(session_name, "the application is gone")
-
-
-def _parameter(parameters: tuple[Parameter, ...], name: str, model: type[Read]) -> Read:
-    """Read a parameter that is a JSON object in a text; one that is absent or empty has its defaults.
-
-    Raises:
-        BadParameter: it is not such a text, or a member has a wrong type.
-    """
-    text = next((parameter.value for parameter in parameters if parameter.name == name), "")
-    try:
-        return model.model_validate(json.loads(text) if text else {})
-    except (ValueError, RecursionError) as error:
-        raise BadParameter(f"{name} is a JSON object in a text: {error}") from error

@@ -96,8 +96,8 @@ def check_answer(answer: str, offered: Sequence[Section], connected: Collection[
         if section.mid not in connected:
             if not section.rejected and section.way != "inactive":
                 raise UnusableDescription(f"section {section.mid} was not connected: it must be answered inactive")
-        elif section.rejected or section.way not in {"recvonly", "inactive"}:
-            raise UnusableDescription(f"section {section.mid} can be received only")
+        elif section.rejected or section.way != "recvonly":
+            raise UnusableDescription(f"section {section.mid} is to be received, and nothing sent in it")
 
 
 def split_candidates(sdp: str) -> tuple[str, tuple[CandidateLine, ...]]:

@@ -6,11 +6,15 @@ from typing import Protocol, TypeAlias
 
 from openrois_signaling.messages import IceServer
 
-__all__ = ["Found", "Heard", "Left", "NoRoom", "Offered", "Streamer", "StreamerFactory"]
+__all__ = ["Found", "Heard", "Left", "NoRoom", "NotOffered", "Offered", "Streamer", "StreamerFactory"]
 
 
 class NoRoom(Exception):
     """The game engine takes no further player; the text is a sentence for a person."""
+
+
+class NotOffered(Exception):
+    """The game engine does not send that; the text is a sentence for a person."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +56,11 @@ class Streamer(Protocol):
     @property
     def ready(self) -> bool:
         """Whether it has said who it is and can be sent players."""
+        ...
+
+    @property
+    def has_room(self) -> bool:
+        """Whether it takes a further player now."""
         ...
 
     @property

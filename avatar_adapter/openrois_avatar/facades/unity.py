@@ -53,6 +53,11 @@ class UnitySender:
         """Whether it has asked for a connection."""
         return bool(self._places)
 
+    @property
+    def has_room(self) -> bool:
+        """Whether one of its connections is not in use."""
+        return "" in self._places.values()
+
     def begin(self) -> None:
         """Wait for what it says: the protocol has no greeting."""
 

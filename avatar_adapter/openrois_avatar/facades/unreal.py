@@ -51,6 +51,11 @@ class UnrealStreamer:
         """Whether it has said who it is."""
         return bool(self.name)
 
+    @property
+    def has_room(self) -> bool:
+        """Whether it takes a further player now: how many it can serve is its own business."""
+        return self.ready
+
     def begin(self) -> None:
         """Greet it."""
         self._configure()

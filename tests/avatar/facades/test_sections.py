@@ -88,8 +88,8 @@ def test_an_answer_takes_what_is_connected() -> None:
         ((*reversed(ANSWER), IDLE_CHANNEL), {"0", "1"}, "other sections"),
         ((*ANSWER, IDLE_CHANNEL), {"0"}, "section 1 was not connected"),
         ((*ANSWER, CHANNEL), {"0", "1"}, "section 2 was not connected"),
-        ((ANSWER[0], media("audio", "1", "sendrecv"), IDLE_CHANNEL), {"0", "1"}, "section 1 can be received only"),
-        ((media("video", "0", "recvonly", 0), ANSWER[1], IDLE_CHANNEL), {"0", "1"}, "section 0 can be received only"),
+        ((ANSWER[0], media("audio", "1", "sendrecv"), IDLE_CHANNEL), {"0", "1"}, "section 1 is to be received"),
+        ((media("video", "0", "recvonly", 0), ANSWER[1], IDLE_CHANNEL), {"0", "1"}, "section 0 is to be received"),
     ],
 )
 def test_an_answer_that_takes_or_sends_something_else_is_refused(

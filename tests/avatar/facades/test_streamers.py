@@ -66,10 +66,12 @@ class Conversation:
                 except ProtocolError as error:
                     self.refused = str(error)
             case {"invite": player_id, "full": True}:
+                assert not self.streamer.has_room
                 with pytest.raises(NoRoom):
                     self.streamer.invite(player_id, ())
             case {"invite": player_id}:
                 servers = [IceServer.model_validate(each) for each in step.get("ice_servers", ())]
+                assert self.streamer.has_room
                 self.streamer.invite(player_id, servers)
             case {"answer": [player_id, sdp]}:
                 self.streamer.answer(player_id, sdp)

@@ -81,13 +81,15 @@ export class MediaPeer {
       idle.delete(mid);
       sections.set(stream_id, transceiver);
       if (direction !== "sendonly") playAtOnce(transceiver.receiver);
-      if (direction === "recvonly") continue;
-      // A section that an offer brings is only received in, unless this side says something else.
       transceiver.direction = direction;
-      await transceiver.sender.replaceTrack(outgoing(stream_id));
+      if (direction !== "recvonly") await transceiver.sender.replaceTrack(outgoing(stream_id));
     }
-    // What was sent in a section whose stream is over must not go to the next stream that gets it.
-    for (const { sender } of idle.values()) if (sender.track) await sender.replaceTrack(null);
+    for (const transceiver of idle.values()) {
+      // A game engine that offers by itself offers all that it has: what was not connected is not taken.
+      transceiver.direction = "inactive";
+      // What was sent in a section whose stream is over must not go to the next stream that gets it.
+      if (transceiver.sender.track) await transceiver.sender.replaceTrack(null);
+    }
     await this.connection.setLocalDescription(await this.connection.createAnswer());
     this.#sections = sections;
     return this.connection.localDescription?.sdp ?? "";

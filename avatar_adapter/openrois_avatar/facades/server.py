@@ -1,0 +1,194 @@
+"""The WebSocket server to which a game engine that does WebRTC itself connects: one at a time, on this machine."""
+
+import asyncio
+import hmac
+import ipaddress
+import logging
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from typing import Final
+from urllib.parse import unquote, urlsplit
+
+from aiohttp import WSCloseCode, WSMsgType, web
+
+from openrois.rate import RateLimit
+from openrois.tasks import TaskScope
+from openrois_avatar.facades.messages.reading import MESSAGE_LIMIT, ProtocolError
+from openrois_avatar.facades.streamer import Heard, Streamer, StreamerFactory
+
+__all__ = ["FacadeUnavailable", "StreamerServer", "facade_address"]
+
+_log = logging.getLogger(__name__)
+
+_HEARTBEAT: Final = 5.0
+"""Seconds between pings; one that is not answered within half of that ends the connection."""
+
+_OUTBOX: Final = 512
+"""Messages that may wait for the game engine to read them."""
+
+_AT_ONCE, _PER_SECOND = 1024, 256.0
+"""Messages that it may send: 64 candidates and a description for each of many viewers who come together."""
+
+_SHUTDOWN_TIMEOUT: Final = 0.5
+
+
+class FacadeUnavailable(Exception):
+    """A game engine cannot be awaited where it should be; the text says why."""
+
+
+def facade_address(text: str) -> tuple[str, int]:
+    """Read `HOST:PORT` or `[HOST]:PORT`, where the host is `localhost` or a loopback address.
+
+    Raises:
+        ValueError: it is neither.
+    """
+    host, _, port = text.rpartition(":")
+    host = host.removeprefix("[").removesuffix("]")
+    if not (port.isascii() and port.isdigit() and int(port) < 2**16):
+        raise ValueError(f"{text!r} is no address for a game engine: HOST:PORT")
+    if not _is_loopback(host):
+        raise ValueError(f"a game engine is awaited on this machine only: {host!r} is no loopback address")
+    return host, int(port)
+
+
+class StreamerServer:
+    """Awaits a game engine. Whatever it does wrong ends its connection, and it may come again at any moment.
+
+    Args:
+        make: makes a `Streamer` of what sends it a message, and of what is told what it says.
+        hear: is told what it says to its players.
+        lost: is told that it is gone, with a sentence that says why.
+        secret: what the path of its address must be, behind the slash; empty: any will do.
+        clock: monotonic seconds.
+    """
+
+    def __init__(
+        self,
+        make: StreamerFactory,
+        hear: Callable[[Heard], None],
+        lost: Callable[[str], None],
+        secret: str,
+        clock: Callable[[], float],
+    ) -> None:
+        self._make = make
+        self._hear = hear
+        self._lost = lost
+        self._secret = secret
+        self._clock = clock
+        self._streamer: Streamer | None = None
+        self._socket: web.WebSocketResponse | None = None
+
+    @property
+    def streamer(self) -> Streamer | None:
+        """The game engine, if it is there and can be sent players."""
+        return self._streamer if self._streamer is not None and self._streamer.ready else None
+
+    @asynccontextmanager
+    async def listening(self, host: str, port: int) -> AsyncIterator[str]:
+        """Listen for as long as the block runs; gives the URL, with the port that was chosen for 0, without the secret.
+
+        Raises:
+            FacadeUnavailable: the port is taken, or the address is not this machine's.
+        """
+        app = web.Application()
+        app.router.add_get("/{path:.*}", self._answer)
+        app.on_shutdown.append(self._close)
+        runner = web.AppRunner(app, access_log=None, shutdown_timeout=_SHUTDOWN_TIMEOUT, handler_cancellation=True)
+        await runner.setup()
+        try:
+            try:
+                await web.TCPSite(runner, host, port).start()
+            except OSError as error:
+                text = f"a game engine cannot be awaited at {host}:{port}: {error.strerror or error}"
+                raise FacadeUnavailable(text) from error
+            chosen = runner.addresses[0][1]
+            yield f"ws://{f'[{host}]' if ':' in host else host}:{chosen}/"
+        finally:
+            await runner.cleanup()
+
+    async def _close(self, _app: web.Application) -> None:
+        if self._socket is not None:
+            await self._socket.close(code=WSCloseCode.GOING_AWAY)
+
+    async def _answer(self, request: web.Request) -> web.StreamResponse:
+        self._check(request)
+        if self._socket is not None:
+            raise web.HTTPServiceUnavailable(text="a game engine is connected already\n")
+        # Some clients want the protocol back that they named, whatever it is.
+        named = [each.strip() for each in request.headers.get("Sec-WebSocket-Protocol", "").split(",")][:1]
+        socket = web.WebSocketResponse(
+            protocols=named, max_msg_size=MESSAGE_LIMIT, heartbeat=_HEARTBEAT, compress=False, timeout=1.0
+        )
+        if not socket.can_prepare(request):
+            raise web.HTTPUpgradeRequired(text="a game engine connects here, by WebSocket\n")
+        self._socket = socket
+        reason = "it has closed the connection"
+        try:
+            await socket.prepare(request)
+            _log.info("a game engine has connected")
+            reason = await self._converse(socket, request) or reason
+        finally:
+            self._socket = self._streamer = None
+            _log.info("the game engine is gone: %s", reason)
+            self._lost(reason)
+        return socket
+
+    def _check(self, request: web.Request) -> None:
+        """Refuse what a page of another web site could send, and who does not know the secret."""
+        origin = request.headers.get("Origin")
+        if not _names_loopback(f"//{request.host}") or (origin and not _names_loopback(origin)):
+            raise web.HTTPForbidden(text="programs of this machine only\n")
+        if self._secret and not hmac.compare_digest(unquote(request.raw_path[1:]).encode(), self._secret.encode()):
+            raise web.HTTPForbidden(text="the path of the address must be the secret\n")
+
+    async def _converse(self, socket: web.WebSocketResponse, request: web.Request) -> str:
+        """Pass messages until the connection ends; why it was ended from here, if it was."""
+        outbox: asyncio.Queue[str] = asyncio.Queue(_OUTBOX)
+
+        def send(text: str) -> None:
+            try:
+                outbox.put_nowait(text)
+            except asyncio.QueueFull:
+                # It does not read: it would not read a farewell either.
+                if request.transport is not None:
+                    request.transport.abort()
+
+        async def write() -> None:
+            while True:
+                await socket.send_str(await outbox.get())
+
+        async with TaskScope() as tasks:
+            self._streamer = self._make(send, self._hear)
+            tasks.start(write())
+            self._streamer.begin()
+            fault = await self._read(socket, self._streamer)
+        if fault:
+            await socket.close(code=WSCloseCode.POLICY_VIOLATION, message=fault.encode()[:120])
+        return fault
+
+    async def _read(self, socket: web.WebSocketResponse, streamer: Streamer) -> str:
+        rate = RateLimit(_AT_ONCE, _PER_SECOND, self._clock)
+        async for message in socket:
+            if message.type is not WSMsgType.TEXT:
+                return "messages are texts"
+            if not rate.admits():
+                return "too many messages"
+            try:
+                streamer.take(message.data)
+            except ProtocolError as error:
+                return str(error)
+        return ""
+
+
+def _names_loopback(url: str) -> bool:
+    try:
+        return _is_loopback(urlsplit(url if "//" in url else f"//{url}").hostname or "")
+    except ValueError:
+        return False
+
+
+def _is_loopback(host: str) -> bool:
+    try:
+        return host == "localhost" or ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return False
