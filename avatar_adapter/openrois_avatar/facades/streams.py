@@ -19,7 +19,8 @@ from openrois.types.references import new_id
 from openrois.types.streams import HolderNotification, StreamParams, StreamStatusNotification
 from openrois.types.values import date_time
 from openrois_avatar.facades.streamer import Heard, NoRoom, NotOffered, Streamer
-from openrois_avatar.facades.viewing import Change, Viewing
+from openrois_avatar.facades.viewed import Change
+from openrois_avatar.facades.viewing import Viewing
 from openrois_avatar.stream_requests import (
     ConnectFromGateway,
     EncodingParameters,

@@ -7,44 +7,23 @@ one has had time to show something. A suspended stream has no player at all: not
 
 import secrets
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Final
 
-from openrois_signaling.messages import Answer, Bye, Candidate, Downward, IceServer, MediaKind
+from openrois_signaling.messages import Answer, Candidate, Downward, IceServer, MediaKind
 from openrois_signaling.negotiation import PREPARE_TIMEOUT, Negotiation
-from openrois_streaming.errors import InvalidDescription, TooManySections, UnknownPeer, UnknownStream
+from openrois_streaming.errors import InvalidDescription, TooManySections
 
 from openrois.types.codes import StreamStatus
 from openrois_avatar.facades.player import Carried, Player
+from openrois_avatar.facades.players import Players
 from openrois_avatar.facades.sections import UnusableDescription
 from openrois_avatar.facades.streamer import Found, Heard, NoRoom, NotOffered, Offered, Streamer
+from openrois_avatar.facades.viewed import Change, ViewedStreams
 
-__all__ = ["HANDOVER", "Change", "Viewing"]
+__all__ = ["HANDOVER", "Viewing"]
 
 HANDOVER: Final = 5.0
 """Seconds that a player is kept after the one that replaces it was answered."""
-
-_NOT_CONNECTED, _RUNNING = StreamStatus.STREAMING_NOT_CONNECTED, StreamStatus.STREAMING_RUNNING
-_SUSPENDED, _RESUMED = StreamStatus.STREAMING_SUSPENDED, StreamStatus.STREAMING_RESUMED
-
-
-@dataclass(frozen=True, slots=True)
-class Change:
-    """A stream has another status, or an event of that name has happened to it."""
-
-    stream_id: str
-    component_ref: str
-    status: StreamStatus
-
-
-@dataclass(slots=True, eq=False)
-class _Viewed:
-    """A stream of the application, and what was told of it last."""
-
-    what: Carried
-    suspended: bool = False
-    status: StreamStatus = _NOT_CONNECTED
-    told: StreamStatus = _NOT_CONNECTED
 
 
 class Viewing:
@@ -59,7 +38,8 @@ class Viewing:
         send: sends the application a message.
         changed: is told every change of a stream's status.
         clock: monotonic seconds.
-        permits: tells whether a candidate of the application may be used.
+        permits: tells whether a candidate of the application may be used, and raises InvalidCandidate for one that
+            cannot be read.
     """
 
     def __init__(
@@ -75,16 +55,10 @@ class Viewing:
         self._mint = mint
         self._streamer = streamer
         self._send = send
-        self._changed = changed
         self._clock = clock
         self._permits = permits
-        self._streams: dict[str, _Viewed] = {}
-        self._ended: list[_Viewed] = []
-        """Of whose end nothing was told yet."""
-        self._present: Player | None = None
-        self._replaced: Player | None = None
-        self._parked = ""
-        """The peer connection that the application keeps while no player is behind it."""
+        self._streams = ViewedStreams(changed)
+        self._players = Players(send)
         self._lacking: set[MediaKind] = set()
         """What the game engine has not offered, as long as it is the same one."""
         self._due = False
@@ -97,11 +71,7 @@ class Viewing:
     @property
     def is_over(self) -> bool:
         """Whether there are neither streams nor peer connections."""
-        return not (self._streams or self._ended or self._parked or self._players())
-
-    def has_stream(self, stream_id: str) -> bool:
-        """Whether the stream is one of the application's, and has not ended."""
-        return stream_id in self._streams
+        return self._streams.is_over and self._players.peer_id is None
 
     def connect(self, stream_id: str, component_ref: str, kind: MediaKind) -> None:
         """Add a stream; an offer follows.
@@ -113,37 +83,36 @@ class Viewing:
         """
         if kind in self._lacking:
             raise NotOffered(f"the game engine sends no {kind}")
-        if any(stream.what.kind == kind for stream in self._streams.values()):
+        if self._streams.has(kind):
             raise TooManySections(f"there is a {kind} stream already, and the game engine sends one")
         streamer = self._streamer()
-        if streamer is None or not (self._players() or self._streams or streamer.has_room):
+        if streamer is None or (self.is_over and not streamer.has_room):
             raise NoRoom("the game engine takes no further viewer now")
-        self._streams[stream_id] = _Viewed(Carried(stream_id, component_ref, kind))
+        self._streams.add(Carried(stream_id, component_ref, kind))
         self._due = True
 
     def suspend(self, stream_id: str) -> None:
         """Have nothing of it sent. Suspending twice is fine. Raises UnknownStream."""
-        stream = self._stream(stream_id)
-        stream.suspended = self._due = True
-        stream.status = _SUSPENDED
+        self._streams.suspend(stream_id)
+        self._due = True
 
     def resume(self, stream_id: str) -> None:
         """Have it sent again; an offer follows. Resuming twice is fine. Raises UnknownStream."""
-        self._stream(stream_id).suspended = False
+        self._streams.resume(stream_id)
         self._due = True
 
     def disconnect(self, stream_id: str) -> None:
         """End a stream. Raises UnknownStream."""
-        self._end_stream(self._stream(stream_id))
+        self._streams.end(self._streams[stream_id])
         self._due = True
 
     def status(self, stream_id: str) -> StreamStatus:
         """The status of a stream now. Raises UnknownStream."""
-        return self._stream(stream_id).status
+        return self._streams[stream_id].status
 
     def answer(self, answer: Answer) -> None:
         """Take an answer. Raises UnknownPeer, StaleGeneration, InvalidDescription."""
-        player = self._player(answer.peer_id)
+        player = self._players.find(answer.peer_id)
         try:
             player.answer(answer, self._clock())
         except (InvalidDescription, UnusableDescription) as error:
@@ -152,29 +121,29 @@ class Viewing:
 
     def candidate(self, candidate: Candidate) -> None:
         """Take a candidate. Raises UnknownPeer, StaleGeneration, TooManyCandidates, InvalidCandidate."""
-        self._player(candidate.peer_id).candidate(candidate)
+        self._players.find(candidate.peer_id).candidate(candidate)
 
     def restart(self, peer_id: str) -> None:
         """Have another player take the place of this one; an offer follows. Raises UnknownPeer.
 
         Nothing changes while one is being replaced already, or where nothing is to be sent.
         """
-        if peer_id == self._parked:
+        if peer_id == self._players.parked:
             return
-        player = self._player(peer_id)
-        if player is self._present and player.is_settled:
+        player = self._players.find(peer_id)
+        if player is self._players.present and player.is_settled:
             self._anew = self._due = True
 
     def end_peer(self, peer_id: str, reason: str) -> None:
         """End a peer connection. Raises UnknownPeer."""
-        if peer_id == self._parked:
+        if peer_id == self._players.parked:
             self.close(reason)
         else:
-            self._end_player(self._player(peer_id), reason)
+            self._end_player(self._players.find(peer_id), reason)
 
     def hear(self, heard: Heard) -> None:
         """Take what the game engine says; what is about the players of others is passed over."""
-        player = next((each for each in self._players() if each.player_id == heard.player_id), None)
+        player = next((each for each in self._players if each.player_id == heard.player_id), None)
         if player is None:
             return
         if isinstance(heard, Offered):
@@ -185,7 +154,7 @@ class Viewing:
             self._end_player(player, heard.reason)
 
     def _offered(self, player: Player, sdp: str) -> None:
-        wanted = player.carried or self._wanted()
+        wanted = player.carried or self._streams.wanted()
         try:
             player.offered(sdp, wanted, self._clock())
         except UnusableDescription as error:
@@ -193,87 +162,54 @@ class Viewing:
             return
         for lacking in set(wanted).difference(player.carried):
             self._lacking.add(lacking.kind)
-            self._end_stream(self._streams[lacking.stream_id])
+            self._streams.end(self._streams[lacking.stream_id])
 
     def close(self, reason: str) -> None:
         """End everything; `reason` is a sentence for a person."""
-        for player in self._players():
-            player.end(reason)
-        if self._parked:
-            self._send(Bye(peer_id=self._parked, reason=reason))
-        self._present = self._replaced = None
-        self._parked = ""
+        self._players.close(reason)
         self._due = self._anew = False
         self._waiting_since = None
         self._lacking.clear()
-        for stream in tuple(self._streams.values()):
-            self._end_stream(stream)
-        self._tell()
+        self._streams.end_all()
+        self._streams.tell()
 
     def tick(self) -> None:
         """Look at deadlines, let players come and go, and tell what changed."""
         now = self._clock()
-        for player in self._players():
+        for player in tuple(self._players):
             if player.expire(now):
-                self._gone(player)
+                self._end_player(player, "it took too long")
         self._hand_over(now)
-        if self._due and (self._present is None or self._present.is_settled):
+        if self._due and (self._players.present is None or self._players.present.is_settled):
             self._renew(now)
-        self._judge()
-        self._tell()
+        # That media arrives cannot be seen from here: a stream runs when both ends agreed on it and neither took that
+        # back.
+        self._streams.run(self._players.answered)
+        self._streams.tell()
 
     def _hand_over(self, now: float) -> None:
         """Let a player go when the one that replaces it has had time to show something.
 
         What is suspended is not sent a moment longer than the rest needs.
         """
-        if self._replaced is None or self._present is None or self._present.answered_at is None:
+        present, replaced, suspended = self._players.present, self._players.replaced, self._streams.suspended()
+        if replaced is None or present is None or present.answered_at is None:
             return
-        if self._holds_suspended(self._replaced) or now - self._present.answered_at >= HANDOVER:
-            self._drop_replaced()
-
-    def _drop_replaced(self) -> None:
-        """Let the player go that was replaced.
-
-        Where it carried what is suspended now, the application keeps its end, and with it the last picture: to say bye
-        would be to say that these streams are over.
-        """
-        player, self._replaced = self._replaced, None
-        if player is None:
-            return
-        if self._holds_suspended(player):
-            player.leave()
-        else:
-            player.end("it was replaced")
-
-    def _holds_suspended(self, player: Player) -> bool:
-        suspended = {stream.what for stream in self._streams.values() if stream.suspended}
-        return not suspended.isdisjoint(player.carried)
-
-    def _wanted(self) -> tuple[Carried, ...]:
-        return tuple(stream.what for stream in self._streams.values() if not stream.suspended)
+        if not suspended.isdisjoint(replaced.carried) or now - present.answered_at >= HANDOVER:
+            self._players.drop_replaced(suspended)
 
     def _renew(self, now: float) -> None:
         """Have the player that is wanted now."""
-        wanted, present = self._wanted(), self._present
+        self._due = False
+        wanted, present = self._streams.wanted(), self._players.present
         if not self._streams:
             self.close("no stream is left to play")
         elif not wanted:
-            self._park()
+            self._anew = False
+            self._waiting_since = None
+            self._players.park(self._streams.suspended())
         elif present is None or self._anew or set(present.carried) != set(wanted):
             self._replace(now)
-        else:
-            self._due = False
-
-    def _park(self) -> None:
-        """Nothing is to be sent: the game engine lets the player go, and the application keeps its end of it."""
-        self._due = self._anew = False
-        self._waiting_since = None
-        self._drop_replaced()
-        if self._present is not None:
-            self._parked, present = self._present.peer_id, self._present
-            self._present = None
-            present.leave()
 
     def _replace(self, now: float) -> None:
         """Invite a new player in the place of the present one."""
@@ -281,83 +217,33 @@ class Viewing:
         if streamer is None:
             self.close("the game engine is gone")
             return
-        self._drop_replaced()
+        self._players.drop_replaced(self._streams.suspended())
         if not streamer.has_room:
             self._await_room(now)
             return
-        before = self._present.peer_id if self._present is not None else self._parked or None
         player_id = secrets.token_hex(16)
-        player = Player(player_id, Negotiation(self._mint(), before), streamer, self._send, self._permits)
-        self._replaced, self._present = self._present, player
-        self._parked, self._waiting_since = "", None
-        self._due = self._anew = False
+        negotiation = Negotiation(self._mint(), self._players.peer_id)
+        player = Player(player_id, negotiation, streamer, self._send, self._permits)
+        self._players.add(player)
+        self._waiting_since = None
+        self._anew = False
         player.begin(now)
         streamer.invite(player_id, self.ice_servers)
 
     def _await_room(self, now: float) -> None:
         """A game engine that has no place for two players of one application may have one when the first has gone."""
-        self._anew = True
-        if self._present is not None:
-            self._park()
-            self._due = self._anew = True
+        self._players.park(self._streams.suspended())
+        self._due = self._anew = True
         if self._waiting_since is None:
             self._waiting_since = now
         elif now - self._waiting_since >= PREPARE_TIMEOUT:
             self.close("the game engine takes no further viewer")
 
-    def _judge(self) -> None:
-        """Say of each stream what it does.
-
-        That media arrives cannot be seen from here. A stream runs when both ends agreed on it and neither took it back.
-        """
-        carried = {
-            each.stream_id for player in self._players() if player.answered_at is not None for each in player.carried
-        }
-        for stream in self._streams.values():
-            if not stream.suspended and stream.what.stream_id in carried:
-                stream.status = _RUNNING
-
-    def _tell(self) -> None:
-        ended, self._ended = self._ended, []
-        for stream in (*ended, *self._streams.values()):
-            if stream.status is not stream.told or stream in ended:
-                if stream.told is _SUSPENDED and stream.status is _RUNNING:
-                    self._changed(Change(stream.what.stream_id, stream.what.component_ref, _RESUMED))
-                stream.told = stream.status
-                self._changed(Change(stream.what.stream_id, stream.what.component_ref, stream.status))
-
-    def _stream(self, stream_id: str) -> _Viewed:
-        try:
-            return self._streams[stream_id]
-        except KeyError:
-            raise UnknownStream("there is no such stream") from None
-
-    def _player(self, peer_id: str) -> Player:
-        for player in self._players():
-            if player.peer_id == peer_id:
-                return player
-        raise UnknownPeer("there is no such peer connection")
-
-    def _players(self) -> tuple[Player, ...]:
-        """Those that have not ended, the present one first."""
-        return tuple(player for player in (self._present, self._replaced) if player is not None)
-
-    def _end_stream(self, stream: _Viewed) -> None:
-        del self._streams[stream.what.stream_id]
-        stream.status = _NOT_CONNECTED
-        self._ended.append(stream)
-
     def _end_player(self, player: Player, reason: str) -> None:
+        """A player has ended, or does so now; the one that it was to replace goes on with what it carries."""
         player.end(reason)
-        self._gone(player)
-
-    def _gone(self, player: Player) -> None:
-        """A player has ended; the one that it was to replace goes on with what it carries."""
-        if player is self._replaced:
-            self._replaced = None
-            return
-        self._present, self._replaced = self._replaced, None
-        left = set() if self._present is None else set(self._present.carried)
-        for stream in tuple(self._streams.values()):
-            if stream.what not in left:
-                self._end_stream(stream)
+        was_present = player is self._players.present
+        self._players.remove(player)
+        if was_present:
+            present = self._players.present
+            self._streams.end_all(but=() if present is None else present.carried)
