@@ -20,7 +20,7 @@ _DEEPEST: Final = 10
 _HEADER: Final = re.compile(r"\ufeff?#JSGF\s+V\d+\.\d+[^;\n]{0,80};")
 _TOKEN: Final = re.compile(
     r"\s+|//[^\n]*|/\*.*?\*/|(?P<tag>\{[^{}]*\})|(?P<rule><[^<>\s]+>)|(?P<weight>/\s*[\d.]+\s*/)"
-    r'|"(?P<quoted>[^"\n]*)"|(?P<sign>[=|()\[\]*+;])|(?P<word>[^\s=|()\[\]*+;<>{}"/]+)',
+    r'|"(?P<quoted>[^=|()\[\]*+;<>{}"/\n]*)"|(?P<sign>[=|()\[\]*+;])|(?P<word>[^\s=|()\[\]*+;<>{}"/]+)',
     re.DOTALL,
 )
 _RULE_NAME: Final = re.compile(r"<[\w.-]{1,64}>")

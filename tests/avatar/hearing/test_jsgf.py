@@ -74,6 +74,8 @@ class TestReading:
         (HEAD + "public <a> = *;", "missing"),
         (HEAD + 'public <a> = " ";', "missing"),
         (HEAD + "public <a> = /x/ stop;", "odd"),
+        (HEAD + 'public <a> = "stop; <b> = go";', "odd"),
+        (HEAD + 'public <a> = "<";', "odd"),
         (HEAD + "public <a> = /1.1.1/ a | /1/ b;", "no weight"),
         (HEAD + "public <a> = /0/ a | /1/ b;", "between 0 and 1000"),
         (HEAD + "public <a> = /1/ a | b;", "either all"),
