@@ -11,10 +11,10 @@ demo: .venv/demo.stamp $(PAGE)
 
 test: .venv/dev.stamp $(NODE_MODULES) $(PAGE)
 	cd web_demo && npm run --silent test
-	$(PY) -m pytest $(if $(ARGS),$(ARGS),-n auto -m "$(UNIT)" && $(PY) -m pytest -n 2 --dist loadfile -m "not ($(UNIT)) and not browser" && $(PY) -m pytest -m browser)
+	$(PY) -m pytest $(if $(ARGS),$(ARGS),-n auto --dist worksteal -m "$(UNIT)" && $(PY) -m pytest -n 2 --dist loadfile -m "not ($(UNIT)) and not browser" && $(PY) -m pytest -m browser)
 
 unit: .venv/dev.stamp
-	$(PY) -m pytest -n auto -m "$(UNIT) and not long" $(ARGS)
+	$(PY) -m pytest -n auto --dist worksteal -m "$(UNIT) and not long" $(ARGS)
 
 check: lint test
 lint: .venv/dev.stamp $(NODE_MODULES)

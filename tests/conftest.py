@@ -12,12 +12,18 @@ from pathlib import Path
 from typing import NoReturn
 
 import pytest
+from hypothesis import HealthCheck, settings
 
 from tests.support.mono import Mono
 
 pytest_plugins = ["openrois_streaming.testing.plugin"]
 
 WEB_DEMO = Path(__file__).parents[1] / "web_demo"
+
+# How long an example takes is the machine's business. Where everything is required, the same is tried each time.
+settings.register_profile("patient", deadline=None, suppress_health_check=[HealthCheck.too_slow], print_blob=True)
+settings.register_profile("repeatable", settings.get_profile("patient"), derandomize=True, database=None)
+settings.load_profile("repeatable" if os.environ.get("OPENROIS_REQUIRE_ALL") == "1" else "patient")
 
 _lacking: set[str] = set()
 """What this machine has not, as `Skipped` has it."""
@@ -103,6 +109,11 @@ def _lack(reason: str) -> NoReturn:
         pytest.fail(reason, pytrace=False)
     _lacking.add(f"Skipped: {reason}")
     pytest.skip(reason)
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """What takes long comes first: the others fill the other processors meanwhile."""
+    items.sort(key=lambda item: item.get_closest_marker("long") is None)
 
 
 @pytest.hookimpl(wrapper=True)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 GUIDED = Path(__file__).with_name("guided.py")
-CASES = {"protocol": 250_000, "condition": 250_000, "values": 250_000, "profile_xml": 250_000}
+CASES = {"protocol": 250_000, "condition": 250_000, "values": 250_000, "profile_xml": 100_000}
 CASES |= {
     "link": 25_000,
     "answer": 25_000,
