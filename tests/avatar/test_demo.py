@@ -16,7 +16,7 @@ from openrois_avatar.process import ProgramFailed
 
 from tests.support.demo import Demo, end, first_line, free_port, running_demo, start
 
-pytestmark = [pytest.mark.media, pytest.mark.timeout(40)]
+pytestmark = pytest.mark.media
 
 
 def ctrl_c_twice(demo: Demo) -> None:

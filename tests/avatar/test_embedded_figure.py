@@ -17,7 +17,6 @@ from tests.support.floors import room_at
 
 
 @pytest.mark.engine
-@pytest.mark.timeout(60)
 async def test_it_navigates_round_the_furniture_of_its_room_and_moves_back() -> None:
     works, hint = import_module("openrois_avatar.engines.puppet").available()
     if not works:

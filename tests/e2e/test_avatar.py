@@ -17,7 +17,6 @@ from tests.support.demo import Demo
 pytestmark = [
     pytest.mark.browser,
     pytest.mark.engine,
-    pytest.mark.timeout(90),
     pytest.mark.asyncio(loop_scope="session"),
 ]
 

@@ -15,7 +15,6 @@ from tests.support.conversation import outcome
 pytestmark = [
     pytest.mark.browser,
     pytest.mark.engine,
-    pytest.mark.timeout(90),
     pytest.mark.asyncio(loop_scope="session"),
 ]
 

@@ -13,7 +13,6 @@ from tests.support.conversation import outcome
 pytestmark = [
     pytest.mark.browser,
     pytest.mark.engine,
-    pytest.mark.timeout(60),
     pytest.mark.asyncio(loop_scope="session"),
 ]
 

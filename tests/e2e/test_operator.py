@@ -9,7 +9,7 @@ from playwright.async_api import Browser
 
 from tests.support.browser import Visit, running_browser
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(60), pytest.mark.asyncio(loop_scope="session")]
+pytestmark = [pytest.mark.browser, pytest.mark.asyncio(loop_scope="session")]
 
 _DEVICES = ("--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream")
 _CAMERA = "openrois.client.query('camera', \"component_ref = 'avatar/Operator'\")"

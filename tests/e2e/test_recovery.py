@@ -9,7 +9,7 @@ from playwright.async_api import Browser, expect
 from tests.support.browser import GATEWAY_AWAY, Visit, visiting
 from tests.support.demo import Demo
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(60), pytest.mark.asyncio(loop_scope="session")]
+pytestmark = [pytest.mark.browser, pytest.mark.asyncio(loop_scope="session")]
 
 
 @pytest_asyncio.fixture(loop_scope="session")

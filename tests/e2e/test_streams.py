@@ -8,7 +8,7 @@ from playwright.async_api import expect
 
 from tests.support.browser import Seen, Visit
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(60), pytest.mark.asyncio(loop_scope="session")]
+pytestmark = [pytest.mark.browser, pytest.mark.asyncio(loop_scope="session")]
 
 STATUS = "rois.stream.notify_stream_status"
 _QUIET = "performance.now() - probe.frames.at(-1).at > 1000"

@@ -11,7 +11,7 @@ from playwright.async_api import Browser, expect
 from tests.support.browser import PATIENCE, Visit, visiting
 from tests.support.operated import NotingEngine, operated_avatar
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(60), pytest.mark.asyncio(loop_scope="session")]
+pytestmark = [pytest.mark.browser, pytest.mark.asyncio(loop_scope="session")]
 
 
 class Drivers:

@@ -12,7 +12,7 @@ from openrois.gateway.server import Gateway
 from tests.support.browser import GATEWAY_AWAY, running_browser, visiting
 from tests.support.premises import running_avatar, running_gateway
 
-pytestmark = [pytest.mark.browser, pytest.mark.timeout(60), pytest.mark.asyncio(loop_scope="session")]
+pytestmark = [pytest.mark.browser, pytest.mark.asyncio(loop_scope="session")]
 
 _ONLY_UNKNOWN_CODECS = """
     const codecs = [{ mimeType: "video/future", clockRate: 90000, sdpFmtpLine: "" }];

@@ -23,7 +23,7 @@ from tests.support.black_box import (
 )
 from tests.support.demo import Demo, Watcher, watching
 
-pytestmark = [pytest.mark.media, pytest.mark.timeout(40)]
+pytestmark = pytest.mark.media
 
 HOST = "candidate:1 1 udp 2130706431 192.0.2.1 50000 typ host"
 UNKNOWN = "avatar/00000000000000000000000000000000"

@@ -20,7 +20,7 @@ from tests.support.black_box import (
 from tests.support.black_box_media import MARKER_HZ, SAMPLE_RATE, bursts, pitch
 from tests.support.demo import Demo
 
-pytestmark = [pytest.mark.media, pytest.mark.timeout(40)]
+pytestmark = pytest.mark.media
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ from tests.support.black_box import AUDIO, VIDEO, VP8, Application, Message, app
 from tests.support.black_box_media import Camera, Microphone
 from tests.support.demo import Demo
 
-pytestmark = [pytest.mark.media, pytest.mark.timeout(40)]
+pytestmark = pytest.mark.media
 
 OPERATOR = "avatar/Operator"
 

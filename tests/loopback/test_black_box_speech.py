@@ -9,7 +9,7 @@ from tests.support.black_box_media import Voice
 from tests.support.demo import Demo
 from tests.support.hearing import spoken, stereo_48k
 
-pytestmark = [pytest.mark.media, pytest.mark.timeout(40)]
+pytestmark = pytest.mark.media
 
 SPEECH, HEARING = "avatar/SpeechRecognition", "avatar/Hearing"
 GRAMMAR = "#JSGF V1.0;\ngrammar robot;\npublic <command> = go to the (window | door) | turn (left | right) | stop;\n"

@@ -11,7 +11,7 @@ import pytest
 from tests.support.black_box import H264, VIDEO, Application, application
 from tests.support.demo import Demo, running_demo
 
-pytestmark = [pytest.mark.media, pytest.mark.engine, pytest.mark.timeout(90)]
+pytestmark = [pytest.mark.media, pytest.mark.engine]
 
 ERROR = "rois.system.notify_error"
 

@@ -13,7 +13,7 @@ from openrois_streaming.testing import MeasuringSink
 from openrois_streaming.testing.hands import Hands
 from openrois_streaming.testing.stage import playing
 
-pytestmark = [pytest.mark.media, pytest.mark.timeout(30)]
+pytestmark = pytest.mark.media
 
 
 class Ears:

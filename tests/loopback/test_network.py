@@ -18,7 +18,7 @@ from openrois_streaming.state import StreamStatus
 from tests.support import loopback
 from tests.support.loopback import Engine, Viewer
 
-pytestmark = [pytest.mark.media, pytest.mark.timeout(40)]
+pytestmark = pytest.mark.media
 
 LOOPBACK = NetworkSettings(interfaces=("127.0.0.1",))
 HELLO = bytes.fromhex("16fefd0000000000000000002f0100002300000000000000230000fefd") + bytes(32)

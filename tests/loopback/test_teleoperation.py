@@ -23,7 +23,7 @@ from tests.support.deployment import Application, application
 from tests.support.operated import NotingEngine, operated_avatar
 from tests.support.teleoperation import Hand
 
-pytestmark = [pytest.mark.media, pytest.mark.timeout(60)]
+pytestmark = pytest.mark.media
 
 REF = "avatar/Teleoperation"
 

@@ -17,7 +17,7 @@ from tests.support.chromium import browser_at, tab
 from tests.support.loopback import Engine
 from tests.support.turn import Turn, coturn
 
-pytestmark = [pytest.mark.media, pytest.mark.timeout(40), pytest.mark.usefixtures("turnserver")]
+pytestmark = [pytest.mark.media, pytest.mark.usefixtures("turnserver")]
 
 RELAY = NetworkSettings(relay_only=True)
 LOOPBACK = NetworkSettings(interfaces=("127.0.0.1",))

@@ -14,7 +14,7 @@ from tests.support.demo import Watcher
 from tests.support.house import House
 from tests.support.house import house as running_house
 
-pytestmark = [pytest.mark.media, pytest.mark.timeout(40)]
+pytestmark = pytest.mark.media
 
 LONGEST_GAP = 0.7
 """Seconds between two pictures at most, on a machine that does other things as well; a viewer waits 0.033."""

@@ -16,7 +16,7 @@ from tests.support.deployment import gateway, until
 from tests.support.fleet import NOON, Robot, everything, fleet
 from tests.web_sdk.conftest import Application, Start
 
-pytestmark = [pytest.mark.long, pytest.mark.timeout(90)]
+pytestmark = pytest.mark.long
 
 
 @asynccontextmanager

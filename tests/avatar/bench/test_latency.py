@@ -33,7 +33,6 @@ async def test_a_viewer_without_a_browser_measures_the_whole_path() -> None:
 
 
 @pytest.mark.browser
-@pytest.mark.timeout(60)
 async def test_a_viewer_in_chromium_measures_the_whole_path(chromium: Path) -> None:
     settings = LatencySettings(seconds=0.5, runs=2, sizes=((640, 360),), chromium=str(chromium))
     async with asyncio.timeout(58):

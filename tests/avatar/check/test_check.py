@@ -117,7 +117,6 @@ def found() -> dict[str, Found]:
 
 
 @pytest.mark.engine
-@pytest.mark.timeout(90)
 @pytest.mark.parametrize("odd", ODD)
 def test_what_is_wrong_is_named(found: dict[str, Found], odd: str) -> None:
     check, said = ODD[odd]
@@ -126,21 +125,18 @@ def test_what_is_wrong_is_named(found: dict[str, Found], odd: str) -> None:
 
 
 @pytest.mark.engine
-@pytest.mark.timeout(90)
 @pytest.mark.parametrize("engine", [*RIGHT, "puppet", "encoder", "example"])
 def test_what_is_right_passes(found: dict[str, Found], engine: str) -> None:
     assert found[engine].failed == []
 
 
 @pytest.mark.engine
-@pytest.mark.timeout(90)
 def test_an_engine_that_encodes_is_asked_for_a_key_frame(found: dict[str, Found]) -> None:
     assert found["encoder"]["key frame"].outcome is Outcome.PASSED
     assert found["puppet"]["key frame"].outcome is Outcome.NOT_TRIED
 
 
 @pytest.mark.engine
-@pytest.mark.timeout(90)
 def test_how_engines_end_is_told(found: dict[str, Found]) -> None:
     ends = {
         engine: (found[engine]["adapter gone"].seen, found[engine]["quit"].seen)
@@ -155,7 +151,6 @@ def test_how_engines_end_is_told(found: dict[str, Found]) -> None:
 
 
 @pytest.mark.engine
-@pytest.mark.timeout(90)
 def test_every_section_is_on_the_page(found: dict[str, Found]) -> None:
     page = (ROOT / "docs/engine-link.md").read_text()
     sections = {finding.section for each in found.values() for finding in each.findings}

@@ -25,8 +25,6 @@ from openrois.transport.stream import MessageStream, StreamClosed
 from openrois.types.messages import EventNotification
 from tests.support.grounds import Clock, Line
 
-pytestmark = pytest.mark.timeout(10)
-
 LAMP = "toys/lamp"
 HOLD = object()
 

@@ -13,8 +13,6 @@ from openrois.types.streams import StreamStatusNotification
 from tests.support.grounds import Ground, Line, eventually, serve_plain
 from tests.support.streams import Camera, FakeStreams
 
-pytestmark = pytest.mark.timeout(10)
-
 
 @pytest.fixture
 async def streams(line: Line) -> FakeStreams:
