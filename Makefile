@@ -19,8 +19,8 @@ unit: .venv/dev.stamp
 check: lint test
 lint: .venv/dev.stamp $(NODE_MODULES)
 	.venv/bin/ruff check . && .venv/bin/ruff format --check .
-	.venv/bin/mypy && .venv/bin/lint-imports && $(PY) -m openrois_codegen --check
-	cd web_demo && npm run --silent check
+	.venv/bin/mypy & types=$$!; .venv/bin/lint-imports && $(PY) -m openrois_codegen --check && \
+	(cd web_demo && npm run --silent check); rest=$$?; wait $$types && exit $$rest
 
 fmt: .venv/dev.stamp
 	.venv/bin/ruff check --fix . ; .venv/bin/ruff format .

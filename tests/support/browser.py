@@ -26,6 +26,8 @@ PATIENCE: Final = 15.0
 GATEWAY_AWAY: Final = r"WebSocket connection to .* failed"
 """What Chromium itself writes to the console for each attempt to reach a gateway that is away."""
 
+expect.set_options(timeout=PATIENCE * 1000)  # a slow machine is no fault of the page
+
 _BANNER: Final = "document.querySelector('[data-testid=banner]:not([hidden])')"
 _PROBE: Final = Path(__file__).parents[1] / "e2e" / "probe.js"
 _ARGUMENTS: Final = (
