@@ -6,7 +6,7 @@ from typing import Final
 
 from tests.support.mono import Mono
 
-__all__ = ["PACKAGE", "console", "player", "vectors"]
+__all__ = ["PACKAGE", "console", "encoding", "player", "vectors"]
 
 PACKAGE: Final = Path(__file__).parents[2] / "avatar_adapter" / "unity"
 _TESTS: Final = Path(__file__).parents[1] / "avatar" / "unity"
@@ -25,6 +25,13 @@ def console(mono: Mono, folder: Path) -> Path:
     """The sample, a whole engine; it sees the public side of the protocol part alone."""
     program = folder / "console.exe"
     mono.build(program, _sources("Samples~/Console"), f"-r:{_protocol(mono, folder)}")
+    return program
+
+
+def encoding(mono: Mono, folder: Path) -> Path:
+    """An engine that sends access units out of a file."""
+    program = folder / "encoding.exe"
+    mono.build(program, [_TESTS / "Encoding.cs"], f"-r:{_protocol(mono, folder)}")
     return program
 
 

@@ -19,11 +19,12 @@ public static class Player
 
     private static readonly List<string> Playing = new List<string>();
 
-    public static int Main()
+    public static int Main(string[] arguments)
     {
         int main = Thread.CurrentThread.ManagedThreadId;
         OpenRoISLink link = new OpenRoISLink
         {
+            Address = arguments.Length > 0 ? arguments[0] : "",
             Source = new Camera(),
             Width = Width,
             Height = Height,

@@ -62,6 +62,7 @@ namespace UnityEngine
 
     public class Behaviour : Component
     {
+        public bool enabled { get; set; } = true;
     }
 
     public class Coroutine

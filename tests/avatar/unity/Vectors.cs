@@ -104,6 +104,7 @@ public static class Vectors
         Walk walk = command as Walk;
         Drive drive = command as Drive;
         OperatorInput input = command as OperatorInput;
+        Bitrate bitrate = command as Bitrate;
         JObject body = new JObject(new JProperty("command", command.GetType().Name.ToLowerInvariant()));
         if (react != null)
         {
@@ -138,6 +139,14 @@ public static class Vectors
             body.Add("ahead", drive.Ahead);
             body.Add("left", drive.Left);
             body.Add("turn", drive.Turn);
+        }
+        else if (command is KeyFrame)
+        {
+            body["command"] = "key_frame";
+        }
+        else if (bitrate != null)
+        {
+            body.Add("bits_per_second", bitrate.BitsPerSecond);
         }
         else if (input != null)
         {
@@ -246,6 +255,7 @@ public static class Vectors
     private static IEnumerable<string> Refused()
     {
         LinkClient link = new LinkClient("tcp:127.0.0.1:1", new Hello());
+        LinkClient encoding = new LinkClient("tcp:[::1]:1", new Hello { Encodes = true });
         FloorPoint[] corner = { new FloorPoint(0, 0) };
         Thing thing = new Thing("a", ThingKind.Object, null, 0, 0, 0);
         Thing half = new Thing("\ud800", ThingKind.Object, null, 0, 0, 0);
@@ -264,6 +274,10 @@ public static class Vectors
             () => new Picture(3, 2, 4, PixelFormat.I420, false),
             () => new Picture(4, 2, 8, PixelFormat.Bgra, false),
             () => new Picture(16384, 16384, 65536, PixelFormat.Bgra, false),
+            () => encoding.SendEncoded(new byte[1], 2, 1, 0, true),
+            () => encoding.SendEncoded(new byte[0], 2, 2, 0, true),
+            () => link.SendEncoded(new byte[1], 2, 2, 0, true),
+            () => encoding.SendPicture(new byte[16], Picture.Bgra(2, 2, false), 0),
             () => link.SendSound(new byte[3], 3, 1, 0)
         };
         foreach (Action each in all)

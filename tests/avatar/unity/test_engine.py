@@ -1,67 +1,97 @@
 """The engine of the package for Unity under Mono, beside the real adapter: pictures, commands, faults, and returns."""
 
 import asyncio
+import base64
 import json
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Coroutine, Iterator
 from contextlib import asynccontextmanager
-from pathlib import Path
+from dataclasses import replace
+from typing import Any
 
+import numpy as np
 import pytest
 from openrois_avatar.check.acting import Patience
 from openrois_avatar.check.finding import Finding, Outcome
 from openrois_avatar.check.visit import visiting
-from openrois_avatar.link.messages import Completed, Event, Floor, Hello, Quit, React, Welcome
+from openrois_avatar.link.messages import Completed, Event, Floor, Hello, Place, Quit, React, Thing, Things, Welcome
 from openrois_avatar.link.protocol import MessageType
 from openrois_avatar.link.server import LinkServer
+from openrois_streaming.codecs import H264
+from openrois_streaming.encoder_video import VideoEncoder
 from openrois_streaming.source import RawVideo
 
 from tests.support.avatar_link import wire
 from tests.support.mono import Mono
-from tests.support.unity import console, player
+from tests.support.unity import console, encoding, player
 
 pytestmark = [pytest.mark.engine, pytest.mark.timeout(90)]
 
 PATIENCE = Patience(connect=30, watch=1.0)
+ANYWHERE = "tcp:127.0.0.1:0"
+WIDTH, HEIGHT = 128, 72
+
+
+def access_units() -> Iterator[bytes]:
+    """A key frame, and a picture that follows it."""
+    encoder = VideoEncoder(H264, bitrate=300_000, frame_rate=25)
+    for number in range(2):
+        data = np.full((HEIGHT * 3 // 2, WIDTH), 100 + number, np.uint8)
+        (chunk,) = encoder.encode(RawVideo(data, "i420", WIDTH, HEIGHT, number, number / 25), key_frame=number == 0)
+        yield chunk.data
 
 
 @pytest.fixture(scope="module")
-def programs(mono: Mono, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Sequence[str]]:
-    """The commands of the engines."""
+def outcomes(mono: Mono, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """What came of everything that is tried with a running engine, all at once: it waits most of the time."""
     folder = tmp_path_factory.mktemp("engines")
     plain, played = str(console(mono, folder)), str(player(mono, folder))
-    return {
-        "ring": (mono.runtime, plain),
-        "socket": (mono.runtime, plain, "", "socket"),
-        "unix": (mono.runtime, plain),
-        "unity": (mono.runtime, played),
+    units = folder / "units"
+    units.write_text("\n".join(base64.b64encode(unit).decode() for unit in access_units()))
+    encoder = str(encoding(mono, folder)), str(units), str(WIDTH), str(HEIGHT)
+    trials: dict[str, Coroutine[Any, Any, Any]] = {
+        "ring": findings(f"unix:{folder}/engine", mono.runtime, plain),
+        "socket": findings(ANYWHERE, mono.runtime, plain, "", "socket"),
+        "unity": findings(ANYWHERE, mono.runtime, played),
+        "scene": scene(f"unix:{folder}/third", mono.runtime, played),
+        "encoded": findings(ANYWHERE, mono.runtime, *encoder),
+        "restart, ring": two_adapters(f"unix:{folder}/first", mono.runtime, plain),
+        "restart, socket": two_adapters(f"unix:{folder}/second", mono.runtime, plain, "socket"),
+        "malformed": malformed(mono.runtime, plain),
     }
 
+    async def tried() -> list[Any]:
+        async with asyncio.timeout(80):
+            return await asyncio.gather(*trials.values(), return_exceptions=True)
 
-@pytest.fixture(scope="module")
-def found(programs: dict[str, Sequence[str]], tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[Finding]]:
-    """What `openrois avatar check` finds, of all at once: it waits most of the time."""
-    folder = tmp_path_factory.mktemp("link")
-
-    async def findings(name: str) -> list[Finding]:
-        address = f"unix:{folder}/engine" if name == "unix" else "tcp:127.0.0.1:0"
-        async with visiting(address, "s3cret", programs[name], PATIENCE) as visit:
-            return [finding async for finding in visit.findings()]
-
-    async def check_all() -> dict[str, list[Finding]]:
-        async with asyncio.timeout(80), asyncio.TaskGroup() as tasks:
-            running = {name: tasks.create_task(findings(name)) for name in programs}
-        return {name: task.result() for name, task in running.items()}
-
-    return asyncio.run(check_all())
+    return dict(zip(trials, asyncio.run(tried()), strict=True))
 
 
-@pytest.mark.parametrize("name", ["ring", "socket", "unix", "unity"])
-def test_it_passes_the_check(found: dict[str, list[Finding]], name: str) -> None:
-    assert [f"{each.check}: {each.seen}" for each in found[name] if each.outcome is Outcome.FAILED] == []
-    passed = {each.check for each in found[name] if each.outcome is Outcome.PASSED}
-    assert {"reaction", "stop", "hearing", "input", "walk", "halt", "drive", "sound moments", "quit"} <= passed
-    assert ("ring" in passed) is (name != "socket")
-    assert "connected again" in next(each.seen for each in found[name] if each.check == "adapter gone")
+async def findings(address: str, *command: str) -> dict[str, Finding]:
+    """What `openrois avatar check` finds."""
+    async with visiting(address, "s3cret", command, PATIENCE) as visit:
+        return {finding.check: finding async for finding in visit.findings()}
+
+
+def result(outcomes: dict[str, Any], name: str) -> Any:
+    if isinstance(outcomes[name], BaseException):
+        raise outcomes[name]
+    return outcomes[name]
+
+
+ACTS = {"reaction", "stop", "hearing", "input", "walk", "halt", "drive", "sound moments"}
+
+
+@pytest.mark.parametrize(
+    ("name", "does"),
+    [("ring", {"ring", *ACTS}), ("socket", ACTS), ("unity", {"ring", *ACTS}), ("encoded", {"key frame"})],
+)
+def test_it_passes_the_check(outcomes: dict[str, Any], name: str, does: set[str]) -> None:
+    found: dict[str, Finding] = result(outcomes, name)
+    assert [f"{each.check}: {each.seen}" for each in found.values() if each.outcome is Outcome.FAILED] == []
+    passed = {each.check for each in found.values() if each.outcome is Outcome.PASSED}
+    assert does | {"pictures", "moments", "quit"} <= passed
+    assert ("ring" in passed) is ("ring" in does)
+    assert "connected again" in found["adapter gone"].seen
 
 
 class Engine:
@@ -90,16 +120,56 @@ async def running(*command: str) -> AsyncIterator[Engine]:
         await process.communicate()
 
 
-async def test_pictures_are_whole_and_adapters_may_restart(programs: dict[str, Sequence[str]], tmp_path: Path) -> None:
-    async with asyncio.timeout(60), asyncio.TaskGroup() as tasks:
-        for name in ("ring", "socket"):
-            tasks.create_task(two_adapters([*programs[name][:2], f"unix:{tmp_path}/{name}", name]))
+@pytest.mark.parametrize("way", ["ring", "socket"])
+def test_pictures_are_whole_and_adapters_may_restart(outcomes: dict[str, Any], way: str) -> None:
+    result(outcomes, f"restart, {way}")
 
 
-async def two_adapters(command: Sequence[str]) -> None:
-    """Let an engine, whose second last argument is its address, see two adapters come and go; the third ends it."""
-    address = command[-2]
-    async with running(*command) as engine:
+def test_a_scene_of_unity_is_told_in_the_coordinates_of_the_link(outcomes: dict[str, Any]) -> None:
+    picture, events = result(outcomes, "scene")
+    # The lowest row came first, and was red.
+    assert (picture.data[-1, :, 2] == 255).all()
+    assert (picture.data[0, :, 0] == 255).all()
+    corners = (-2.0, -2.0), (2.0, -2.0), (2.0, 2.0)
+    assert Floor(corners, ((corners[0], corners[2], corners[1]),)) in events
+    assert Things((Thing("v1", "person", 0.5, 0.25, -1.5708, "Visitor"),)) in rounded(events)
+    assert Place(0.5, 0.25, -1.5708) in rounded(events)
+
+
+def rounded(events: list[Event]) -> list[Event]:
+    """With angles as short as those above."""
+    short: list[Event] = []
+    for event in events:
+        match event:
+            case Place():
+                short.append(replace(event, th=round(event.th, 4)))
+            case Things(things):
+                short.append(Things(tuple(replace(thing, th=round(thing.th, 4)) for thing in things)))
+            case _:
+                short.append(event)
+    return short
+
+
+async def scene(address: str, runtime: str, program: str) -> tuple[RawVideo, list[Event]]:
+    """A picture of the scene of the components for Unity, and what was told of it."""
+    events: list[Event] = []
+    async with (
+        LinkServer.listen(address, "", on_event=events.append) as server,
+        server.video.open() as pictures,
+        running(runtime, program, address) as engine,
+    ):
+        connection = await server.accept()
+        picture = await anext(pictures)
+        while not {Place, Floor, Things} <= {type(event) for event in events}:
+            await anext(pictures)
+        connection.send_command(Quit())
+        assert await engine.process.wait() == 0
+    return picture, events
+
+
+async def two_adapters(address: str, runtime: str, program: str, *way: str) -> None:
+    """Let an engine see two adapters come and go; the third ends it."""
+    async with running(runtime, program, address, *way) as engine:
         await engine.said("not connected")
         for _ in range(2):
             events: list[Event] = []
@@ -132,8 +202,14 @@ def assert_drawn(picture: RawVideo) -> None:
     assert red[4].max() == 40
 
 
-async def test_a_malformed_adapter_is_told_and_left(programs: dict[str, Sequence[str]]) -> None:
-    """It says why to both sides, and tries again."""
+def test_a_malformed_adapter_is_told_and_left(outcomes: dict[str, Any]) -> None:
+    said, farewells = result(outcomes, "malformed")
+    assert said == ["disconnected: bad COMMAND: path: expected arrays of 3"] * 2
+    assert farewells == ["bad COMMAND: path: expected arrays of 3"] * 2
+
+
+async def malformed(runtime: str, program: str) -> tuple[list[str], list[str]]:
+    """What an engine prints, and tells an adapter whose first command is nonsense, at two connections."""
     farewells: asyncio.Queue[str] = asyncio.Queue()
 
     async def adapter(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
@@ -152,9 +228,6 @@ async def test_a_malformed_adapter_is_told_and_left(programs: dict[str, Sequence
 
     server = await asyncio.start_server(adapter, "127.0.0.1", 0)
     port = server.sockets[0].getsockname()[1]
-    async with server, running(*programs["ring"], f"tcp:127.0.0.1:{port}") as engine:
-        for _ in range(2):
-            said = await engine.said("disconnected")
-            assert said == "disconnected: bad COMMAND: path: expected arrays of 3"
-            async with asyncio.timeout(10):
-                assert await farewells.get() == "bad COMMAND: path: expected arrays of 3"
+    async with server, running(runtime, program, f"tcp:127.0.0.1:{port}") as engine:
+        said = [await engine.said("disconnected") for _ in range(2)]
+        return said, [await farewells.get() for _ in range(2)]

@@ -11,6 +11,7 @@ namespace OpenRoIS.Link
         internal const double Far = 10000.0;
         internal const int MaxPath = 1000;
         private const int MaxVisemes = 2000;
+        private const long MaxBitrate = 1000000000;
         private const long Day = 86400000;
 
         private static readonly Dictionary<string, Func<JObject, Command>> Readers =
@@ -28,6 +29,9 @@ namespace OpenRoIS.Link
                         Real(body, "ahead", MaxSpeed), Real(body, "left", MaxSpeed), Real(body, "turn", MaxSpeed))
                 },
                 { "halt", body => new Halt() },
+                { "key_frame", body => new KeyFrame() },
+                { "bitrate", body => new Bitrate(
+                    (int)Member.Integer(body["bits_per_second"], "bits_per_second", 1, MaxBitrate)) },
                 { "input", body => new OperatorInput(Member.Mapping(body["message"], "message")) },
                 { "quit", body => new Quit() }
             };
@@ -39,10 +43,11 @@ namespace OpenRoIS.Link
         /// <summary>Read the body of COMMAND; members that are not known are ignored.</summary>
         internal static Command Read(JObject body)
         {
+            string name = Member.Text(body["command"], "command", Member.MaxName);
             Func<JObject, Command> read;
-            if (!Readers.TryGetValue(Member.Text(body["command"], "command", Member.MaxName), out read))
+            if (!Readers.TryGetValue(name, out read))
             {
-                throw new LinkException("command: unknown");
+                throw new LinkException($"command: unknown: '{name}'");
             }
             return read(body);
         }
@@ -255,6 +260,25 @@ namespace OpenRoIS.Link
         internal OperatorInput(JObject message)
         {
             Message = message;
+        }
+    }
+
+    /// <summary>To an engine that encodes: make the next picture a key frame.</summary>
+    public sealed class KeyFrame : Command
+    {
+        internal KeyFrame()
+        {
+        }
+    }
+
+    /// <summary>To an engine that encodes: aim at so much from now on.</summary>
+    public sealed class Bitrate : Command
+    {
+        public readonly int BitsPerSecond;
+
+        internal Bitrate(int bitsPerSecond)
+        {
+            BitsPerSecond = bitsPerSecond;
         }
     }
 

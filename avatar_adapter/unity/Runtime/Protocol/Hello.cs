@@ -16,6 +16,9 @@ namespace OpenRoIS.Link
         public double PicturesPerSecond = 30.0;
         public PixelFormat Format = PixelFormat.Bgra;
 
+        /// <summary>Whether the pictures come as H.264, whatever Format says: LinkClient.SendEncoded.</summary>
+        public bool Encodes;
+
         /// <summary>Channels of the sound that will come, 0 for none.</summary>
         public int AudioChannels;
 
@@ -40,7 +43,7 @@ namespace OpenRoIS.Link
                 new JProperty("width", Width),
                 new JProperty("height", Height),
                 new JProperty("fps", PicturesPerSecond),
-                new JProperty("format", Format.ToString().ToLowerInvariant()));
+                new JProperty("format", Encodes ? "h264" : Format.ToString().ToLowerInvariant()));
             return new JObject(
                 new JProperty("name", Name),
                 new JProperty("version", Version),
@@ -50,7 +53,7 @@ namespace OpenRoIS.Link
                 new JProperty("reactions", new JArray(Reactions)),
                 new JProperty("hears", Hears),
                 new JProperty("walks", Walks),
-                new JProperty("ring", Ring),
+                new JProperty("ring", Ring && !Encodes),
                 new JProperty("input", TakesInput));
         }
     }

@@ -97,12 +97,37 @@ namespace OpenRoIS.Link
         /// <summary>Send a picture that is anywhere in memory.</summary>
         public bool SendPicture(IntPtr pixels, int size, Picture shape, long timestampNs)
         {
+            if (_hello.Encodes)
+            {
+                throw new LinkException("HELLO announced encoded pictures, and this one is not");
+            }
             if (size != shape.Size || size == 0)
             {
                 throw new LinkException($"{shape.Size} bytes of pixels expected, {size} found");
             }
             LinkConnection connection = _current;
             return connection != null && connection.SendPicture((byte*)pixels, shape, timestampNs);
+        }
+
+        /// <summary>
+        /// Send a picture that was encoded here, if Hello.Encodes: an H.264 access unit in Annex B form, constrained
+        /// baseline; key frames are IDR pictures with SPS and PPS before them. Sent in order, and all of them.
+        /// </summary>
+        /// <returns>False if some were lost: the next one has to be a key frame.</returns>
+        /// <exception cref="LinkException">There is no such picture, or it is too large.</exception>
+        public bool SendEncoded(byte[] data, int width, int height, long timestampNs, bool isKeyFrame)
+        {
+            if (!_hello.Encodes)
+            {
+                throw new LinkException("HELLO announced no encoded pictures");
+            }
+            Picture.CheckSides(width, height);
+            if (data.Length == 0 || data.Length > Wire.MaxVideo - Wire.VideoHead)
+            {
+                throw new LinkException($"a picture of {data.Length} bytes");
+            }
+            LinkConnection connection = _current;
+            return connection != null && connection.SendEncoded(data, width, height, timestampNs, isKeyFrame);
         }
 
         /// <summary>Send a block of sound: s16 at 48 kHz, channels in turn. From any thread.</summary>

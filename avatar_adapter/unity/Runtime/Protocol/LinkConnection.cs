@@ -106,6 +106,16 @@ namespace OpenRoIS.Link
             return true;
         }
 
+        /// <summary>Send an encoded picture; false if it or one before it is lost.</summary>
+        internal bool SendEncoded(byte[] data, int width, int height, long timestampNs, bool isKeyFrame)
+        {
+            lock (_counting)
+            {
+                byte[] message = Wire.Encoded(_pictures++, timestampNs, width, height, isKeyFrame, data);
+                return Outbox.PutEncoded(message, isKeyFrame);
+            }
+        }
+
         /// <summary>Send a block of sound.</summary>
         internal void SendSound(byte[] samples, int count, int channels, long timestampNs)
         {

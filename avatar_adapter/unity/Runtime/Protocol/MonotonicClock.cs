@@ -1,4 +1,6 @@
 using System.Diagnostics;
+using System.IO;
+using System.Threading;
 
 namespace OpenRoIS.Link
 {
@@ -6,8 +8,8 @@ namespace OpenRoIS.Link
     internal sealed class MonotonicClock
     {
         /// <summary>
-        /// Nanoseconds within which two clocks count as the same one: a welcome does not travel longer on one machine,
-        /// and clocks that are not the same differ by days.
+        /// Nanoseconds within which two clocks count as the same one, which both sides have outside of Windows: a welcome
+        /// takes no longer on one machine. Who counts from another moment is farther off.
         /// </summary>
         private const long Same = 500000000;
 
@@ -15,10 +17,10 @@ namespace OpenRoIS.Link
 
         internal long Now
         {
-            get { return SystemNs() + System.Threading.Volatile.Read(ref _offset); }
+            get { return SystemNs() + Volatile.Read(ref _offset); }
         }
 
-        /// <summary>This machine's clock: CLOCK_MONOTONIC on Linux, where .NET and Mono ask for it.</summary>
+        /// <summary>This machine's clock; on Linux .NET and Mono ask CLOCK_MONOTONIC for it.</summary>
         internal static long SystemNs()
         {
             long ticks = Stopwatch.GetTimestamp();
@@ -30,8 +32,8 @@ namespace OpenRoIS.Link
         internal void Set(long adapterNs, long receivedNs)
         {
             long offset = adapterNs - receivedNs;
-            bool same = offset > -Same && offset < Same;
-            System.Threading.Volatile.Write(ref _offset, same ? 0 : offset);
+            bool same = Path.DirectorySeparatorChar == '/' && offset > -Same && offset < Same;
+            Volatile.Write(ref _offset, same ? 0 : offset);
         }
     }
 }

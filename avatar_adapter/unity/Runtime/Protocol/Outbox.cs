@@ -21,6 +21,7 @@ namespace OpenRoIS.Link
     {
         internal const int MaxEvents = 256;
         internal const int MaxSound = 25;
+        internal const int MaxEncoded = 8;
         private const int MaxSpare = 3;
         private const long NsPerMs = 1000000;
 
@@ -32,11 +33,15 @@ namespace OpenRoIS.Link
         private readonly object _changed = new object();
         private readonly Queue<byte[]> _events = new Queue<byte[]>();
         private readonly Queue<byte[]> _sound = new Queue<byte[]>();
+        private readonly Queue<byte[]> _encoded = new Queue<byte[]>();
         private readonly Stack<byte[]> _spare = new Stack<byte[]>();
         private readonly byte[][] _told = new byte[Kinds][];
         private readonly long[] _toldAt = new long[Kinds];
         private byte[] _picture;
         private bool _hasShown;
+
+        /// <summary>Whether an encoded picture was lost, and no key frame has come since.</summary>
+        private bool _isBroken;
         private byte[] _farewell;
         private bool _aborted;
 
@@ -126,6 +131,27 @@ namespace OpenRoIS.Link
             }
         }
 
+        /// <summary>Queue an encoded picture; false if it, or those before it, were lost: only a key frame helps then.</summary>
+        internal bool PutEncoded(byte[] message, bool isKeyFrame)
+        {
+            lock (_changed)
+            {
+                if (_encoded.Count >= MaxEncoded)
+                {
+                    _encoded.Clear();
+                    _isBroken = true;
+                }
+                if (!IsOpen || (_isBroken && !isKeyFrame))
+                {
+                    return false;
+                }
+                _isBroken = false;
+                _encoded.Enqueue(message);
+                Monitor.Pulse(_changed);
+                return true;
+            }
+        }
+
         /// <summary>The next message as soon as there is one; null when there will be none any more.</summary>
         /// <param name="sent">What was taken before, for the next picture of its size; null at first.</param>
         internal byte[] Take(byte[] sent)
@@ -159,6 +185,7 @@ namespace OpenRoIS.Link
                 if (IsOpen)
                 {
                     _sound.Clear();
+                    _encoded.Clear();
                     _picture = null;
                     _farewell = farewell;
                     Monitor.Pulse(_changed);
@@ -203,6 +230,10 @@ namespace OpenRoIS.Link
             if (_sound.Count > 0)
             {
                 return _sound.Dequeue();
+            }
+            if (_encoded.Count > 0)
+            {
+                return _encoded.Dequeue();
             }
             message = _picture;
             _picture = null;

@@ -29,10 +29,7 @@ namespace OpenRoIS.Link
         public Picture(int width, int height, int stride, PixelFormat format, bool bottomUp)
         {
             bool planar = format != PixelFormat.Bgra;
-            if (width < MinSide || width > MaxSide || height < MinSide || height > MaxSide)
-            {
-                throw new LinkException($"a picture of {width}x{height}: from {MinSide} to {MaxSide} is possible");
-            }
+            CheckSides(width, height);
             if (planar && (width % 2 != 0 || height % 2 != 0 || stride % 2 != 0))
             {
                 throw new LinkException("width, height and stride must be even in I420 and NV12");
@@ -51,6 +48,14 @@ namespace OpenRoIS.Link
             Stride = stride;
             Format = format;
             BottomUp = bottomUp;
+        }
+
+        internal static void CheckSides(int width, int height)
+        {
+            if (width < MinSide || width > MaxSide || height < MinSide || height > MaxSide)
+            {
+                throw new LinkException($"a picture of {width}x{height}: from {MinSide} to {MaxSide} is possible");
+            }
         }
 
         /// <summary>Bytes of the pixels.</summary>

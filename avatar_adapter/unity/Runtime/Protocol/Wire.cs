@@ -30,6 +30,9 @@ namespace OpenRoIS.Link
         internal const int MaxVideo = 64 * 1024 * 1024;
         internal const byte Version = 1;
 
+        private const uint H264 = 4;
+        private const uint BottomUp = 1;
+        private const uint KeyFrame = 2;
         private const int MaxDepth = 64;
         private static readonly byte[] Magic = { (byte)'O', (byte)'R', (byte)'L', (byte)'1' };
         private static readonly Encoding Outgoing = new UTF8Encoding(false, false);
@@ -49,14 +52,19 @@ namespace OpenRoIS.Link
         /// <summary>Write the 40 bytes that VIDEO and RING begin with, behind the header.</summary>
         internal static void PutPicture(byte[] message, ulong sequence, long timestampNs, Picture shape)
         {
-            PutUInt64(message, Header, sequence);
-            PutUInt64(message, Header + 8, (ulong)timestampNs);
-            PutUInt32(message, Header + 16, (uint)shape.Width);
-            PutUInt32(message, Header + 20, (uint)shape.Height);
-            PutUInt32(message, Header + 24, (uint)shape.Stride);
-            PutUInt32(message, Header + 28, (uint)shape.Format);
-            PutUInt32(message, Header + 32, shape.BottomUp ? 1u : 0u);
-            PutUInt32(message, Header + 36, 0);
+            PutVideoHead(message, sequence, timestampNs, shape.Width, shape.Height, shape.Stride, (uint)shape.Format,
+                shape.BottomUp ? BottomUp : 0);
+        }
+
+        /// <summary>A picture that was encoded.</summary>
+        internal static byte[] Encoded(
+            ulong sequence, long timestampNs, int width, int height, bool isKeyFrame, byte[] data)
+        {
+            byte[] message = new byte[Header + VideoHead + data.Length];
+            PutHeader(message, MessageType.Video, VideoHead + data.Length);
+            PutVideoHead(message, sequence, timestampNs, width, height, 0, H264, isKeyFrame ? KeyFrame : 0);
+            Buffer.BlockCopy(data, 0, message, Header + VideoHead, data.Length);
+            return message;
         }
 
         /// <summary>The doorbell of a picture that is in a slot of the ring.</summary>
@@ -148,6 +156,19 @@ namespace OpenRoIS.Link
         internal static ulong UInt64(byte[] at, int offset)
         {
             return UInt32(at, offset) | (ulong)UInt32(at, offset + 4) << 32;
+        }
+
+        private static void PutVideoHead(byte[] message, ulong sequence, long timestampNs, int width, int height,
+            int stride, uint format, uint flags)
+        {
+            PutUInt64(message, Header, sequence);
+            PutUInt64(message, Header + 8, (ulong)timestampNs);
+            PutUInt32(message, Header + 16, (uint)width);
+            PutUInt32(message, Header + 20, (uint)height);
+            PutUInt32(message, Header + 24, (uint)stride);
+            PutUInt32(message, Header + 28, format);
+            PutUInt32(message, Header + 32, flags);
+            PutUInt32(message, Header + 36, 0);
         }
 
         private static void PutUInt32(byte[] at, int offset, uint value)

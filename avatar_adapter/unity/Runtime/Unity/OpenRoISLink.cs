@@ -163,8 +163,16 @@ namespace OpenRoIS.Link.Unity
                 Secret = Environment.GetEnvironmentVariable("OPENROIS_LINK_SECRET") ?? Secret;
             }
             Application.runInBackground = true;
-            _shape = Picture.Bgra(Width, Height, BottomRowFirst);
-            _client = new LinkClient(Address, Greeting());
+            try
+            {
+                _shape = Picture.Bgra(Width, Height, BottomRowFirst);
+                _client = new LinkClient(Address, Greeting());
+            }
+            catch (LinkException error)
+            {
+                Debug.LogError("OpenRoISLink: " + error.Message);
+                enabled = false;
+            }
         }
 
         private void OnEnable()
