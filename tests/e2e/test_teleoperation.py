@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 import pytest_asyncio
 from openrois_avatar.link.messages import Drive, Halt
+from openrois_avatar.teleoperation import pilot
 from playwright.async_api import Browser, expect
 
 from tests.support.browser import PATIENCE, Visit, visiting
@@ -73,7 +74,10 @@ async def test_the_keyboard_drives_and_a_page_that_is_not_looked_at_lets_go(driv
     assert len(engine.times(Drive)) == driven
 
 
-async def test_another_way_changes_nothing_and_a_page_that_is_closed_lets_go(drivers: Drivers) -> None:
+async def test_another_way_changes_nothing_and_a_page_that_is_closed_lets_go(
+    drivers: Drivers, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(pilot, "PATIENCE", 5.0)  # a slow machine may stall for longer than a hand may be silent
     visit = drivers.visit
     await drivers.take_control()
     await visit.page.keyboard.down("KeyW")

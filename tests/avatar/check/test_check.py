@@ -106,7 +106,7 @@ def found() -> dict[str, Found]:
 
     async def check_all() -> dict[str, Found]:
         turn = asyncio.Semaphore(AT_ONCE)
-        async with asyncio.timeout(60), asyncio.TaskGroup() as tasks:
+        async with asyncio.timeout(100), asyncio.TaskGroup() as tasks:
             running = {odd: tasks.create_task(of_thread(odd, turn)) for odd in (*RIGHT, *ODD)}
             running["puppet"] = tasks.create_task(of_process(*PUPPET))
             running["encoder"] = tasks.create_task(of_process("-m", "tests.support.encoding_engine"))
