@@ -31,6 +31,7 @@ export class DeviceControl {
   #stopListening: (() => void) | null = null;
   /** The user's answer is awaited. */
   #asking = false;
+  #used = "";
 
   /** @param body is shown while the device is in use */
   constructor(kind: MediaKind, body: HTMLElement, onTrack: (track: MediaStreamTrack | null) => void) {
@@ -64,6 +65,12 @@ export class DeviceControl {
     this.#render();
   }
 
+  /** What the avatar does with it for this page, such as `looked at`; empty for nothing. */
+  set used(used: string) {
+    this.#used = used;
+    this.#renderWords();
+  }
+
   async toggle(): Promise<void> {
     const stream = this.#stream;
     if (!stream) return;
@@ -85,15 +92,22 @@ export class DeviceControl {
     if (on && this.#body.hidden) void this.#list();
     this.#button.disabled = stream === null;
     this.#button.setAttribute("aria-pressed", String(on));
-    const words = deviceWords(on, this.#asking, stream?.status ?? null, stream?.captureProblem != null);
-    setText(this.#state, words.text);
-    this.#button.dataset["state"] = words.state;
+    this.#renderWords();
     const trouble = stream && deviceTrouble(stream.captureProblem, on ? stream.problem : null);
     setText(this.#trouble, trouble ?? "");
     this.#trouble.hidden = trouble === null;
     this.#body.hidden = !on;
     if (!on) this.#choice.hidden = true;
     this.#onTrack(track);
+  }
+
+  #renderWords(): void {
+    const stream = this.#stream;
+    const on = stream !== null && stream.captured !== null;
+    const failed = stream?.captureProblem != null;
+    const words = deviceWords(on, this.#asking, stream?.status ?? null, failed, this.#used);
+    setText(this.#state, words.text);
+    this.#button.dataset["state"] = words.state;
   }
 
   /** With one device there is nothing to choose. */

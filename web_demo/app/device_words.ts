@@ -8,20 +8,30 @@ export interface DeviceWords {
   readonly text: string;
 }
 
-/** @param on the device is in use; what it gives may have nowhere to go */
+/**
+ * @param on the device is in use; what it gives may have nowhere to go
+ * @param used what the avatar does with it for this page, such as `looked at`; empty for nothing
+ */
 export function deviceWords(
   on: boolean,
   asking: boolean,
   status: StreamStatus | null,
   failed: boolean,
+  used = "",
 ): DeviceWords {
   if (!on) {
     if (asking) return { state: "asking", text: "Asking you" };
     return failed ? { state: "trouble", text: "Not available" } : { state: "off", text: "Off" };
   }
-  if (status === "STREAMING_RUNNING") return { state: "on", text: "On" };
+  if (status === "STREAMING_RUNNING") return { state: "on", text: used === "" ? "Sent" : `Sent, ${used}` };
   if (status === "STREAMING_SUSPENDED") return { state: "held", text: "Held by the avatar" };
   return { state: "waiting", text: "Connecting" };
+}
+
+/** Says what leaves this machine; empty for nothing. */
+export function sendingWords(microphone: boolean, camera: boolean): string {
+  if (microphone && camera) return "Microphone and camera are on";
+  return microphone ? "Microphone is on" : camera ? "Camera is on" : "";
 }
 
 /** Returns the sentence about what is nearest to the user; null when nothing is wrong. */

@@ -19,9 +19,20 @@ export class MessageLog {
   #missed = 0;
   #waiting: LogEntry[] = [];
   #frame = 0;
+  /** The end is in view, and stays so. */
+  #following = true;
+  #scrolled = 0;
 
   constructor(client: Client) {
     client.on("traffic", (traffic) => this.#add(traffic));
+    this.#list.addEventListener("scroll", () => {
+      const { scrollHeight, scrollTop, clientHeight } = this.#list;
+      if (scrollHeight - scrollTop - clientHeight < NEAR_END) this.#following = true;
+      else if (scrollTop < this.#scrolled) this.#following = false;
+      this.#scrolled = scrollTop;
+    });
+    // The list is as high as the rest of the page leaves it.
+    new ResizeObserver(() => this.#follow()).observe(this.#list);
     this.#filter.addEventListener("input", () => this.#rebuild());
     this.#pause.addEventListener("click", () => this.#setPaused(!this.#paused));
     byTestId("log-clear", HTMLButtonElement).addEventListener("click", () => {
@@ -44,8 +55,6 @@ export class MessageLog {
 
   #flush(): void {
     this.#frame = 0;
-    const { scrollHeight, scrollTop, clientHeight } = this.#list;
-    const following = scrollHeight - scrollTop - clientHeight < NEAR_END;
     for (const entry of this.#waiting.filter((each) => matches(each, this.#filter.value))) {
       const before =
         entry.repeats > 1 ? this.#list.querySelector(`:scope > [data-number="${entry.number}"]`) : null;
@@ -54,8 +63,14 @@ export class MessageLog {
     }
     this.#waiting = [];
     while (this.#list.childElementCount > MAX_ENTRIES) this.#list.firstElementChild?.remove();
-    if (following) this.#list.scrollTop = this.#list.scrollHeight;
+    this.#follow();
     this.#renderCount();
+  }
+
+  #follow(): void {
+    if (!this.#following) return;
+    this.#list.scrollTop = this.#list.scrollHeight;
+    this.#scrolled = this.#list.scrollTop;
   }
 
   #rebuild(): void {

@@ -1,42 +1,42 @@
 /** The person at this machine: microphone and camera on their way to the avatar, and what arrives there. */
 
-import type { Client, Subscription } from "../sdk/index.ts";
+import type { Client } from "../sdk/index.ts";
 import type { LocalStream, MediaReceiver } from "../sdk/media/index.ts";
 import type { Avatar } from "./avatars.ts";
-import { SILENCE } from "./decibels.ts";
 import { DeviceControl } from "./device_control.ts";
-import { byRole, make } from "./dom.ts";
-import { LevelBar, TrackLevel } from "./level_bar.ts";
-import { Operator } from "./own_components.ts";
+import { sendingWords } from "./device_words.ts";
+import { byRole, byTestId, make, setText } from "./dom.ts";
+import { HearingPanel } from "./senses/hearing_panel.ts";
+import { SightPanel } from "./senses/sight_panel.ts";
 
 export class OperatorCard {
   readonly #client: Client;
   readonly #receiver: MediaReceiver;
   readonly #element = byRole("card-operator", HTMLElement);
-  readonly #here = new LevelBar("here", "Here");
-  readonly #there = new LevelBar("there", "At the avatar");
-  readonly #preview = make("video", { class: "preview", "data-testid": "preview" });
+  readonly #sending = byTestId("sending", HTMLElement);
+  readonly #sight: SightPanel;
+  readonly #hearing: HearingPanel;
   readonly #microphone: DeviceControl;
   readonly #camera: DeviceControl;
-  readonly #local = new TrackLevel((level) => this.#here.show(level));
   /** Components that have said that they take what is sent. */
   readonly #taking = new Set<string>();
-  #operator: Operator | null = null;
-  #hearing: Promise<Subscription> | null = null;
+  readonly #on = { audio: false, video: false };
 
   constructor(client: Client, receiver: MediaReceiver) {
     this.#client = client;
     this.#receiver = receiver;
-    const levels = make("div", { class: "levels" }, this.#here.element, this.#there.element);
-    this.#preview.muted = true;
-    this.#preview.autoplay = true;
-    this.#preview.playsInline = true;
-    this.#preview.setAttribute("aria-label", "What your camera shows");
-    this.#microphone = new DeviceControl("audio", levels, (track) => {
-      this.#local.follow(track);
-      this.#hear(track !== null);
+    this.#hearing = new HearingPanel(client, () => this.#tell());
+    this.#sight = new SightPanel(client, () => this.#tell());
+    this.#microphone = new DeviceControl("audio", this.#hearing.element, (track) => {
+      this.#on.audio = track !== null;
+      this.#hearing.show(track);
+      this.#tell();
     });
-    this.#camera = new DeviceControl("video", this.#preview, (track) => this.#show(track));
+    this.#camera = new DeviceControl("video", this.#sight.element, (track) => {
+      this.#on.video = track !== null;
+      this.#sight.show(track);
+      this.#tell();
+    });
     this.#element.append(
       make("h2", { id: "operator-title" }, "You"),
       make("div", { class: "devices" }, this.#microphone.element, this.#camera.element),
@@ -44,14 +44,11 @@ export class OperatorCard {
   }
 
   /** The streams to the avatar, for the browser's console; null where it takes none. */
-  async watch({
-    video,
-    audio,
-    operator,
-  }: Avatar): Promise<{ microphone: LocalStream | null; camera: LocalStream | null }> {
+  async watch(avatar: Avatar): Promise<{ microphone: LocalStream | null; camera: LocalStream | null }> {
+    const { video, audio } = avatar;
     await Promise.all([this.#ask(audio), this.#ask(video)]);
-    this.#operator = operator === null ? null : new Operator(this.#client, operator);
-    this.#there.element.hidden = operator === null;
+    this.#hearing.setComponents(avatar.operator, avatar.hearing, avatar.progress);
+    this.#sight.setComponents(avatar.sight, avatar.enrolment);
     const microphone =
       audio !== null && this.#taking.has(audio) ? this.#receiver.sending(audio, "audio") : null;
     const limits = { width: 640, height: 360, fps: 30, max_bitrate: 1_000_000 };
@@ -72,23 +69,15 @@ export class OperatorCard {
     void this.#camera.toggle();
   }
 
-  #show(track: MediaStreamTrack | null): void {
-    const shown = this.#preview.srcObject instanceof MediaStream ? this.#preview.srcObject : null;
-    if (track === (shown?.getTracks()[0] ?? null)) return;
-    this.#preview.srcObject = track && new MediaStream([track]);
-  }
-
-  /** The avatar tells its level several times a second: only to those who want to know. */
-  #hear(wanted: boolean): void {
-    if (wanted === (this.#hearing !== null)) return;
-    if (wanted) {
-      this.#hearing = this.#operator?.microphoneLevel.subscribe((level) => this.#there.show(level)) ?? null;
-      this.#hearing?.catch(() => (this.#hearing = null));
-      return;
-    }
-    void this.#hearing?.then((subscription) => subscription.cancel()).catch(() => undefined);
-    this.#hearing = null;
-    this.#there.show(SILENCE);
+  /** Says where it is always seen what leaves this machine. */
+  #tell(): void {
+    // The panels tell while they are made.
+    if (!this.#camera) return;
+    this.#microphone.used = this.#hearing.listens ? "listened to" : "";
+    this.#camera.used = this.#sight.looks ? "looked at" : "";
+    const words = sendingWords(this.#on.audio, this.#on.video);
+    this.#sending.hidden = words === "";
+    setText(this.#sending, words);
   }
 
   /** Asks a component whether applications may send to it; one that cannot be asked has not changed its mind. */

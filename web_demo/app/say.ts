@@ -28,6 +28,7 @@ export class SayLine {
   #speech: SpeechSynthesis | null = null;
   #usable = false;
   #performance = 0;
+  #stopping = false;
   #last = "";
 
   /** @param onCut is told that speech is being broken off, and when that is done */
@@ -69,6 +70,7 @@ export class SayLine {
   }
 
   stop(): void {
+    this.#stopping = true;
     if (this.#speech?.inUse) this.#onCut(this.#speech.stop().catch(() => undefined));
   }
 
@@ -96,10 +98,13 @@ export class SayLine {
     const performance = ++this.#performance;
     const language = this.#language.value;
     const parameters = { speech_text: text, ...(language !== "" && { language }) };
+    this.#stopping = false;
     this.#show("speaking", "speaking");
     await this.#words.begin(text);
     if (performance !== this.#performance) return;
     const spoken = speech.perform(parameters, () => {
+      // Stop may have been pressed before there was anything to stop.
+      if (this.#stopping && performance === this.#performance) this.stop();
       this.#last = text;
       if (this.#input.value.trim() === text) this.#input.value = "";
     });

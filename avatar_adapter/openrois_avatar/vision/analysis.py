@@ -81,12 +81,13 @@ class Analysis:
         memory, likeness = self._memories[track.number], None
         if track.found_at == view.moment and (self.collects or self._gallery.names):
             likeness = self._likeness(track, memory, view)
+        name = memory.opinion.name
         return Person(
             track.number,
             track.face.box,
             place_of(track.face.box, view.aspect),
             track.shows_face(view.moment),
-            memory.opinion.name,
+            name if name in self._gallery.names else None,  # it may have been forgotten since
             gesture,
             likeness if self.collects else None,
         )

@@ -123,6 +123,15 @@ class TestIdentification:
     def test_somebody_else_is_not(self, gallery: Gallery) -> None:
         assert self.names(gallery, HOPPER) == {None}
 
+    def test_who_is_forgotten_loses_the_name_while_in_the_picture(self, gallery: Gallery) -> None:
+        analysis = Analysis(CascadeFinder(), PatternRecognizer(), HeadReader(), gallery)
+        *before, seen, last = map(View, video(lambda _t: [COLLINS], 2.0, width=400, height=224))
+        for view in before:
+            analysis.look(view)
+        assert [person.name for person in analysis.look(seen).persons] == ["Eileen"]
+        gallery.forget("Eileen")
+        assert [person.name for person in analysis.look(last).persons] == [None]
+
     def test_nothing_is_computed_of_faces_while_nobody_is_enrolled(self) -> None:
         class Refusing(PatternRecognizer):
             def likeness(self, view: View, face: object) -> None:

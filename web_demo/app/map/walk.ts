@@ -1,7 +1,7 @@
 /** Sending the avatar somewhere, or after somebody; and what becomes of it, in words. */
 
 import { CommandFailed, Follow, Navigation } from "../../sdk/index.ts";
-import type { Client, Subscription } from "../../sdk/index.ts";
+import type { Client, RoISCommon, Subscription } from "../../sdk/index.ts";
 import { describeFailure } from "../outcome.ts";
 import type { Place } from "./geometry.ts";
 import { ahead } from "./scene.ts";
@@ -32,6 +32,7 @@ export class Walk {
   #state: WalkState = "idle";
   #words = "";
   #number = 0;
+  #stopping = false;
 
   /** @param onChange is called when any of the properties has changed */
   constructor(client: Client, onChange: () => void) {
@@ -79,21 +80,22 @@ export class Walk {
     const [first] = targets;
     const words =
       targets.length > 1 ? `Walking to ${targets.length} places` : `Walking to ${first?.words ?? ""}`;
-    void this.#run(words, targets, null, async () => {
+    void this.#run(words, targets, null, navigation, async (onStart) => {
       await this.#hear(navigation);
-      await navigation.perform({ target_positions: targets.map(({ text }) => text) });
+      await navigation.perform({ target_positions: targets.map(({ text }) => text) }, onStart);
     });
   }
 
   follow(whom: Thing): void {
     const follow = this.#follow;
     if (!follow) return;
-    void this.#run(`Following ${whom.name}`, [], whom, () =>
-      follow.perform({ target_object_ref: whom.ref, distance: DISTANCE }),
+    void this.#run(`Following ${whom.name}`, [], whom, follow, (onStart) =>
+      follow.perform({ target_object_ref: whom.ref, distance: DISTANCE }, onStart),
     );
   }
 
   stop(): void {
+    this.#stopping = true;
     for (const component of [this.#navigation, this.#follow])
       if (component?.inUse) void component.stop().catch(() => undefined);
   }
@@ -111,13 +113,19 @@ export class Walk {
     words: string,
     targets: readonly Target[],
     followed: Thing | null,
-    perform: () => Promise<void>,
+    component: Pick<RoISCommon, "stop">,
+    perform: (onStart: () => void) => Promise<void>,
   ): Promise<void> {
     const number = ++this.#number;
     const began = Date.now();
     [this.#targets, this.#followed] = [targets, followed];
     this.#show("walking", words);
-    const [state, outcome] = await perform().then(
+    this.#stopping = false;
+    // Stop may have been pressed before there was anything to stop.
+    const onStart = (): void => {
+      if (number === this.#number && this.#stopping) void component.stop().catch(() => undefined);
+    };
+    const [state, outcome] = await perform(onStart).then(
       () => ["done", `Arrived after ${((Date.now() - began) / 1000).toFixed(1)} s`] as const,
       (error: unknown) => failure(error),
     );

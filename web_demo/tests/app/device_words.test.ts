@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { SILENCE, filled, levelOf, spoken } from "../../app/decibels.ts";
-import { deviceTrouble, deviceWords } from "../../app/device_words.ts";
+import { deviceTrouble, deviceWords, sendingWords } from "../../app/device_words.ts";
 
 describe("deviceWords", () => {
   it.each([
@@ -13,6 +13,16 @@ describe("deviceWords", () => {
     [true, false, "STREAMING_SUSPENDED", false, "held"],
   ] as const)("in use %s, asking %s, %s, failed %s: %s", (on, asking, status, failed, state) => {
     expect(deviceWords(on, asking, status, failed).state).toBe(state);
+  });
+});
+
+describe("what leaves this machine", () => {
+  it("is said plainly, and what becomes of it", () => {
+    const sent = (used: string): string => deviceWords(true, false, "STREAMING_RUNNING", false, used).text;
+    expect([sent(""), sent("looked at")]).toEqual(["Sent", "Sent, looked at"]);
+    const words = [sendingWords(true, true), sendingWords(true, false), sendingWords(false, true)];
+    expect(words).toEqual(["Microphone and camera are on", "Microphone is on", "Camera is on"]);
+    expect(sendingWords(false, false)).toBe("");
   });
 });
 

@@ -1,0 +1,132 @@
+/** What the avatar hears: levels, what it understands if it is let, and whether it lets itself be interrupted. */
+
+import type { Client } from "../../sdk/index.ts";
+import { SILENCE } from "../decibels.ts";
+import { make, setText } from "../dom.ts";
+import { LevelBar, TrackLevel } from "../level_bar.ts";
+import { describeFailure } from "../outcome.ts";
+import { Hearing, Operator, SpeechProgress } from "../own_components.ts";
+import { Switch } from "./switch.ts";
+import { Wanted } from "./wanted.ts";
+
+/** So many sentences are kept in view. */
+const KEPT = 3;
+const BUSY = "Somebody else has it now";
+
+export class HearingPanel {
+  readonly element = make("div", { class: "sense" });
+  readonly #client: Client;
+  readonly #onChange: () => void;
+  readonly #here = new LevelBar("here", "Here");
+  readonly #there = new LevelBar("there", "At the avatar");
+  readonly #local = new TrackLevel((level) => this.#here.show(level));
+  readonly #level = new Wanted();
+  readonly #heard = new Wanted((error) => this.#refused(error));
+  readonly #switch: Switch;
+  readonly #interrupt: Switch;
+  readonly #list = make("ol", { class: "heard", "data-testid": "heard", "aria-live": "polite" });
+  readonly #words = make("p", { class: "sense-words", role: "status" });
+  #operator: Operator | null = null;
+  #hearing: Hearing | null = null;
+  #progress: SpeechProgress | null = null;
+  #track: MediaStreamTrack | null = null;
+  #sentences: readonly string[] = [];
+
+  /** @param onChange is called when it begins to write down, or ends */
+  constructor(client: Client, onChange: () => void) {
+    this.#client = client;
+    this.#onChange = onChange;
+    this.#switch = new Switch("hearing-switch", "Let it write down what you say", () => this.#look());
+    this.#interrupt = new Switch("barge-in", "Speak to interrupt it", (on) => void this.#setInterrupt(on));
+    const levels = make("div", { class: "levels" }, this.#here.element, this.#there.element);
+    this.element.append(levels, this.#switch.element, this.#list, this.#interrupt.element, this.#words);
+    this.#look();
+  }
+
+  /** Whether the avatar writes down for this page what it hears. */
+  get listens(): boolean {
+    return this.#heard.wanted;
+  }
+
+  /** @param operator,hearing,progress refs of components; null where there are none */
+  setComponents(operator: string | null, hearing: string | null, progress: string | null): void {
+    if (operator !== (this.#operator?.componentRef ?? null)) {
+      const component = operator === null ? null : new Operator(this.#client, operator);
+      this.#operator = component;
+      this.#level.from(
+        component && (() => component.microphoneLevel.subscribe((level) => this.#there.show(level))),
+      );
+    }
+    if (hearing !== (this.#hearing?.componentRef ?? null)) {
+      const component = hearing === null ? null : new Hearing(this.#client, hearing);
+      this.#hearing = component;
+      this.#heard.from(
+        component && (() => component.heard.subscribe(({ text, final }) => this.#hear(text, final))),
+      );
+    }
+    if (progress !== (this.#progress?.componentRef ?? null))
+      this.#progress = progress === null ? null : new SpeechProgress(this.#client, progress);
+    this.#there.element.hidden = operator === null;
+    this.#look();
+  }
+
+  /** @param track of the microphone; null while it is off */
+  show(track: MediaStreamTrack | null): void {
+    if (track === this.#track) return;
+    const began = this.#track === null;
+    this.#track = track;
+    this.#local.follow(track);
+    if (began) void this.#askInterrupt();
+    else if (track === null && this.#interrupt.on) void this.#setInterrupt(false);
+    this.#look();
+  }
+
+  #look(): void {
+    const on = this.#switch.on && this.#hearing !== null;
+    // The avatar tells its level several times a second: only to those who want to know.
+    this.#level.wanted = this.#track !== null;
+    this.#heard.wanted = on && this.#track !== null;
+    if (this.#track === null) this.#there.show(SILENCE);
+    this.#switch.element.hidden = this.#hearing === null;
+    this.#interrupt.element.hidden = this.#progress === null;
+    this.#list.hidden = !on;
+    if (!on) this.#sentences = [];
+    this.#render("");
+    this.#onChange();
+  }
+
+  #hear(text: string, final: boolean): void {
+    if (final && text !== "") this.#sentences = [...this.#sentences, text].slice(-KEPT);
+    this.#render(final ? "" : text);
+  }
+
+  #render(partial: string): void {
+    const lines = this.#sentences.map((text) => make("li", {}, text));
+    if (partial !== "") lines.push(make("li", { class: "partial" }, `${partial} …`));
+    else if (lines.length === 0) lines.push(make("li", { class: "partial" }, "Nothing was understood yet"));
+    this.#list.replaceChildren(...lines);
+  }
+
+  async #askInterrupt(): Promise<void> {
+    const values = await this.#progress?.getParameter().catch(() => null);
+    this.#interrupt.on = values?.barge_in === true;
+  }
+
+  async #setInterrupt(on: boolean): Promise<void> {
+    const progress = this.#progress;
+    if (!progress) return;
+    this.#interrupt.on = on;
+    setText(this.#words, "");
+    try {
+      await progress.bound(() => progress.setParameter({ barge_in: on }));
+    } catch (error) {
+      this.#interrupt.on = !on;
+      this.#refused(error);
+    }
+  }
+
+  #refused(error: unknown): void {
+    const { text } = describeFailure(error, BUSY);
+    setText(this.#words, `${text.charAt(0).toUpperCase()}${text.slice(1)}`);
+  }
+}

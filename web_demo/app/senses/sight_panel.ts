@@ -1,0 +1,191 @@
+/** The preview of the camera, and over it what the avatar sees there, if it is let. */
+
+import { CommandFailed } from "../../sdk/index.ts";
+import type { Client } from "../../sdk/index.ts";
+import { make, setText } from "../dom.ts";
+import { describeFailure } from "../outcome.ts";
+import { Enrolment, Sight } from "../own_components.ts";
+import { Faces, inMirror } from "./boxes.ts";
+import type { Box, Face } from "./boxes.ts";
+import { Switch } from "./switch.ts";
+import { Wanted } from "./wanted.ts";
+
+/** Milliseconds after which what is told no more is not shown any more. */
+const FRESH = 1500;
+const BUSY = "Somebody else has it now";
+const KEPT = "A face is kept in the avatar's memory and nowhere else, and is gone when the avatar ends.";
+
+export class SightPanel {
+  readonly element = make("div", { class: "sense" });
+  readonly #client: Client;
+  readonly #onChange: () => void;
+  readonly #preview = make("video", { class: "preview", "data-testid": "preview" });
+  readonly #boxes = make("div", { class: "boxes", "aria-hidden": "true" });
+  readonly #switch: Switch;
+  readonly #seen = new Wanted((error) => this.#refused(error));
+  readonly #form: HTMLFormElement;
+  readonly #name = make("input", {
+    type: "text",
+    maxlength: "64",
+    placeholder: "Your name",
+    "aria-label": "Name to remember your face by",
+    "data-testid": "enrol-name",
+    autocomplete: "off",
+  });
+  readonly #known = make("ul", { class: "known", "aria-label": "Remembered faces" });
+  readonly #words = make("p", { class: "sense-words", "data-testid": "sight-words", "aria-live": "polite" });
+  readonly #faces = new Faces();
+  readonly #drawn = new Map<string, HTMLElement>();
+  #sight: Sight | null = null;
+  #enrolment: Enrolment | null = null;
+  #fading: ReturnType<typeof setTimeout> | undefined;
+
+  /** @param onChange is called when it begins to look, or ends */
+  constructor(client: Client, onChange: () => void) {
+    this.#client = client;
+    this.#onChange = onChange;
+    this.#preview.muted = true;
+    this.#preview.autoplay = true;
+    this.#preview.playsInline = true;
+    this.#preview.setAttribute("aria-label", "What your camera shows");
+    this.#switch = new Switch("sight-switch", "Let it look for faces", () => this.#look());
+    const remember = make("button", { class: "button small", "data-testid": "enrol" }, "Remember me");
+    this.#form = make("form", { class: "enrol" }, this.#name, remember);
+    this.#form.append(make("p", { class: "hint" }, KEPT), this.#known);
+    this.#form.addEventListener("submit", (event) => {
+      event.preventDefault();
+      void this.#enrol(this.#name.value.trim());
+    });
+    const picture = make("div", { class: "picture" }, this.#preview, this.#boxes);
+    this.element.append(picture, this.#switch.element, this.#words, this.#form);
+    this.#look();
+  }
+
+  /** Whether the avatar looks at the camera for this page. */
+  get looks(): boolean {
+    return this.#seen.wanted;
+  }
+
+  /** @param sight,enrolment refs of components; null where there are none */
+  setComponents(sight: string | null, enrolment: string | null): void {
+    if (sight !== (this.#sight?.componentRef ?? null)) {
+      const component = sight === null ? null : new Sight(this.#client, sight);
+      this.#sight = component;
+      this.#seen.from(
+        component &&
+          (() => component.seen.subscribe((seen) => this.#show(this.#faces.see(seen, performance.now())))),
+      );
+    }
+    if (enrolment !== (this.#enrolment?.componentRef ?? null))
+      this.#enrolment = enrolment === null ? null : new Enrolment(this.#client, enrolment);
+    this.#look();
+  }
+
+  /** @param track of the camera; null while it is off */
+  show(track: MediaStreamTrack | null): void {
+    const shown = this.#preview.srcObject instanceof MediaStream ? this.#preview.srcObject : null;
+    if (track === (shown?.getTracks()[0] ?? null)) return;
+    this.#preview.srcObject = track && new MediaStream([track]);
+    this.#look();
+  }
+
+  #look(): void {
+    const on = this.#switch.on && this.#sight !== null;
+    const wanted = on && this.#preview.srcObject !== null;
+    const began = wanted && !this.#seen.wanted;
+    this.#seen.wanted = wanted;
+    this.#switch.element.hidden = this.#sight === null;
+    this.#form.hidden = !on || this.#enrolment === null;
+    if (!wanted) this.#show([]);
+    if (began) {
+      this.#say("Nobody is seen yet");
+      void this.#list();
+    }
+    this.#words.hidden = !on;
+    this.#onChange();
+  }
+
+  #show(faces: readonly Face[]): void {
+    clearTimeout(this.#fading);
+    if (faces.length > 0) this.#fading = setTimeout(() => this.#show([]), FRESH);
+    const { videoWidth, videoHeight, clientWidth, clientHeight } = this.#preview;
+    const [picture, preview] = [videoWidth / videoHeight || 1, clientWidth / clientHeight || 1];
+    const refs = new Set(faces.map(({ ref }) => ref));
+    for (const [ref, box] of this.#drawn) {
+      if (refs.has(ref)) continue;
+      box.remove();
+      this.#drawn.delete(ref);
+    }
+    for (const face of faces) this.#draw(face, inMirror(face.box, picture, preview));
+    if (this.#seen.wanted && this.#form.dataset["busy"] === undefined) this.#say(peopleWords(faces));
+  }
+
+  /** A face that is drawn already moves to where it is now. */
+  #draw({ ref, name, gesture }: Face, place: Box): void {
+    const box = this.#drawn.get(ref) ?? make("div", { "data-testid": "face" }, make("span"));
+    box.className = name === "" ? "box" : "box known";
+    if (box.firstElementChild) setText(box.firstElementChild, [name || "Somebody", gesture].join(" ").trim());
+    for (const [side, share] of Object.entries(place))
+      box.style.setProperty(side, `${(100 * share).toFixed(2)}%`);
+    if (this.#drawn.has(ref)) return;
+    this.#drawn.set(ref, box);
+    this.#boxes.append(box);
+  }
+
+  async #enrol(name: string): Promise<void> {
+    if (name === "") return this.#name.focus();
+    await this.#change(`Looking at ${name} …`, "", (enrolment) => enrolment.enrol(name));
+    this.#name.value = "";
+  }
+
+  async #list(): Promise<void> {
+    const names = (await this.#enrolment?.enrolled().catch(() => null))?.names ?? [];
+    this.#known.replaceChildren(
+      ...names.map((name) => {
+        const forget = make("button", { type: "button", class: "forget", title: `Forget ${name}` }, name);
+        forget.append(make("span", { "aria-hidden": "true" }, "×"));
+        forget.setAttribute("aria-label", `Forget ${name}`);
+        forget.addEventListener(
+          "click",
+          () => void this.#change("", "", (enrolment) => enrolment.forget(name)),
+        );
+        return make("li", {}, forget);
+      }),
+    );
+  }
+
+  async #change(doing: string, done: string, change: (enrolment: Enrolment) => Promise<void>): Promise<void> {
+    if (!this.#enrolment || this.#form.dataset["busy"] !== undefined) return;
+    this.#form.dataset["busy"] = "";
+    this.#say(doing);
+    try {
+      await change(this.#enrolment);
+      this.#say(done);
+    } catch (error) {
+      this.#refused(error);
+      await new Promise((resolve) => setTimeout(resolve, FRESH));
+    } finally {
+      delete this.#form.dataset["busy"];
+      await this.#list();
+    }
+  }
+
+  #refused(error: unknown): void {
+    const why =
+      error instanceof CommandFailed ? error.reason || error.message : describeFailure(error, BUSY).text;
+    this.#say(`${why.charAt(0).toUpperCase()}${why.slice(1)}`, true);
+  }
+
+  #say(words: string, failed = false): void {
+    setText(this.#words, words);
+    this.#words.classList.toggle("failed", failed);
+  }
+}
+
+function peopleWords(faces: readonly Face[]): string {
+  if (faces.length === 0) return "Nobody is seen";
+  const strangers = faces.filter(({ name }) => name === "").length;
+  const names = faces.flatMap(({ name }) => (name === "" ? [] : name));
+  const others = strangers === 0 ? [] : [strangers === 1 ? "somebody" : `${strangers} people`];
+  return `It sees ${[...names, ...others].join(" and ")}`;
+}
