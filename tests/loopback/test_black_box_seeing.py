@@ -112,4 +112,4 @@ async def test_faces_persons_and_a_nod_are_seen_and_gone_with_the_camera(app: Ap
         assert (x, y) == pytest.approx((right, ahead), rel=0.25)
     assert await app.act("disconnect", camera) == "OK"
     await heard.until("person_detected", number=0)
-    assert heard.all("seen")[-1]["person_ref"] == []
+    assert await app.news.until(lambda: heard.all("seen")[-1]["person_ref"] == [])

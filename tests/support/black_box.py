@@ -34,7 +34,7 @@ STATUS: Final = "rois.stream.notify_stream_status"
 H264: Final = ("video/H264",)
 VP8: Final = ("video/VP8",)
 
-_PATIENCE: Final = 15.0
+_PATIENCE: Final = 30.0
 
 T = TypeVar("T")
 Message = dict[str, Any]

@@ -22,7 +22,7 @@ from openrois_streaming.state import StreamStatus
 from openrois_streaming.stream import StreamChange
 from openrois_streaming.synthetic import ColourBars, Tone
 
-PATIENCE = 10.0
+PATIENCE = 25.0
 """Seconds that anything here may take; on an idle machine all of it takes less than one."""
 
 

@@ -204,7 +204,8 @@ class LinkClient:
         return 0.0 if self._commands else max(0.0, deadline - time.monotonic())
 
     def _greet(self, hello: Hello, deadline: float) -> None:
-        send(self._stream, hello)
+        with contextlib.suppress(OSError):  # an adapter that has hung up already has said why: that is read below
+            send(self._stream, hello)
         messages: list[Message] = []
         while not messages:
             self._stream.settimeout(max(0.001, deadline - time.monotonic()))

@@ -1,6 +1,7 @@
 import socket
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -159,6 +160,16 @@ def test_an_engine_that_fails_says_so() -> None:
 def test_whoever_is_not_welcome_learns_why(answer: bytes, named: str) -> None:
     with FakeAdapter(answer) as adapter, pytest.raises(LinkError, match=named):
         connect(adapter)
+
+
+def test_whoever_is_turned_away_before_it_has_said_all_learns_why_too() -> None:
+    ours, theirs = socket.socketpair()
+    theirs.sendall(wire(Bye("wrong secret")))
+    theirs.close()
+    client = LinkClient(ours)
+    with pytest.raises(LinkError, match="refused: wrong secret"):
+        client._greet(HELLO, time.monotonic() + 5)
+    client._release()
 
 
 def test_an_adapter_that_says_nothing_is_not_waited_for() -> None:
