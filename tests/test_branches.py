@@ -51,6 +51,7 @@ TESTS = (
     "tests/avatar/test_engine_sound.py",
     "tests/avatar/sensing",
     "tests/avatar/motion",
+    *(f"tests/avatar/pixel_streaming/test_{part}.py" for part in ("conversation", "hands", "protocol", "settings")),
     *(f"tests/avatar/vision/test_{part}.py" for part in ("box", "gallery", "head_gestures", "seen", "tracks")),
     *(f"tests/avatar/facades/test_{part}.py" for part in ("messages", "sections", "streamers", "viewing")),
     "tests/avatar/test_health.py",

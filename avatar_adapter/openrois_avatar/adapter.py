@@ -33,6 +33,8 @@ from openrois_avatar.metrics.figures import Snapshot
 from openrois_avatar.metrics.looking import Looking
 from openrois_avatar.microphone_senses import microphone_senses
 from openrois_avatar.operator import Camera, Microphone
+from openrois_avatar.pixel_streaming.serving import serve_pixel_streaming
+from openrois_avatar.pixel_streaming.settings import PixelStreaming
 from openrois_avatar.scene import Scene, embedded_scene, external_scene, synthetic_scene
 from openrois_avatar.settings import AvatarSettings
 from openrois_avatar.streams import AvatarStreams, Published
@@ -84,7 +86,7 @@ async def run_avatar(settings: AvatarSettings) -> AsyncIterator[Avatar]:
             )
         caps = Caps(max_bitrate=settings.max_viewer_bitrate)
         yield await stack.enter_async_context(
-            serve_scene(settings.engine_id, scene, clock, settings.network, lambda _: caps)
+            serve_scene(settings.engine_id, scene, clock, settings.network, lambda _: caps, settings.pixel_streaming)
         )
 
 
@@ -95,6 +97,7 @@ async def serve_scene(
     clock: MediaClock,
     network: NetworkSettings | None = None,
     cap: Callable[[Client], Caps] | None = None,
+    streamer: PixelStreaming | None = None,
 ) -> AsyncIterator[Avatar]:
     """Make an engine of a scene: its components, and the streams of its picture and sound.
 
@@ -104,6 +107,7 @@ async def serve_scene(
         clock: the media clock of the scene's sources.
         network: how the streams use the network.
         cap: what a client is sent at most of each stream; None: as much as its path carries.
+        streamer: where it is a streamer of Pixel Streaming as well; None for nowhere.
 
     Raises:
         UnsupportedLibrary: the installed aiortc is not one that can be used.
@@ -142,6 +146,8 @@ async def serve_scene(
         tasks.start(microphone.listen())
         tasks.start(eyes.run())
         tasks.start(ears.run())
+        if streamer is not None:
+            tasks.start(serve_pixel_streaming(streamer, streams, tuple(published), scene, clock))
         microphone.heard.add(scene.hear)
         scene.announced.add(lambda shape: _expect(shape, video, showing))
         scene.pauses.changed.add(lambda on: _pause(streams.sessions, reference(engine_id, VIDEO), on))

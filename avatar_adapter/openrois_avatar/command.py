@@ -27,6 +27,7 @@ from openrois_avatar.link.messages import LinkError
 from openrois_avatar.link_options import add_link_options, link_secret
 from openrois_avatar.metrics.server import LOOPBACK, MetricsUnavailable, metrics_address, serving_metrics
 from openrois_avatar.network_options import add_network_options, network_settings
+from openrois_avatar.pixel_streaming.settings import add_pixel_streaming_options, pixel_streaming
 from openrois_avatar.settings import ENGINES, AvatarSettings
 
 __all__ = ["main"]
@@ -63,6 +64,7 @@ def main(arguments: Sequence[str]) -> int:
         help="that an application is sent at most of each video stream (as much as its path carries)",
     )
     add_network_options(parser)
+    add_pixel_streaming_options(parser)
     parser.add_argument("--verbose", action="store_true", help="log more")
     chosen = parser.parse_args(arguments)
     try:
@@ -70,6 +72,7 @@ def main(arguments: Sequence[str]) -> int:
         metrics = None if chosen.metrics is None else metrics_address(chosen.metrics)
         network = network_settings(chosen)
         secret = link_secret(chosen)
+        streamer = pixel_streaming(chosen)
     except ValueError as error:
         parser.error(str(error))
     set_up_logging(verbose=chosen.verbose)
@@ -86,6 +89,7 @@ def main(arguments: Sequence[str]) -> int:
         metrics=metrics,
         network=network,
         max_viewer_bitrate=chosen.max_viewer_bitrate,
+        pixel_streaming=streamer,
     )
     try:
         uvloop.run(_run(settings))

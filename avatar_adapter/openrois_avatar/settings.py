@@ -5,6 +5,8 @@ from typing import Final
 
 from openrois_streaming.network.settings import NetworkSettings
 
+from openrois_avatar.pixel_streaming.settings import PixelStreaming
+
 __all__ = ["DEFAULT_FACADE", "DEFAULT_LINK", "ENGINES", "AvatarSettings"]
 
 ENGINES: Final = ("auto", "panda3d", "puppet", "godot", "external", "unreal", "unity-render-streaming", "synthetic")
@@ -30,6 +32,7 @@ class AvatarSettings:
         network: how its streams use the network.
         max_viewer_bitrate: bit/s that an application is sent at most of each video stream, whatever it asks for; None:
             as much as its path carries.
+        pixel_streaming: where it is a streamer of Pixel Streaming as well; None for nowhere.
     """
 
     gateway: str = "ws://127.0.0.1:8765/adapter"
@@ -41,3 +44,4 @@ class AvatarSettings:
     metrics: tuple[str, int] | None = None
     network: NetworkSettings = field(default_factory=NetworkSettings)
     max_viewer_bitrate: int | None = None
+    pixel_streaming: PixelStreaming | None = None

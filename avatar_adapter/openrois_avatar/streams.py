@@ -12,6 +12,7 @@ from openrois_signaling.messages import Answer, Bye, Candidate, Direction, Downw
 from openrois_streaming import errors as media_errors
 from openrois_streaming import state
 from openrois_streaming.adaptation.caps import Caps
+from openrois_streaming.channels import Channels, InputSink, MakeChannels
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.feed import MediaPublisher
 from openrois_streaming.inlet import MediaInlet
@@ -42,7 +43,7 @@ from openrois_avatar.stream_requests import (
 )
 from openrois_avatar.teleoperation.seat import Seat
 
-__all__ = ["AvatarStreams", "Published"]
+__all__ = ["AvatarStreams", "OwnChannels", "Published"]
 
 _CONNECT: Final = STREAM_METHODS["connect_stream"]
 
@@ -96,6 +97,17 @@ class Published:
         return ("recvonly", "sendonly", "sendrecv") if self.kind == "audio" else ("recvonly", "sendonly")
 
 
+@dataclass(frozen=True, slots=True)
+class OwnChannels:
+    """Data channels of another kind than the usual, and who hears what comes over them.
+
+    `hands` is given what sends the application a message.
+    """
+
+    make: MakeChannels
+    hands: Callable[[Callable[[str | bytes], None]], InputSink]
+
+
 class AvatarStreams:
     """Connects applications to what the avatar shows and says; an `Extension`.
 
@@ -128,6 +140,7 @@ class AvatarStreams:
         self._published = published
         self._clock = clock
         self._names: dict[Client, str] = {}
+        self._channels: dict[Client, OwnChannels] = {}
         self._senders: dict[str, str] = {}
         """The stream that an application sends into a component."""
         self._numbers = itertools.count(1)
@@ -237,6 +250,18 @@ class AvatarStreams:
             self._senders[params.component_ref] = stream_id
         return {"stream_id": stream_id}
 
+    def expect(self, client: Client, channels: OwnChannels) -> None:
+        """Let an application that is about to connect have data channels of its own kind."""
+        self._channels[client] = channels
+
+    def request_key_frame(self, client: Client, stream_id: str) -> None:
+        """Send an application a picture that stands for itself.
+
+        Raises:
+            UnknownStream: it has no such stream.
+        """
+        self.sessions.with_stream(self._session_name(client), stream_id).request_key_frame(stream_id)
+
     def _session_name(self, client: Client) -> str:
         """The name of a client's session; empty for one that never tried to connect."""
         return self._names.get(client, "")
@@ -252,6 +277,11 @@ class AvatarStreams:
                 del self._senders[change.component_ref]
             self._announce(client, change)
 
+        def tell(message: str | bytes) -> None:
+            session.input.tell(message)
+
+        own = self._channels.get(client)
+        sink = None if self._seat is None else self._seat.hands(client, tell)
         session = StreamSession(
             mint=lambda: new_id(self._engine_id),
             send=send,
@@ -260,7 +290,8 @@ class AvatarStreams:
             network=self._network,
             guarded=self.guarded,
             name=f"session {session_name}",
-            sink=None if self._seat is None else self._seat.hands(client, lambda text: session.input.tell(text)),
+            sink=sink if own is None else own.hands(tell),
+            channels=Channels if own is None else own.make,
         )
         return session
 
@@ -283,6 +314,7 @@ class AvatarStreams:
         """End the streams of an application that is gone, and what it holds."""
         if self._seat is not None:
             self._seat.forget(client)
+        self._channels.pop(client, None)
         session_name = self._names.pop(client, None)
         if session_name is not None:
             await self.sessions.close(session_name, "the application is gone")

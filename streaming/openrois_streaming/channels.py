@@ -10,7 +10,19 @@ from openrois_streaming.input.reader import Label
 from openrois_streaming.network.guard import GuardFigures
 from openrois_streaming.seams.channels import contain_channels
 
-__all__ = ["CONTROL_ID", "INPUT_ID", "Channels", "InputPath", "InputSink", "OpenChannels", "SessionInput", "Take"]
+__all__ = [
+    "CONTROL_ID",
+    "INPUT_ID",
+    "Channels",
+    "InputPath",
+    "InputSink",
+    "MakeChannels",
+    "OpenChannels",
+    "SessionInput",
+    "Take",
+    "is_open",
+    "send",
+]
 
 INPUT_ID: Final = 0
 CONTROL_ID: Final = 1
@@ -68,14 +80,11 @@ class Channels:
     @property
     def are_open(self) -> bool:
         """Whether messages can come in both."""
-        return _is_open(self._input) and _is_open(self._control)
+        return is_open(self._input) and is_open(self._control)
 
-    def tell(self, text: str) -> bool:
-        """Send the application a text over `control`; False if it is not open, or the application does not read."""
-        told = _is_open(self._control) and self._control.bufferedAmount < UNSENT_LIMIT
-        if told:
-            self._control.send(text)
-        return told
+    def tell(self, message: str | bytes) -> bool:
+        """Send the application a message over `control`; False if it is not open, or the application does not read."""
+        return send(self._control, message)
 
     def _came(self, stream_id: int, data: str | bytes) -> None:
         label = _LABELS.get(stream_id)
@@ -91,9 +100,13 @@ class OpenChannels(Protocol):
         """Whether messages can come in both."""
         ...
 
-    def tell(self, text: str) -> bool:
-        """Send the application a text; False if it cannot be told."""
+    def tell(self, message: str | bytes) -> bool:
+        """Send the application a message; False if it cannot be told."""
         ...
+
+
+MakeChannels: TypeAlias = Callable[[RTCPeerConnection, GuardFigures, Take, Callable[[], None]], OpenChannels]
+"""Makes the channels of a peer connection, with the arguments of `Channels`."""
 
 
 class InputPath:
@@ -128,9 +141,9 @@ class InputPath:
         """Whether messages can come."""
         return self._channels is not None and not self._ended and self._channels.are_open
 
-    def tell(self, text: str) -> bool:
-        """Tell the application a text; False if it cannot be told over this way."""
-        return self._channels is not None and not self._ended and self._channels.tell(text)
+    def tell(self, message: str | bytes) -> bool:
+        """Tell the application something; False if it cannot be told over this way."""
+        return self._channels is not None and not self._ended and self._channels.tell(message)
 
     def end(self) -> None:
         """The connection has ended."""
@@ -166,9 +179,9 @@ class SessionInput:
             for way in self._ways()[:1]:
                 way.want(self._sink.input_came)
 
-    def tell(self, text: str) -> None:
-        """Tell the application a text over `control`; lost where that is not open, or the application too slow."""
-        any(way.tell(text) for way in self._ways())
+    def tell(self, message: str | bytes) -> None:
+        """Tell the application something; lost where no channel is open for it, or the application is too slow."""
+        any(way.tell(message) for way in self._ways())
 
     def lost(self, reason: str) -> None:
         """Nothing comes over one of the ways any more."""
@@ -176,5 +189,14 @@ class SessionInput:
             self._sink.input_lost(reason)
 
 
-def _is_open(channel: RTCDataChannel) -> bool:
+def is_open(channel: RTCDataChannel) -> bool:
+    """Whether messages can be sent over a channel, and come."""
     return bool(channel.readyState == "open")
+
+
+def send(channel: RTCDataChannel, message: str | bytes) -> bool:
+    """Send a message; False if the channel is not open, or too much waits to be sent already."""
+    sent = is_open(channel) and channel.bufferedAmount < UNSENT_LIMIT
+    if sent:
+        channel.send(message)
+    return sent

@@ -10,7 +10,7 @@ from aiortc.rtcconfiguration import RTCBundlePolicy
 from aiortc.rtcicetransport import RTCIceTransport
 from openrois_signaling.messages import SECTIONS_LIMIT, IceServer, StreamSection
 
-from openrois_streaming.channels import Channels, Take
+from openrois_streaming.channels import MakeChannels, OpenChannels, Take
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.errors import InvalidCandidate, InvalidDescription, PeerClosed, TooManySections
 from openrois_streaming.levels import level_of, with_levels
@@ -112,9 +112,9 @@ class BundledConnection:
             self._incoming = Incoming(transport, self._on_sign, self._guarded)
         return section
 
-    def open_channels(self, take: Take, on_closed: Callable[[], None]) -> Channels:
+    def open_channels(self, make: MakeChannels, take: Take, on_closed: Callable[[], None]) -> OpenChannels:
         """Have data channels, once, from the next offer on; there must be a section."""
-        return Channels(self._connection, self._guarded, take, on_closed)
+        return make(self._connection, self._guarded, take, on_closed)
 
     def _state_changed(self) -> None:
         """Tell it in a moment: aiortc may be closing, and what is done about it must not disturb that."""

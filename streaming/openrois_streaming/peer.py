@@ -3,12 +3,13 @@
 import asyncio
 import logging
 from collections.abc import Sequence
+from functools import partial
 from typing import Protocol
 
 from openrois_signaling.messages import Answer, Bye, Candidate, Downward, IceServer
 from openrois_signaling.negotiation import Negotiation, Verdict
 
-from openrois_streaming.channels import InputPath
+from openrois_streaming.channels import InputPath, MakeChannels
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.connection import BundledConnection
 from openrois_streaming.errors import (
@@ -76,6 +77,7 @@ class Peer:
         clock: MediaClock,
         tasks: OwnedTasks,
         owner: PeerOwner,
+        channels: MakeChannels,
     ) -> None:
         self.peer_id = peer_id
         self.legs: dict[Stream, Leg] = {}
@@ -96,7 +98,7 @@ class Peer:
             self._found,
         )
         self.input = InputPath(
-            self._connection.open_channels,
+            partial(self._connection.open_channels, channels),
             self._renegotiate,
             lambda: owner.peer_muted("the application closed its data channels"),
         )

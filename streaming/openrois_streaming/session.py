@@ -8,7 +8,7 @@ from typing import Final, Self
 from openrois_signaling.messages import Answer, Candidate, Direction, Downward, IceServer, MediaKind
 
 from openrois_streaming.adaptation.caps import Caps
-from openrois_streaming.channels import InputSink
+from openrois_streaming.channels import Channels, InputSink, MakeChannels
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.feed import MediaPublisher
 from openrois_streaming.inlet import Intake, MediaInlet
@@ -52,6 +52,7 @@ class StreamSession:
         clock: for all deadlines.
         name: in logs and task names.
         sink: hears what a person does, once `input` is opened; None: nobody wants to know.
+        channels: makes the data channels over which that comes.
     """
 
     def __init__(
@@ -66,13 +67,19 @@ class StreamSession:
         guarded: GuardFigures | None = None,
         name: str = "session",
         sink: InputSink | None = None,
+        channels: MakeChannels = Channels,
     ) -> None:
+
+        def failed(error: BaseException) -> None:
+            _log.error("%s: an internal error ends it", name, exc_info=error)
+            self._peers.end("an internal error of the engine")
+            self._streams.tell()
+
         self.ice_servers = tuple(ice_servers)
         self.guarded = guarded or GuardFigures()
         """What did not get in."""
         self._clock = clock
-        self._name = name
-        self._tasks = OwnedTasks(name, self._failed)
+        self._tasks = OwnedTasks(name, failed)
         self._streams = StreamTable(on_change, clock)
 
         def make_peer(replaces: str | None, owner: PeerOwner) -> Peer:
@@ -85,6 +92,7 @@ class StreamSession:
                 clock=clock,
                 tasks=self._tasks,
                 owner=owner,
+                channels=channels,
             )
 
         self._peers = Peers(self._streams, make_peer, send, self._look_soon, sink)
@@ -212,6 +220,10 @@ class StreamSession:
         """The status of a stream now. Raises UnknownStream."""
         return self._streams[stream_id].status
 
+    def request_key_frame(self, stream_id: str) -> None:
+        """Send a picture that stands for itself, as soon as those who share the encoder may. Raises UnknownStream."""
+        self._peers.leg(self._streams[stream_id]).key_frame_wanted()
+
     async def stats(self, stream_id: str) -> StreamStats:
         """The figures of a stream now. Raises UnknownStream."""
         return await self._peers.leg(self._streams[stream_id]).stats()
@@ -269,9 +281,4 @@ class StreamSession:
         now = self._clock.now()
         for stream in self._streams:
             stream.judge(self._peers.verdicts(stream, now))
-        self._streams.tell()
-
-    def _failed(self, error: BaseException) -> None:
-        _log.error("%s: an internal error ends it", self._name, exc_info=error)
-        self._peers.end("an internal error of the engine")
         self._streams.tell()

@@ -6,6 +6,7 @@ import pytest
 from openrois_signaling.messages import SDP_LIMIT, Answer, Bye, Candidate, Downward, Offer
 from openrois_signaling.negotiation import ANSWER_TIMEOUT, APPLY_TIMEOUT, PREPARE_TIMEOUT
 from openrois_streaming import peer as peer_module
+from openrois_streaming.channels import Channels
 from openrois_streaming.errors import (
     InvalidCandidate,
     InvalidDescription,
@@ -51,6 +52,7 @@ class Owner:
             clock=self.clock,
             tasks=self.tasks,
             owner=self,
+            channels=Channels,
         )
         self.connection = WirelessConnection.made[-1]
 

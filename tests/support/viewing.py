@@ -9,7 +9,7 @@ from typing import Any
 from aiortc import RTCPeerConnection
 from openrois_signaling.messages import Answer, Bye, Candidate, Downward, IceServer, Offer, StreamSection
 from openrois_streaming.adaptation.rung import Rung
-from openrois_streaming.channels import InputSink, Take
+from openrois_streaming.channels import InputSink, MakeChannels, Take
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.encoded import EncodedFrame
 from openrois_streaming.errors import InvalidCandidate, InvalidDescription, PeerClosed, TooManySections
@@ -139,12 +139,12 @@ class FakeChannels:
     def __init__(self, take: Take, on_closed: Callable[[], None]) -> None:
         self.come = take
         self.are_open = False
-        self.told: list[str] = []
+        self.told: list[str | bytes] = []
         self._on_closed = on_closed
 
-    def tell(self, text: str) -> bool:
+    def tell(self, message: str | bytes) -> bool:
         if self.are_open:
-            self.told.append(text)
+            self.told.append(message)
         return self.are_open
 
     def close(self) -> None:
@@ -212,7 +212,7 @@ class WirelessConnection:
         self.sections.append(section)
         return section
 
-    def open_channels(self, take: Take, on_closed: Callable[[], None]) -> FakeChannels:
+    def open_channels(self, _make: MakeChannels, take: Take, on_closed: Callable[[], None]) -> FakeChannels:
         self.channels = FakeChannels(take, on_closed)
         return self.channels
 

@@ -57,6 +57,10 @@ class Teleoperation(Component, authority="OpenRoIS", function="actuation"):
         self._pilot: Pilot | None = None
         self._stopped_because = ""
 
+    def pilot(self, stopped: Callable[[str], None]) -> Pilot:
+        """Return what operates the figure as the parameters say; `stopped` is told why it stopped by itself."""
+        return Pilot(self._controls, self._steering, self._clock, stopped)
+
     def condition(self) -> ComponentStatus:
         """Follow the game engine."""
         return self._engine_status()
@@ -69,7 +73,7 @@ class Teleoperation(Component, authority="OpenRoIS", function="actuation"):
             OutOfResources: nobody has bound it.
             Aborted: it was released, or the application is gone.
         """
-        pilot = Pilot(self._controls, self._steering, self._clock, self._tell_stopped)
+        pilot = self.pilot(self._tell_stopped)
         with self.seat.operated(pilot) as vacated:
             self._pilot, self._stopped_because = pilot, ""
             try:

@@ -14,6 +14,7 @@ from openrois_streaming.input.reader import MALFORMED_LIMIT, InputReader, Label
 
 from openrois.contract import Client
 from openrois.errors import OutOfResources
+from openrois.listeners import Listeners
 from openrois.types.streams import HolderNotification
 from openrois_avatar.teleoperation.pilot import Pilot
 
@@ -48,12 +49,19 @@ class Seat:
     def __init__(self, component_ref: str, clock: MediaClock) -> None:
         self.component_ref = component_ref
         self.figures = SeatFigures()
+        self.held = Listeners[bool]()
+        """Hear whether an application holds the component now, when that changes."""
         self._clock = clock
         self._holder: Client | None = None
         self._epoch = 0
         self._pilot: Pilot | None = None
         self._vacated: asyncio.Future[str] | None = None
         self._tell: Callable[[str], None] = _nobody_hears
+
+    @property
+    def is_held(self) -> bool:
+        """Whether an application holds the component, operating or not."""
+        return self._holder is not None
 
     def take_holder(self, told: HolderNotification, client: Client) -> None:
         """Take what the gateway says about who holds a component."""
@@ -63,6 +71,7 @@ class Seat:
             if self._holder is not client:
                 self._vacate("another application has bound the component")
             self._holder, self._epoch = client, told.epoch
+            self.held.tell(True)
         elif not told.holds and self._holder is client:
             self._vacate("the component was released")
 
@@ -118,6 +127,7 @@ class Seat:
             self._tell = _nobody_hears
         if self._vacated is not None and not self._vacated.done():
             self._vacated.set_result(reason)
+        self.held.tell(False)
 
 
 class _Hands:

@@ -3,7 +3,8 @@
 What is reached for, and why nothing public does it:
 
 * `RTCSctpTransport._handle_data` gets each packet that was decrypted. What it raises ends the peer connection.
-* `._receive` gets each whole message. aiortc's own opens a channel for whoever asks, as many as there are numbers.
+* `._receive` gets each whole message. aiortc's own opens a channel for whoever asks, as many as there are numbers; it
+  gets nothing but the other end's agreement to a channel that was announced to it.
 * `._inbound_streams` and `._sack_misordered` hold what is not whole or not in order; a sender that ignores the window
   (`._advertised_rwnd`) makes them grow without end.
 """
@@ -32,6 +33,9 @@ AT_ONCE: Final = 256 * 1024
 PER_SECOND: Final = 256 * 1024.0
 """Bytes of SCTP that are taken of one peer connection. What is dropped comes again."""
 
+_ESTABLISHMENT: Final = 50
+_ACK: Final = b"\x02"
+"""How a channel that was announced is agreed to (RFC 8832 section 5.2)."""
 _TEXT: Final = 51
 _TEXTS: Final = frozenset({_TEXT, 56})
 """Payload protocol identifiers of texts (RFC 8831 section 8): one, and an empty one."""
@@ -48,7 +52,7 @@ def contain_channels(
     """Take what arrives in `transport`; to be called before it starts.
 
     Args:
-        transport: whose channels are all negotiated.
+        transport: whose channels are all made at this end.
         max_message: bytes of a message that the other end is told it may send.
         figures: where is counted what is not taken.
         on_message: gets the number of the stream and the message: a text, or bytes that are none.
@@ -68,6 +72,7 @@ class _Contained:
         self._figures = figures
         self._on_message = on_message
         self._handle = transport._handle_data
+        self._agree = transport._receive
         self._left = Allowance(time.monotonic, AT_ONCE, PER_SECOND)
 
     async def take(self, data: bytes) -> None:
@@ -99,6 +104,10 @@ class _Contained:
     async def receive(self, stream_id: int, protocol: int, data: bytes) -> None:
         """In the place of `_receive`."""
         message: str | bytes = data
+        if protocol == _ESTABLISHMENT:
+            if data == _ACK and stream_id in self._transport._data_channels:
+                await self._agree(stream_id, protocol, data)
+            return
         if protocol in _TEXTS:
             with suppress(UnicodeDecodeError):
                 message = data.decode() if protocol == _TEXT else ""

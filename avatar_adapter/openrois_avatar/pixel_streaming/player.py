@@ -1,0 +1,192 @@
+"""One player of Pixel Streaming: an application of the avatar's streams that speaks another protocol."""
+
+import json
+import logging
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+from contextlib import suppress
+from typing import Any, Final, TypeAlias
+
+from openrois_signaling.messages import Answer, Bye, Candidate, IceServer, Offer
+from openrois_streaming.announced import AnnouncedChannel
+from openrois_streaming.clock import MediaClock
+from openrois_streaming.errors import UnknownStream
+from openrois_streaming.input.messages import Message as InputMessage
+from openrois_streaming.input.reader import Label
+
+from openrois.contract import Client
+from openrois.errors import RoISError
+from openrois.types.streams import STREAM_METHODS
+from openrois_avatar.facades.messages import pixel_streaming as wire
+from openrois_avatar.facades.messages.reading import Said
+from openrois_avatar.pixel_streaming.conversation import Conversation
+from openrois_avatar.pixel_streaming.guests import Guests
+from openrois_avatar.pixel_streaming.hands import Hands
+from openrois_avatar.pixel_streaming.protocol import MESSAGE_LIMIT
+from openrois_avatar.streams import AvatarStreams, OwnChannels
+
+__all__ = ["Player", "Step"]
+
+_log = logging.getLogger(__name__)
+
+_LABEL: Final = "datachannel"
+
+Step: TypeAlias = Callable[[], Awaitable[None]]
+
+
+class Player:
+    """One player, from its coming to its leaving; a `Guest`, an `InputSink`, and the `Stage` of its conversation.
+
+    Args:
+        player_id: what the signaling server calls it.
+        streams: of the avatar.
+        components: whose streams it is sent: of the picture, and of the sound.
+        guests: who operates; None: no player does.
+        say: sends the signaling server a message.
+        later: has a step done after those of before.
+        clock: the media clock.
+    """
+
+    def __init__(
+        self,
+        player_id: str,
+        streams: AvatarStreams,
+        components: Sequence[str],
+        guests: Guests | None,
+        say: Callable[[Said], None],
+        later: Callable[[Step], None],
+        clock: MediaClock,
+    ) -> None:
+        self.player_id = player_id
+        self.over = False
+        """Whether its peer connection has ended."""
+        self._streams = streams
+        self._components = components
+        self._guests = guests
+        self._say = say
+        self._later = later
+        self._client = Client(f"player {player_id}", self._told)
+        self._conversation = Conversation(self, clock.now, clock.wall)
+        self._send: Callable[[str | bytes], None] = lambda _message: None
+        self._offer: Offer | None = None
+        self._stream_ids: list[str] = []
+        self._suspended = False
+        self._wanted = True
+
+    async def connect(self, ice_servers: Sequence[IceServer]) -> None:
+        """Offer it picture and sound, and a data channel.
+
+        Raises:
+            RoISError: it cannot be served; the text says why.
+        """
+        channel = AnnouncedChannel(_LABEL, MESSAGE_LIMIT, self._opened)
+        self._streams.expect(self._client, OwnChannels(channel, self._hear))
+        transport = {"name": "transport_parameters", "data_type_ref": "", "value": json.dumps({"input": True})}
+        for component_ref in self._components:
+            params = {
+                "component_ref": component_ref,
+                "parameters": [transport],
+                "ice_servers": [server.wire() for server in ice_servers],
+            }
+            connected = await self._streams.call(STREAM_METHODS["connect_stream"], params, self._client)
+            self._stream_ids.append(connected["stream_id"])
+
+    async def answer(self, sdp: str) -> None:
+        """It answers the newest offer. What cannot be used ends it."""
+        if self._offer is not None:
+            answer = Answer(peer_id=self._offer.peer_id, generation=self._offer.generation, sdp=sdp)
+            await self._tell(Answer.method, answer.wire())
+
+    async def candidate(self, found: wire.RtcCandidate) -> None:
+        """It has found a candidate. One that cannot be used is dropped."""
+        if self._offer is not None and found.candidate:
+            candidate = Candidate(
+                peer_id=self._offer.peer_id,
+                generation=self._offer.generation,
+                candidate=found.candidate,
+                sdp_mid=found.sdp_mid or None,
+                sdp_m_line_index=0 if found.sdp_m_line_index is None else found.sdp_m_line_index,
+            )
+            await self._tell(Candidate.method, candidate.wire())
+
+    async def follow(self) -> None:
+        """Suspend or resume what it is sent as it wants it now, if its peer connection has not ended."""
+        if self._suspended is self._wanted and not self.over:
+            self._suspended = not self._wanted
+            method = STREAM_METHODS["suspend_stream" if self._suspended else "resume_stream"]
+            for stream_id in self._stream_ids:
+                await self._tell(method, {"stream_id": stream_id})
+
+    async def leave(self) -> None:
+        """End what it has."""
+        self.over = True
+        self.input_lost("the player is gone")
+        await self._streams.forget(self._client)
+        _log.info("player %s is gone: %s", self.player_id, self._conversation.figures)
+
+    def send(self, message: bytes) -> None:
+        """Send it a message over its data channel; lost where that is not open."""
+        self._send(message)
+
+    def show_anew(self) -> None:
+        """It needs a picture that stands for itself."""
+        for stream_id in self._stream_ids[:1]:
+            with suppress(UnknownStream):
+                self._streams.request_key_frame(self._client, stream_id)
+
+    def play(self, on: bool) -> None:
+        """It wants to see and hear, or not."""
+        self._wanted = on
+        self._later(self.follow)
+
+    def operate(self, message: InputMessage, hands: Hands) -> None:
+        """It does something."""
+        if self._guests is not None:
+            self._guests.operate(self, message, hands)
+
+    def own(self, on: bool) -> None:
+        """It operates the avatar from now on, or does not."""
+        self._conversation.own(on)
+
+    def input_came(self, _label: Label, data: str | bytes) -> None:
+        """A message came over its data channel."""
+        self._conversation.take(data)
+
+    def input_lost(self, reason: str) -> None:
+        """Nothing can come over its data channel any more."""
+        if self._guests is not None:
+            self._guests.leave(self, reason)
+
+    def _hear(self, send: Callable[[str | bytes], None]) -> "Player":
+        self._send = send
+        return self
+
+    def _opened(self) -> None:
+        self._conversation.opened()
+        if self._guests is not None:
+            self._guests.join(self)
+
+    async def _tell(self, method: str, params: Mapping[str, Any]) -> None:
+        try:
+            await self._streams.call(method, params, self._client)
+        except RoISError as error:
+            _log.info("player %s: %s", self.player_id, error)
+
+    def _told(self, method: str, params: Mapping[str, Any]) -> None:
+        match method:
+            case Offer.method:
+                self._offer = Offer.model_validate(params)
+                self._say(wire.Offer(player_id=self.player_id, sdp=self._offer.sdp))
+            case Candidate.method:
+                found = Candidate.model_validate(params)
+                if found.candidate:
+                    candidate = wire.RtcCandidate(
+                        candidate=found.candidate, sdp_mid=found.sdp_mid, sdp_m_line_index=found.sdp_m_line_index
+                    )
+                    self._say(wire.IceCandidate(player_id=self.player_id, candidate=candidate))
+            case Bye.method if not self.over:
+                self.over = True
+                self._later(self.follow)
+                reason = Bye.model_validate(params).reason
+                self._say(wire.DisconnectPlayer(player_id=self.player_id, reason=reason))
+            case _:
+                pass  # how its streams fare it sees by itself
