@@ -3,11 +3,12 @@
 import asyncio
 import json
 from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from typing import Any, Final
 
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.datastructures import Headers
+from websockets.exceptions import ConnectionClosed
 from websockets.http11 import Request, Response
 
 PATIENCE: Final = 10.0
@@ -43,8 +44,9 @@ class PixelSignaling:
         return [each for each in self.heard if each["type"] == kind]
 
     async def tell(self, name: str = "avatar", **message: Any) -> None:
-        """Tell a streamer something."""
-        await self.streamers[name].send(json.dumps(message))
+        """Tell a streamer something; one that is just leaving does not hear it."""
+        with suppress(ConnectionClosed):
+            await self.streamers[name].send(json.dumps(message))
 
     async def serve(self, connection: ServerConnection) -> None:
         assert connection.request is not None

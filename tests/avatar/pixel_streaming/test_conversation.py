@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from openrois_avatar.pixel_streaming.conversation import AT_ONCE, MALFORMED_LIMIT, Conversation
 from openrois_avatar.pixel_streaming.hands import Hands
 from openrois_avatar.pixel_streaming.protocol import FROM_STREAMER, Message, written
-from openrois_streaming.input.messages import Key
+from openrois_streaming.input.messages import Held, Key
 from openrois_streaming.input.messages import Message as InputMessage
 
 NAMES = {layout.id: name for name, layout in FROM_STREAMER.items()}
@@ -81,9 +81,7 @@ def test_the_stage_does_what_is_asked(stage: Stage) -> None:
         stage.says(name)
     assert stage.did == ["show anew", False, True]
     stage.says("KeyDown", 87, 0)
-    message, held = stage.did[-1]  # type: ignore[misc]
-    assert message == Key(1, 0.0, "KeyW", True)
-    assert held.keys == {"KeyW"}
+    assert stage.did[-1] == (Key(1, 0.0, "KeyW", True), Held(frozenset({"KeyW"})))
     stage.says("UIInteraction", '{"wave": true}')
     assert len(stage.did) == 4
     assert stage.conversation.figures.read == 5
