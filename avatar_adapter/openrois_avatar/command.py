@@ -73,6 +73,8 @@ def main(arguments: Sequence[str]) -> int:
         network = network_settings(chosen)
         secret = link_secret(chosen)
         streamer = pixel_streaming(chosen)
+        if streamer is not None and chosen.engine in FACADES:
+            raise ValueError(f"--pixel-streaming: the pictures of {chosen.engine} do not pass through the adapter")
     except ValueError as error:
         parser.error(str(error))
     set_up_logging(verbose=chosen.verbose)
