@@ -13,15 +13,20 @@ import pytest
 from openrois_avatar.check.acting import Patience
 from openrois_avatar.check.finding import Finding, Outcome
 from openrois_avatar.check.visit import visiting
+from openrois_avatar.components.reaction import reaction_ref
 from openrois_avatar.link.messages import Completed, Event, Floor, Hello, Place, Quit, React, Thing, Things, Welcome
 from openrois_avatar.link.protocol import MessageType
 from openrois_avatar.link.server import LinkServer
+from openrois_avatar.scene import external_scene
+from openrois_streaming.clock import SystemClock
 from openrois_streaming.codecs import H264
 from openrois_streaming.encoder_video import VideoEncoder
 from openrois_streaming.source import RawVideo
 
+from openrois.testing import harness
 from tests.support.avatar_link import wire
 from tests.support.mono import Mono
+from tests.support.streaming import settle
 from tests.support.unity import console, encoding, player
 
 pytestmark = [pytest.mark.engine, pytest.mark.timeout(90)]
@@ -52,6 +57,7 @@ def outcomes(mono: Mono, tmp_path_factory: pytest.TempPathFactory) -> dict[str, 
         "ring": findings(f"unix:{folder}/engine", mono.runtime, plain),
         "socket": findings(ANYWHERE, mono.runtime, plain, "", "socket"),
         "unity": findings(ANYWHERE, mono.runtime, played),
+        "components": components(f"unix:{folder}/fourth", mono.runtime, plain),
         "scene": scene(f"unix:{folder}/third", mono.runtime, played),
         "encoded": findings(ANYWHERE, mono.runtime, *encoder),
         "restart, ring": two_adapters(f"unix:{folder}/first", mono.runtime, plain),
@@ -123,6 +129,32 @@ async def running(*command: str) -> AsyncIterator[Engine]:
 @pytest.mark.parametrize("way", ["ring", "socket"])
 def test_pictures_are_whole_and_adapters_may_restart(outcomes: dict[str, Any], way: str) -> None:
     result(outcomes, f"restart, {way}")
+
+
+def test_the_components_of_an_avatar_move_it(outcomes: dict[str, Any]) -> None:
+    place = result(outcomes, "components")
+    assert (place.x, place.y) == pytest.approx((0.5, 0.5), abs=0.01)
+
+
+async def components(address: str, runtime: str, program: str) -> Place:
+    """Where the figure is after an application has let it nod, and sent it somewhere."""
+    async with (
+        external_scene("avatar", address, "", SystemClock()) as scene,
+        harness(*scene.components, engine_id="avatar") as client,
+        running(runtime, program, address) as engine,
+    ):
+        await engine.said("connected to")
+        while scene.place() is None:
+            await settle()
+        reaction, navigation = client.component("avatar/Reaction"), client.component("avatar/Navigation")
+        async with reaction.bound(), navigation.bound():
+            await reaction.set_parameter(reaction_ref=reaction_ref("nod"))
+            await reaction.command("start")
+            await navigation.set_parameter(target_positions=("0.5,0.5",))
+            await navigation.command("start")
+        place = scene.place()
+    assert place is not None
+    return place
 
 
 def test_a_scene_of_unity_is_told_in_the_coordinates_of_the_link(outcomes: dict[str, Any]) -> None:

@@ -61,8 +61,7 @@ namespace OpenRoIS.Link
                 }
                 return socket;
             }
-            catch (Exception error) when (error is SocketException || error is ObjectDisposedException
-                || error is ArgumentException || error is LinkException)
+            catch (Exception error)
             {
                 socket?.Close();
                 throw error as LinkException ?? new LinkException($"cannot connect to {_text}: {error.Message}", error);

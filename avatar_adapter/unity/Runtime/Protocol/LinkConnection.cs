@@ -57,8 +57,7 @@ namespace OpenRoIS.Link
                 connection._writer.Start();
                 return connection;
             }
-            catch (Exception error) when (error is SocketException || error is ObjectDisposedException
-                || error is LinkException)
+            catch (Exception error)
             {
                 connection.Dispose();
                 throw error as LinkException ?? new LinkException("no greeting: " + error.Message, error);
@@ -81,8 +80,9 @@ namespace OpenRoIS.Link
                     take(notice);
                 }
             }
-            catch (Exception error) when (error is SocketException || error is ObjectDisposedException)
+            catch (Exception error) when (!(error is LinkException))
             {
+                // Sockets that are closed meanwhile throw all sorts of things; no game shall end of one.
                 throw _failure ?? new LinkException("the connection broke: " + error.Message, error);
             }
         }
@@ -229,7 +229,7 @@ namespace OpenRoIS.Link
                     SendAll(message);
                 }
             }
-            catch (Exception error) when (error is SocketException || error is ObjectDisposedException)
+            catch (Exception error)
             {
                 Fail(new LinkException("the connection broke: " + error.Message, error));
             }

@@ -15,7 +15,7 @@ namespace OpenRoIS.Link.Unity
     /// </summary>
     [DefaultExecutionOrder(-1000)]
     [AddComponentMenu("OpenRoIS/OpenRoIS Link")]
-    public sealed unsafe class OpenRoISLink : MonoBehaviour
+    public sealed class OpenRoISLink : MonoBehaviour
     {
         private const int MaxReadbacks = 3;
 
@@ -395,7 +395,7 @@ namespace OpenRoIS.Link.Unity
             }
         }
 
-        private void Send(AsyncGPUReadbackRequest request, long frameNs)
+        private unsafe void Send(AsyncGPUReadbackRequest request, long frameNs)
         {
             _readbacks--;
             if (request.hasError || !IsConnected)
