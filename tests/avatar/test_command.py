@@ -3,6 +3,7 @@
 import asyncio
 import os
 import signal
+import socket
 import sys
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager
@@ -56,3 +57,12 @@ def test_the_command_says_what_is_wrong(arguments: tuple[str, ...], capsys: pyte
 def test_an_address_that_cannot_be_listened_on_ends_the_command(capsys: pytest.CaptureFixture[str]) -> None:
     assert command.main(["--engine", "external", "--link", "tcp:192.0.2.1:1"]) == 1
     assert "not a loopback address" in capsys.readouterr().err
+
+
+def test_a_port_of_a_facade_that_is_taken_ends_the_command(capsys: pytest.CaptureFixture[str]) -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        facade = f"127.0.0.1:{taken.getsockname()[1]}"
+        assert command.main(["--engine", "unreal", "--facade", facade, "--link", "tcp:127.0.0.1:0"]) == 1
+    assert f"cannot be awaited at {facade}" in capsys.readouterr().err

@@ -25,6 +25,14 @@ def test_what_was_chosen_can_be_passed_on(tmp_path: Path) -> None:
     assert parse(*link_arguments(chosen)) == chosen
 
 
+def test_a_facade_is_awaited_on_this_machine(capsys: pytest.CaptureFixture[str]) -> None:
+    chosen = parse("--facade", "[::1]:9000")
+    assert parse(*link_arguments(chosen)).facade == "[::1]:9000"
+    with pytest.raises(SystemExit):
+        parse("--facade", "0.0.0.0:8888")
+    assert "this machine only" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("content", [b"", b" \n", b"x" * 201, b"\xff", None])
 def test_a_file_without_a_secret_is_named(tmp_path: Path, content: bytes | None) -> None:
     if content is not None:

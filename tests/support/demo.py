@@ -90,15 +90,15 @@ class Demo:
 
 
 @contextmanager
-def running_demo(folder: Path, engine: str = "synthetic", *options: str) -> Iterator[Demo]:
-    """Run a demo with these options for as long as the block does; its log goes into `folder`.
+def running_demo(folder: Path, engine: str = "synthetic") -> Iterator[Demo]:
+    """Run a demo for as long as the block does; its log goes into `folder`.
 
     Raises:
         AssertionError: it did not start, or left a process behind.
     """
     path, port = folder / "demo.log", free_port()
     with path.open("w") as log:
-        process = start("demo", "--engine", engine, "--port", str(port), *options, log=log)
+        process = start("demo", "--engine", engine, "--port", str(port), log=log)
     try:
         demo = Demo(process, port, first_line(process), path)
         assert demo.ready, path.read_text()

@@ -8,8 +8,11 @@ import itertools
 import json
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import AsyncExitStack, asynccontextmanager
+from dataclasses import dataclass
 from typing import Any
 
+from openrois_avatar.facades.running import FacadeAvatar, run_facade
+from openrois_avatar.settings import AvatarSettings
 from openrois_signaling.messages import Answer, Candidate, Downward, Offer
 from openrois_streaming.clock import SystemClock
 from openrois_streaming.publisher import AudioPublisher, VideoPublisher
@@ -17,7 +20,11 @@ from openrois_streaming.session import StreamSession
 from openrois_streaming.synthetic import ColourBars, Tone
 from websockets.asyncio.client import ClientConnection, connect
 
+from openrois.dialer import serve_parent
+from openrois.gateway.server import Gateway, run_gateway
+from openrois.gateway.settings import GatewaySettings
 from openrois.tasks import TaskScope
+from tests.support.deployment import until
 
 Message = dict[str, Any]
 
@@ -109,6 +116,12 @@ class FakeStreamer:
         if session is not None:
             await session.close("the player is gone")
 
+    async def crash(self) -> None:
+        """Be gone, without a word."""
+        self._socket.transport.abort()
+        await self._socket.wait_closed()
+        await self.aclose()
+
     async def aclose(self) -> None:
         for name in tuple(self.sessions):
             await self.end(name)
@@ -176,3 +189,25 @@ async def streaming(kind: type[FakeStreamer], url: str) -> AsyncIterator[FakeStr
 
 async def _as_task(work: Awaitable[None]) -> None:
     await work
+
+
+@dataclass(frozen=True)
+class House:
+    """A gateway, behind which an adapter awaits a game engine."""
+
+    gateway: Gateway
+    avatar: FacadeAvatar
+
+
+@asynccontextmanager
+async def house(engine: str, **gateway_settings: Any) -> AsyncIterator[House]:
+    """Run a gateway and an adapter for a game engine in this process."""
+    settings = AvatarSettings(engine=engine, facade="127.0.0.1:0", link="tcp:127.0.0.1:0")
+    async with (
+        run_gateway(GatewaySettings(port=0, **gateway_settings)) as gateway,
+        run_facade(settings) as avatar,
+        TaskScope() as tasks,
+    ):
+        tasks.start(serve_parent(avatar.host, gateway.url.replace("http", "ws") + "adapter"))
+        await until(gateway.engine, lambda ids: settings.engine_id in ids)
+        yield House(gateway, avatar)

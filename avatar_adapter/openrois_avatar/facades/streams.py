@@ -33,8 +33,8 @@ __all__ = ["FacadeStreams"]
 
 _log = logging.getLogger(__name__)
 
-_TICK: Final = 0.1
-"""Seconds between two looks at the applications; what they connect within one is offered together."""
+_TICK: Final = 0.05
+"""Seconds between two looks at the applications."""
 
 _REFUSALS: Final[tuple[tuple[type[Exception], type[RoISError]], ...]] = (
     (media_errors.UnknownStream, Unsupported),

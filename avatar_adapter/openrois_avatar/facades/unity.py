@@ -119,6 +119,8 @@ class UnitySender:
             self._say(Disconnect(connection_id=connection_id))
 
     def _reserve(self, connection_id: str) -> None:
+        if self._places.get(connection_id) == "":
+            return  # it waits already, and may ask as often as it likes
         if connection_id in self._places:
             self._say(Failure(message=f"{connection_id}: this connection is there already"))
         elif len(self._places) >= CONNECTIONS_LIMIT:

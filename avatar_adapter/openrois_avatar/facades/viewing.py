@@ -20,7 +20,10 @@ from openrois_avatar.facades.sections import UnusableDescription
 from openrois_avatar.facades.streamer import Found, Heard, NoRoom, NotOffered, Offered, Streamer
 from openrois_avatar.facades.viewed import Change, ViewedStreams
 
-__all__ = ["HANDOVER", "Viewing"]
+__all__ = ["GATHERING", "HANDOVER", "Viewing"]
+
+GATHERING: Final = 0.1
+"""Seconds without a further change after which another player is invited: who connects two streams gets one player."""
 
 HANDOVER: Final = 5.0
 """Seconds that a player is kept after the one that replaces it was answered."""
@@ -61,8 +64,8 @@ class Viewing:
         self._players = Players(send)
         self._lacking: set[MediaKind] = set()
         """What the game engine has not offered, as long as it is the same one."""
-        self._due = False
-        """The present player may not be the one that is wanted."""
+        self._due_at: float | None = None
+        """When it has to be seen whether the present player is the one that is wanted; None: there is no reason to."""
         self._anew = False
         """Another player is wanted, whatever it carries."""
         self._waiting_since: float | None = None
@@ -89,22 +92,22 @@ class Viewing:
         if streamer is None or (self.is_over and not streamer.has_room):
             raise NoRoom("the game engine takes no further viewer now")
         self._streams.add(Carried(stream_id, component_ref, kind))
-        self._due = True
+        self._look_later()
 
     def suspend(self, stream_id: str) -> None:
         """Have nothing of it sent. Suspending twice is fine. Raises UnknownStream."""
         self._streams.suspend(stream_id)
-        self._due = True
+        self._look_later()
 
     def resume(self, stream_id: str) -> None:
         """Have it sent again; an offer follows. Resuming twice is fine. Raises UnknownStream."""
         self._streams.resume(stream_id)
-        self._due = True
+        self._look_later()
 
     def disconnect(self, stream_id: str) -> None:
         """End a stream. Raises UnknownStream."""
         self._streams.end(self._streams[stream_id])
-        self._due = True
+        self._look_later()
 
     def status(self, stream_id: str) -> StreamStatus:
         """The status of a stream now. Raises UnknownStream."""
@@ -132,7 +135,8 @@ class Viewing:
             return
         player = self._players.find(peer_id)
         if player is self._players.present and player.is_settled:
-            self._anew = self._due = True
+            self._anew = True
+            self._look_later()
 
     def end_peer(self, peer_id: str, reason: str) -> None:
         """End a peer connection. Raises UnknownPeer."""
@@ -167,7 +171,8 @@ class Viewing:
     def close(self, reason: str) -> None:
         """End everything; `reason` is a sentence for a person."""
         self._players.close(reason)
-        self._due = self._anew = False
+        self._due_at = None
+        self._anew = False
         self._waiting_since = None
         self._lacking.clear()
         self._streams.end_all()
@@ -180,7 +185,10 @@ class Viewing:
             if player.expire(now):
                 self._end_player(player, "it took too long")
         self._hand_over(now)
-        if self._due and (self._players.present is None or self._players.present.is_settled):
+        present = self._players.present
+        # Two offers at once would be one too many; but what nobody wants any more is not waited for.
+        due = self._due_at is not None and now >= self._due_at
+        if due and (present is None or present.is_settled or not self._streams.wanted()):
             self._renew(now)
         # That media arrives cannot be seen from here: a stream runs when both ends agreed on it and neither took that
         # back.
@@ -198,9 +206,12 @@ class Viewing:
         if not suspended.isdisjoint(replaced.carried) or now - present.answered_at >= HANDOVER:
             self._players.drop_replaced(suspended)
 
+    def _look_later(self) -> None:
+        self._due_at = self._clock() + GATHERING
+
     def _renew(self, now: float) -> None:
         """Have the player that is wanted now."""
-        self._due = False
+        self._due_at = None
         wanted, present = self._streams.wanted(), self._players.present
         if not self._streams:
             self.close("no stream is left to play")
@@ -233,7 +244,8 @@ class Viewing:
     def _await_room(self, now: float) -> None:
         """A game engine that has no place for two players of one application may have one when the first has gone."""
         self._players.park(self._streams.suspended())
-        self._due = self._anew = True
+        self._anew = True
+        self._look_later()
         if self._waiting_since is None:
             self._waiting_since = now
         elif now - self._waiting_since >= PREPARE_TIMEOUT:

@@ -90,7 +90,7 @@ class House:
         changes, self.changes = self.changes, []
         return changes
 
-    def pass_time(self, seconds: float = 0.1) -> None:
+    def pass_time(self, seconds: float = 0.125) -> None:
         self.clock.now += seconds
         self.viewing.tick()
 
@@ -287,6 +287,16 @@ def test_an_offer_that_is_not_answered_ends_its_streams() -> None:
     assert house.told() == ["video NOT_CONNECTED"]
     assert house.byes() == [("avatar/p1", "the offer was not answered in time")]
     assert house.engine.dismissed == house.engine.players
+
+
+def test_what_nobody_wants_any_more_is_not_waited_for() -> None:
+    house = House()
+    house.connect("video")
+    house.offers()
+    house.viewing.disconnect("video")
+    house.pass_time()
+    assert house.byes() == [("avatar/p1", "no stream is left to play")]
+    assert house.viewing.is_over
 
 
 def test_what_is_not_offered_is_not_connected_and_not_asked_for_again() -> None:
