@@ -4,6 +4,7 @@ PAGE := web_demo/openrois_web_demo/static/index.html
 PAGE_SOURCES := $(shell find web_demo/sdk web_demo/app -type f) web_demo/build.mjs web_demo/package-lock.json
 NODE_MODULES := web_demo/node_modules/.stamp
 UNIT := not media and not browser and not engine
+marked = $(shell grep -rl --include="test_*.py" "mark\.\($(1)\)" tests)
 export PATH := $(if $(shell command -v npm),,$(CURDIR)/.venv/bin:)$(PATH)
 .PHONY: demo test unit check lint fmt generate page
 demo: .venv/demo.stamp $(PAGE)
@@ -11,7 +12,7 @@ demo: .venv/demo.stamp $(PAGE)
 
 test: .venv/dev.stamp $(NODE_MODULES) $(PAGE)
 	cd web_demo && npm run --silent test
-	$(PY) -m pytest $(if $(ARGS),$(ARGS),-n auto --dist worksteal -m "$(UNIT)" && $(PY) -m pytest -n 2 --dist loadfile -m "not ($(UNIT)) and not browser" && $(PY) -m pytest -m browser)
+	$(PY) -m pytest $(if $(ARGS),$(ARGS),-n auto --dist worksteal -m "$(UNIT)" && $(PY) -m pytest -n 2 --dist loadfile -m "not ($(UNIT)) and not browser" $(call marked,media\|engine) && $(PY) -m pytest -m browser $(call marked,browser))
 
 unit: .venv/dev.stamp
 	$(PY) -m pytest -n auto --dist worksteal -m "$(UNIT) and not long" $(ARGS)
@@ -24,7 +25,6 @@ lint: .venv/dev.stamp $(NODE_MODULES)
 
 fmt: .venv/dev.stamp
 	.venv/bin/ruff check --fix . ; .venv/bin/ruff format .
-
 generate: .venv/dev.stamp
 	$(PY) -m openrois_codegen
 
