@@ -3,9 +3,13 @@
 import asyncio
 import logging
 import secrets
+import time
 from collections.abc import Callable, Iterable
+from typing import Final
 
 from openrois.errors import Aborted, ComponentFailed
+from openrois.logs import Tally
+from openrois.rate import RateLimit
 from openrois_avatar.link.messages import (
     Command,
     Completed,
@@ -23,22 +27,28 @@ __all__ = ["Body"]
 
 _log = logging.getLogger(__name__)
 
+_LINES: Final = 20
+"""Lines of an engine that are logged each second; of the others only the number."""
+
 
 class Body:
     """Commands to whichever game engine is connected now.
 
     Args:
         send: sends a command to it.
+        clock: monotonic seconds.
 
     Raises:
         LinkError: out of `send`, while no game engine is connected.
     """
 
-    def __init__(self, send: Callable[[Command], None]) -> None:
+    def __init__(self, send: Callable[[Command], None], clock: Callable[[], float] = time.monotonic) -> None:
         self._send = send
         self._reactions: dict[str, asyncio.Future[Completed]] = {}
         self._movements: dict[str, tuple[Speak, ...]] = {}
         """Of the mouth, for the speeches that are not over."""
+        self._lines = RateLimit(_LINES, _LINES, clock)
+        self._unsaid = Tally(_log, "lines of the game engine that are not logged")
 
     async def react(self, reaction: str) -> None:
         """Play a reaction to its end; cancelling it stops the avatar.
@@ -102,8 +112,10 @@ class Body:
                 done = self._reactions.get(reaction_id)
                 if done is not None and not done.done():
                     done.set_result(event)
-            case Log(text=text):
-                _log.info("game engine: %s", text)
+            case Log(text=text) if self._lines.admits():
+                _log.info("game engine: %s", " / ".join(text.splitlines()))
+            case Log():
+                self._unsaid.note()
 
     def lost(self) -> None:
         """The game engine is gone: whatever it was doing has failed."""

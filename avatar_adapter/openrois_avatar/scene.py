@@ -213,7 +213,7 @@ async def _engine_scene(
             Navigation(figure),
             Follow(figure),
             Move(figure),
-            Surroundings(world, status),
+            Surroundings(world, clock, status),
             *scene_senses(world, clock, status),
         )
         shape = _UNKNOWN if engine.hello is None else engine.hello.video

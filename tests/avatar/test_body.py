@@ -1,10 +1,11 @@
 """Commands to the game engine and the end of what it was asked to do."""
 
 import asyncio
+import logging
 
 import pytest
 from openrois_avatar.body import Body
-from openrois_avatar.link.messages import Command, Completed, LinkError, Look, React, Silence, Speak, Status, Stop
+from openrois_avatar.link.messages import Command, Completed, LinkError, Log, Look, React, Silence, Speak, Status, Stop
 
 from openrois.errors import Aborted, ComponentFailed
 
@@ -102,3 +103,14 @@ def test_an_engine_that_is_there_again_is_told_what_is_being_said(body: Body, en
     body.silence()
     body.back()
     assert engine.told == [*said, Silence()]
+
+
+def test_a_flood_of_lines_is_cut_and_no_line_is_several(engine: Engine, caplog: pytest.LogCaptureFixture) -> None:
+    body = Body(engine.send, lambda: 5.0)
+    with caplog.at_level(logging.INFO, "openrois_avatar.body"):
+        body.take(Log("one\ntwo"))
+        for _ in range(100):
+            body.take(Log("more"))
+    assert caplog.messages[0] == "game engine: one / two"
+    assert caplog.messages.count("game engine: more") == 19
+    assert caplog.messages[-1] == "lines of the game engine that are not logged: 64 so far"

@@ -18,6 +18,8 @@ from openrois_avatar.world import World
 __all__ = ["ScenePersonDetection", "ScenePersonLocalization", "SceneSoundLocalization", "scene_senses"]
 
 _MILLISECOND: Final = 0.001
+_SHORTEST: Final = 0.05
+"""Seconds between two looks at the scene, however often the engine tells of it."""
 
 
 class _InScene:
@@ -77,7 +79,8 @@ class _InScene:
             self._news.clear()
             if self.activity.works:
                 # What comes too early is looked at then: nobody may say it again.
-                await self._clock.sleep_until(self._clock.now() + self.look() * _MILLISECOND)
+                pause = max(self.look() * _MILLISECOND, _SHORTEST)
+                await self._clock.sleep_until(self._clock.now() + pause)
 
 
 class ScenePersonDetection(_InScene, Sense, components.PersonDetection):

@@ -1,14 +1,23 @@
 """Surroundings: the floor, and everything on it, as needed to draw a map. A component of our own."""
 
+import asyncio
 from collections.abc import Callable
+from typing import Final
+
+from openrois_streaming.clock import MediaClock
 
 from openrois.adapter import Component, ComponentStatus, Payload, event, query
+from openrois.tasks import TaskScope
 from openrois_avatar.link.messages import Floor, Place, Things
 from openrois_avatar.link.messages.motion import Point
 from openrois_avatar.sensing.changes import Place as Position
 from openrois_avatar.world import World
 
 __all__ = ["Surroundings"]
+
+_PLACES: Final = 0.05
+_CHANGES: Final = 0.1
+"""Seconds between two events on where the figure is, and on anything else, however often the engine tells of it."""
 
 
 class FloorResult(Payload):
@@ -32,18 +41,34 @@ class Surroundings(Component, authority="OpenRoIS", function="sensing"):
 
     Args:
         world: the scene.
+        clock: the media clock.
         engine_status: tells whether the game engine works now.
     """
 
-    def __init__(self, world: World, engine_status: Callable[[], ComponentStatus]) -> None:
+    def __init__(self, world: World, clock: MediaClock, engine_status: Callable[[], ComponentStatus]) -> None:
         super().__init__("Surroundings")
         self._world = world
+        self._clock = clock
         self._engine_status = engine_status
-        world.changed.add(self._tell)
+        self._moved, self._other_floor, self._other_things = asyncio.Event(), asyncio.Event(), asyncio.Event()
+        self._scope = TaskScope()
+        world.changed.add(self._take)
 
     def condition(self) -> ComponentStatus:
         """Follow the game engine."""
         return self._engine_status()
+
+    async def connect(self) -> None:
+        """Begin to tell of changes."""
+        self._scope = TaskScope()
+        await self._scope.__aenter__()
+        self._scope.start(self._tell(self._moved, _PLACES, self._tell_place))
+        self._scope.start(self._tell(self._other_floor, _CHANGES, self.floor_changed))
+        self._scope.start(self._tell(self._other_things, _CHANGES, self.things_changed))
+
+    async def disconnect(self) -> None:
+        """Tell no more."""
+        await self._scope.__aexit__(None, None, None)
 
     @query
     async def floor(self) -> FloorResult:
@@ -74,19 +99,31 @@ class Surroundings(Component, authority="OpenRoIS", function="sensing"):
 
     @event
     def floor_changed(self) -> None:
-        """`floor` answers something else."""
+        """`floor` answers something else; up to 10 times a second."""
 
     @event
     def things_changed(self) -> None:
         """`things` answers something else; up to 10 times a second."""
 
-    def _tell(self, change: Place | Floor | Things | None) -> None:
+    def _take(self, change: Place | Floor | Things | None) -> None:
         if isinstance(change, Place):
-            self.figure_moved(Position(change.x, change.y, change.th).text)
+            self._moved.set()
         if isinstance(change, Floor | None):
-            self.floor_changed()
+            self._other_floor.set()
         if isinstance(change, Things | None):
-            self.things_changed()
+            self._other_things.set()
+
+    async def _tell(self, news: asyncio.Event, seconds: float, tell: Callable[[], None]) -> None:
+        """Tell of news at once, and then as it is so many seconds later, if there is more."""
+        while True:
+            await news.wait()
+            news.clear()
+            tell()
+            await self._clock.sleep_until(self._clock.now() + seconds)
+
+    def _tell_place(self) -> None:
+        if (place := self._world.place) is not None:
+            self.figure_moved(Position(place.x, place.y, place.th).text)
 
 
 def _texts(corners: tuple[Point, ...]) -> tuple[str, ...]:

@@ -6,7 +6,7 @@ from typing import Final
 
 from openrois.errors import BadParameter
 from openrois_avatar.link.messages import Place, Waypoint
-from openrois_avatar.link.messages.motion import FAR
+from openrois_avatar.link.messages.motion import FAR, MAX_PATH
 from openrois_avatar.motion.planning import SPEED
 
 __all__ = ["TOP_SPEED", "curve", "curve_length", "line", "speed_for"]
@@ -28,20 +28,20 @@ def line(start: Place, values: tuple[int, ...]) -> list[Waypoint]:
     """Go the millimetres straight ahead (negative: backwards), then turn by the degrees (positive: to the left).
 
     Raises:
-        BadParameter: these are not two numbers, or they are too large.
+        BadParameter: these are not two numbers, or they are too large: the way leads too far, or has too many steps.
     """
     millimetres, turn = _pair("line", values)
     metres = _metres("line", millimetres)
     x, y = start.x + metres * cos(start.th), start.y + metres * sin(start.th)
     path = [Waypoint(x, y)] if metres > 0 else _backwards(start, -metres)
-    return [*path, *_turned(Place(x, y, start.th), turn)] or [Waypoint(x, y, start.th)]
+    return _checked("line", [*path, *_turned(Place(x, y, start.th), turn)] or [Waypoint(x, y, start.th)])
 
 
 def curve(start: Place, values: tuple[int, ...]) -> list[Waypoint]:
     """Go ahead on a circle of this radius until the direction has changed by the degrees (positive: to the left).
 
     Raises:
-        BadParameter: these are not two numbers, they are too large, or the radius is negative.
+        BadParameter: these are not two numbers, they are too large (as in `line`), or the radius is negative.
     """
     millimetres, turn = _pair("curve", values)
     radius = _metres("curve", millimetres)
@@ -56,7 +56,7 @@ def curve(start: Place, values: tuple[int, ...]) -> list[Waypoint]:
     headings = [start.th + turn * part / parts for part in range(1, parts + 1)]
     path = [Waypoint(x + side * radius * sin(at), y - side * radius * cos(at)) for at in headings]
     # The last step leads along a chord: at its end the figure turns along the circle.
-    return [*path, replace(path[-1], th=remainder(headings[-1], tau))]
+    return _checked("curve", [*path, replace(path[-1], th=remainder(headings[-1], tau))])
 
 
 def curve_length(values: tuple[int, ...]) -> float:
@@ -93,6 +93,15 @@ def _metres(name: str, millimetres: int) -> float:
     if abs(millimetres) > FAR * _MILLIMETRES:
         raise BadParameter(f"{name}: expected at most {FAR * _MILLIMETRES:.0f} mm, not {millimetres}")
     return millimetres / _MILLIMETRES
+
+
+def _checked(name: str, path: list[Waypoint]) -> list[Waypoint]:
+    """Return a path that a game engine can be told; one that it cannot raises BadParameter."""
+    if len(path) > MAX_PATH:
+        raise BadParameter(f"{name}: the way has {len(path)} steps, and there can be {MAX_PATH}")
+    if any(abs(at.x) > FAR or abs(at.y) > FAR for at in path):
+        raise BadParameter(f"{name}: the way leads beyond {FAR:g} m")
+    return path
 
 
 def _backwards(start: Place, metres: float) -> list[Waypoint]:

@@ -180,3 +180,25 @@ async def test_a_hand_that_drives_comes_first(stage: Stage) -> None:
         await running
     await stage.run(1)
     assert (stage.engine.x, stage.engine.y) == pytest.approx((0, 0.5))
+
+
+@pytest.mark.parametrize(
+    ("values", "why"),
+    [
+        ({"line": "[-1000000,0]"}, "line: the way has 2500 steps"),
+        ({"curve": "[6000000,180]"}, "curve: the way leads beyond 10000 m"),
+    ],
+)
+async def test_a_way_that_no_engine_can_be_told_is_refused_at_once(
+    stage: Stage, values: dict[str, str], why: str
+) -> None:
+    with pytest.raises(BadParameter, match=why):
+        await stage.set(**values)
+
+
+async def test_a_way_that_leads_too_far_from_here_is_refused_when_it_starts(stage: Stage) -> None:
+    stage.engine.x = 9_999.0
+    stage.engine.tell_place()
+    with pytest.raises(BadParameter, match="line: the way leads beyond 10000 m"):
+        await (await stage.begin(line="[2000,0]"))
+    assert stage.engine.heard == []

@@ -18,6 +18,8 @@ from tests.support.streaming import VirtualClock, settle
 ANNA, BOB = Thing("a", "person", 1, 2, 0.5), Thing("b", "person", 0, 3)
 BELL, TABLE = Thing("bell", "sound", -1, 0), Thing("t", "object", 4, 4)
 LOCALIZATION = "ScenePersonLocalization"
+PAUSE = 0.0625
+"""Longer than a sense is silent for, and without a rounding error."""
 
 
 class Stage:
@@ -30,6 +32,8 @@ class Stage:
         self.heard: list[dict[str, str]] = []
 
     async def show(self, *things: Thing) -> None:
+        """Have the engine tell of these things, a while after it told of others."""
+        await self.clock.advance(PAUSE)
         self.world.take(Things(things))
         await settle()
 
@@ -69,7 +73,9 @@ async def test_another_number_of_persons_is_told(stage: Stage) -> None:
     await stage.show(Thing("a", "person", 2, 2), BELL)
     await stage.show(ANNA, BOB)
     await stage.show()
-    assert [event["timestamp"] for event in stage.heard] == ["2023-11-14T22:13:20+00:00"] * 3
+    assert [event["timestamp"] for event in stage.heard] == [
+        f"2023-11-14T22:13:20.{part}+00:00" for part in ("062500", "187500", "250000")
+    ]
     assert stage.told("number") == ["1", "2", "0"]
 
 
@@ -79,7 +85,7 @@ async def test_persons_are_told_with_ref_and_place(stage: Stage) -> None:
     assert stage.heard == [
         {
             "person_ref": '["urn:x-rois:def:person:OpenRoIS::avatar/scene/a"]',
-            "timestamp": "2023-11-14T22:13:20+00:00",
+            "timestamp": "2023-11-14T22:13:20.062500+00:00",
             "position_data": '["1.000,2.000,0.5000"]',
         }
     ]
@@ -141,8 +147,20 @@ async def test_with_the_engine_the_scene_is_gone(stage: Stage) -> None:
     await stage.listen("ScenePersonDetection", "person_detected")
     await stage.show(ANNA)
     stage.world.clear()
-    await settle()
+    await stage.clock.advance(PAUSE)
     assert stage.told("number") == ["1", "0"]
     stage.status = ComponentStatus.ERROR
     for sense in stage.senses:
         assert sense.status is ComponentStatus.ERROR
+
+
+async def test_a_flood_of_changes_is_looked_at_twenty_times_a_second(stage: Stage) -> None:
+    await stage.listen(LOCALIZATION, "person_localized")
+    for step in range(1, 1001):
+        stage.world.take(Things((Thing("a", "person", step / 10, 0),)))
+        if step % 10 == 0:
+            await stage.clock.advance(0.0078125)
+    await stage.clock.advance(1)
+    places = stage.told("position_data")
+    assert 10 <= len(places) <= 18  # in 0.8 s
+    assert places[-1] == '["100.000,0.000,0.0000"]'

@@ -1,0 +1,184 @@
+// Runs in the page: uses every component of the avatar by the TypeScript SDK, and returns what each of them gave.
+// The page has a camera in front of somebody who nods, and a microphone near somebody who says "go to the window".
+// Tests give it what it shall not take longer than, in ms.
+async (patience) => {
+  const sdk = await import("/openrois.js");
+  const { client } = openrois;
+  const found = {};
+  const told = {};
+
+  const until = async (what, condition) => {
+    const end = performance.now() + patience;
+    for (;;) {
+      const seen = await condition();
+      if (seen) return seen;
+      if (performance.now() > end) throw new Error(`not within ${patience} ms: ${what}; heard ${JSON.stringify(told)}`);
+      await new Promise((resolve) => setTimeout(resolve, 40));
+    }
+  };
+  // The standard's classes by name, and what is ours by its profile.
+  const part = (name, kind = sdk[name] ?? sdk.ComponentProxy) => new kind(client, `avatar/${name}`);
+  const subscriptions = [];
+  const hear = async (name, event) => {
+    const all = (told[`${name}.${event.eventType}`] = []);
+    subscriptions.push(await event.subscribe((payload) => all.push(payload)));
+    return all;
+  };
+  const heard = (all, what, condition) => until(what, () => all.find(condition));
+  const where = async () => {
+    const { position_data } = await information.robotPosition();
+    return position_data[0].split(",").map(Number);
+  };
+  const ended = async (work) => {
+    try {
+      await work;
+      return "OK";
+    } catch (error) {
+      return error.status ?? String(error);
+    }
+  };
+
+  const information = part("SystemInformation");
+  found.SystemInformation = { status: (await information.engineStatus()).status, began: await where() };
+
+  const streams = async () => {
+    for (const [name, stream] of [["VideoStreaming", openrois.video], ["AudioStreaming", openrois.audio]]) {
+      const status = await part(name).componentStatus();
+      const parameters = await part(name).getParameter();
+      await stream.suspend();
+      const suspended = await until(`${name} is suspended`, () => stream.status.endsWith("SUSPENDED") && stream.status);
+      await stream.resume();
+      await until(`${name} runs again`, () => stream.status === "STREAMING_RUNNING");
+      found[name] = { status: status.status, suspended, encodings: parameters.available_encodings };
+    }
+  };
+
+  const eyes = async () => {
+    const times = { timestamp: "DateTime" };
+    const sight = part("Sight");
+    const seen = await hear("Sight", sight.event("seen", { person_ref: "RoISIdentifier[]", box: "string[]", name: "string[]", gesture_ref: "RoISIdentifier[]", ...times }));
+    const numbers = { PersonDetection: "personDetected", FaceDetection: "faceDetected" };
+    for (const [name, event] of Object.entries(numbers)) {
+      const all = await hear(name, part(name)[event]);
+      found[name] = await heard(all, `${name} sees one`, ({ number }) => number === 1);
+    }
+    const places = { PersonLocalization: "personLocalized", FaceLocalization: "faceLocalized" };
+    for (const [name, event] of Object.entries(places)) {
+      const all = await hear(name, part(name)[event]);
+      found[name] = await heard(all, `${name} tells a place`, ({ position_data }) => position_data.length === 1);
+    }
+    found.Sight = await heard(seen, "a face is to be drawn", ({ person_ref }) => person_ref.length === 1);
+
+    const known = await hear("PersonIdentification", part("PersonIdentification").personIdentified);
+    const enrolment = part("Enrolment");
+    await enrolment.bound(async () => {
+      const person = await enrolment.obtain("enrol", { person_ref: "RoISIdentifier" }, sdk.encode({ name: "string" }, { name: "Ann" }));
+      found.PersonIdentification = await heard(known, "Ann is recognised", ({ person_ref }) => person_ref.length === 1);
+      const { names } = await enrolment.query("enrolled", { names: "string[]" });
+      await enrolment.execute("forget", sdk.encode({ name: "string" }, { name: "Ann" }));
+      const { names: left } = await enrolment.query("enrolled", { names: "string[]" });
+      found.Enrolment = { ...person, names, left };
+    });
+    const gestures = await hear("GestureRecognition", part("GestureRecognition").gestureRecognized);
+    found.GestureRecognition = await heard(gestures, "a nod", () => true);
+  };
+
+  const ears = async () => {
+    const recognition = part("SpeechRecognition");
+    const { languages } = await recognition.recognizableLanguages();
+    await recognition.setParameter({
+      grammar: "#JSGF V1.0;\ngrammar g;\npublic <command> = go to the (window | door) | turn (left | right);\n",
+    });
+    const hearing = part("Hearing");
+    const words = await hear("Hearing", hearing.event("heard", { text: "string", final: "bool", timestamp: "DateTime" }));
+    const began = await hear("SpeechRecognition", recognition.speechInputStarted);
+    const stopped = await hear("SpeechRecognition", recognition.speechInputFinished);
+    const said = await hear("SpeechRecognition", recognition.speechRecognized);
+    const sounds = await hear("SoundDetection", part("SoundDetection").soundDetected);
+    const faults = [];
+    client.on("fault", ({ error_id }) => faults.push(error_id));
+    await hear("SoundLocalization", part("SoundLocalization").soundLocalized);
+    const { recognized_text } = await heard(said, "what is said", () => true);
+    found.SpeechRecognition = { languages, recognized_text, began: began.length, stopped: stopped.length };
+    const final = await heard(words, "the last word", ({ final }) => final);
+    const { channels } = await hearing.query("microphone", { channels: "int", speaking: "bool" });
+    found.Hearing = { ...final, channels };
+    await heard(sounds, "silence after the sound", ({ number }) => number === 0);
+    found.SoundDetection = sounds.map(({ number }) => number);
+    await until("a word on the one channel", () => faults.length > 0);
+    found.SoundLocalization = { fault: (await client.getErrorDetail(faults[0])).map(({ value }) => value) };
+    const operator = part("Operator");
+    const level = { rms: "double", peak: "double" };
+    const loud = await hear("Operator", operator.event("microphone_level", level));
+    await heard(loud, "a loud microphone", ({ rms }) => rms > -50);
+    found.Operator = {
+      ...(await operator.query("microphone", { connected: "bool", ...level })),
+      ...(await operator.query("camera", { width: "int", height: "int", brightness: "double" })),
+    };
+  };
+
+  const scene = async () => {
+    const persons = await hear("ScenePersonDetection", part("ScenePersonDetection", sdk.PersonDetection).personDetected);
+    const people = await hear("ScenePersonLocalization", part("ScenePersonLocalization", sdk.PersonLocalization).personLocalized);
+    const sounds = await hear("SceneSoundLocalization", part("SceneSoundLocalization", sdk.SoundLocalization).soundLocalized);
+    found.ScenePersonDetection = await heard(persons, "the visitor is counted", () => true);
+    found.ScenePersonLocalization = await heard(people, "the visitor is somewhere", () => true);
+    found.SceneSoundLocalization = await heard(sounds, "the radio is somewhere", () => true);
+    const surroundings = part("Surroundings");
+    found.Surroundings = {
+      ...(await surroundings.query("floor", { outline: "string[]", obstacles: "string[][]" })),
+      ...(await surroundings.query("things", { thing_ref: "RoISIdentifier[]", kind: "string[]", name: "string[]", position_data: "string[]" })),
+    };
+  };
+
+  const voice = async () => {
+    const speech = part("SpeechSynthesis");
+    const { languages } = await speech.synthesizableLanguages();
+    const { characters: voices } = await speech.availableVoices();
+    const progress = part("SpeechProgress");
+    const words = await hear("SpeechProgress", progress.event("word_spoken", { word: "string", position: "int" }));
+    const ends = await hear("SpeechProgress", progress.event("speech_ended", { status: "string" }));
+    const asked = performance.now();
+    const status = await ended(speech.perform({ speech_text: "Hello window, here I am.", language: "en" }));
+    found.SpeechSynthesis = { status, languages, voices, lasted: performance.now() - asked };
+    const { status: end } = await heard(ends, "the end of the speech", () => true);
+    found.SpeechProgress = { words: words.map(({ word }) => word), end };
+  };
+
+  const gestures = async () => {
+    const reaction = part("Reaction");
+    const { available_reactions: reactions } = await reaction.availableReactions();
+    found.Reaction = { reactions, status: await ended(reaction.perform({ reaction_ref: reactions[0] })) };
+    const gaze = part("Gaze");
+    await gaze.bound(async () => {
+      found.Gaze = await ended(gaze.execute("look", sdk.encode({ x: "double", y: "double" }, { x: 0.5, y: -0.5 })));
+    });
+  };
+
+  const legs = async () => {
+    await hear("Surroundings", part("Surroundings").event("figure_moved", { position_data: "string" }));
+    found.Move = { status: await ended(part("Move").perform({ line: [400, 0] })), ended: await where() };
+    const navigation = part("Navigation");
+    const targets = await hear("Navigation", navigation.reachedTarget);
+    const status = await ended(navigation.perform({ target_positions: ["-0.5,0,1.5708"], time_limit: 20_000 }));
+    found.Navigation = { status, ended: await where(), targets };
+    const follow = part("Follow");
+    const following = ended(follow.perform({ target_object_ref: "stool", distance: 700 }));
+    const stool = [-2.2, 0.5];
+    const away = async () => {
+      const [x, y] = await where();
+      return Math.hypot(x - stool[0], y - stool[1]);
+    };
+    await until("the figure is at the stool", async () => (await away()) < 0.9);
+    await follow.stop();
+    found.Follow = { status: await following, away: await away() };
+  };
+
+  try {
+    await Promise.all([streams().then(voice), eyes(), ears(), scene(), gestures(), legs()]);
+    found.Surroundings.moved = told["Surroundings.figure_moved"].length;
+    return { found, components: Object.keys((await client.getProfile()).component_profiles) };
+  } finally {
+    await Promise.all(subscriptions.map((each) => each.cancel()));
+  }
+}

@@ -1,0 +1,169 @@
+"""Every component of the avatar's profile, used from Chromium by the TypeScript SDK, and what each of them gave."""
+
+import asyncio
+import wave
+from collections.abc import AsyncIterator
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+import pytest
+import pytest_asyncio
+from playwright.async_api import Browser
+
+from tests.support.browser import Visit, running_browser, visiting
+from tests.support.conversation import meet
+from tests.support.demo import Demo
+from tests.support.hearing import spoken, stereo_48k
+from tests.support.people import Sitter, nodding, write_y4m
+
+pytestmark = [
+    pytest.mark.browser,
+    pytest.mark.engine,
+    pytest.mark.asyncio(loop_scope="session"),
+]
+
+ENGINE: Final = "puppet"
+PATIENCE: Final = 30_000
+"""Milliseconds for each thing that is waited for; an idle machine needs 8 s for all of them."""
+
+_ALL: Final = (Path(__file__).parent / "every_component.js").read_text(encoding="utf-8")
+_BY_HAND: Final = {"avatar/Teleoperation"}
+"""What a script in the page cannot use as a person does."""
+_ANN: Final = "urn:x-rois:def:person:OpenRoIS::avatar/enrolled/Ann"
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="session")
+async def browser(
+    chromium: Path, flite: None, pocketsphinx: None, tmp_path_factory: pytest.TempPathFactory
+) -> AsyncIterator[Browser]:
+    """A browser in front of which somebody nods and says where to go, again and again."""
+    folder = tmp_path_factory.mktemp("operator")
+    write_y4m(folder / "face.y4m", nodding(Sitter("collins"), begin=0.5), 3.0)
+    sound = stereo_48k(np.concatenate([spoken("go to the window"), np.zeros(24_000, np.int16)]))[:, 0]
+    with wave.open(str(folder / "voice.wav"), "wb") as file:
+        file.setparams((1, 2, 48_000, 0, "NONE", ""))
+        file.writeframes(sound.tobytes())
+    async with running_browser(
+        chromium,
+        "--use-fake-device-for-media-stream",
+        "--use-fake-ui-for-media-stream",
+        f"--use-file-for-fake-video-capture={folder / 'face.y4m'}",
+        f"--use-file-for-fake-audio-capture={folder / 'voice.wav'}",
+    ) as browser:
+        yield browser
+
+
+async def test_every_component_does_what_it_is_for(browser: Browser, avatar: Demo) -> None:
+    async with visiting(browser, avatar.page) as visit:
+        await meet(visit)
+        await visit.status("audio", "RUNNING")
+        await visit.press("microphone-toggle")
+        await visit.press("camera-toggle")
+        await visit.until("openrois.microphone.status === 'STREAMING_RUNNING'")
+        await visit.until("openrois.camera.status === 'STREAMING_RUNNING'")
+        gave = await visit.page.evaluate(f"({_ALL})({PATIENCE})")
+        found: dict[str, Any] = gave["found"]
+        assert {f"avatar/{name}" for name in found} | _BY_HAND == set(gave["components"])
+        _check_streams_and_system(found)
+        _check_eyes(found)
+        _check_ears(found)
+        _check_scene(found)
+        _check_acting(found)
+        await _drive(visit)
+
+
+def _check_streams_and_system(found: dict[str, Any]) -> None:
+    assert found["SystemInformation"] == {"status": "READY", "began": [0, 0, -1.5708]}
+    for name in ("VideoStreaming", "AudioStreaming"):
+        assert found[name]["status"] in {"READY", "BUSY"}
+        assert found[name]["suspended"] == "STREAMING_SUSPENDED"
+    assert "video/H264" in found["VideoStreaming"]["encodings"]
+    assert "audio/opus" in found["AudioStreaming"]["encodings"]
+    operator = found["Operator"]
+    assert operator["connected"]
+    assert operator["width"] * 9 == operator["height"] * 16
+    assert 0.1 < operator["brightness"] < 0.9
+
+
+def _check_eyes(found: dict[str, Any]) -> None:
+    assert found["PersonDetection"]["number"] == found["FaceDetection"]["number"] == 1
+    for name, kind, refs in (("PersonLocalization", "person", "person_ref"), ("FaceLocalization", "face", "face_ref")):
+        (ref,), (place,) = found[name][refs], found[name]["position_data"]
+        assert ref.startswith(f"urn:x-rois:def:{kind}:OpenRoIS::avatar/camera/")
+        x, y, _ = map(float, place.split(","))
+        assert abs(x) < 0.2
+        assert 0.3 < y < 1.5  # a face that fills a fifth of the width
+    left, top, width, height = map(float, found["Sight"]["box"][0].split(","))
+    assert left < 0.5 < left + width
+    assert top < 0.45 < top + height
+    assert found["Enrolment"] == {"person_ref": _ANN, "names": ["Ann"], "left": []}
+    assert found["PersonIdentification"]["person_ref"] == [_ANN]
+    assert found["GestureRecognition"]["gesture_ref"] == ["urn:x-rois:def:gesture:OMG::1"]
+
+
+def _check_ears(found: dict[str, Any]) -> None:
+    speech = found["SpeechRecognition"]
+    assert speech["languages"] == ["en"]
+    assert speech["recognized_text"][0] == "go to the window"
+    assert speech["began"] >= speech["stopped"] >= 1
+    assert (found["Hearing"]["text"], found["Hearing"]["channels"]) == ("go to the window", 1)
+    assert found["SoundDetection"][:2] == [1, 0]
+    assert "one channel" in str(found["SoundLocalization"]["fault"])
+
+
+def _check_scene(found: dict[str, Any]) -> None:
+    assert found["ScenePersonDetection"]["number"] == 1
+    assert found["ScenePersonLocalization"]["person_ref"] == ["urn:x-rois:def:person:OpenRoIS::avatar/scene/visitor"]
+    assert found["SceneSoundLocalization"]["position_data"][0].startswith("1.900,2.250")
+    around = found["Surroundings"]
+    assert len(around["outline"]) == 4
+    assert len(around["obstacles"]) >= 4
+    assert {"visitor", "radio", "stool"} <= set(around["name"])
+    assert around["moved"] > 10
+
+
+def _check_acting(found: dict[str, Any]) -> None:
+    speech = found["SpeechSynthesis"]
+    assert speech["status"] == found["SpeechProgress"]["end"] == "OK"
+    assert speech["lasted"] > 1000
+    assert "en" in speech["languages"]
+    assert speech["voices"]
+    assert {"Hello", "window"} <= set(found["SpeechProgress"]["words"])
+    assert found["Reaction"]["status"] == found["Gaze"] == "OK"
+    assert len(found["Reaction"]["reactions"]) == 12
+    assert found["Move"]["status"] == found["Navigation"]["status"] == "OK"
+    x, y, th = found["Move"]["ended"]
+    assert (abs(x), abs(y + 0.4), abs(th + 1.5708)) < (0.05, 0.05, 0.05)
+    x, y, th = found["Navigation"]["ended"]
+    assert np.allclose((x, y, th), (-0.5, 0, 1.5708), atol=0.05)
+    assert found["Navigation"]["targets"] == [{"target": "-0.5,0,1.5708", "is_final_target": True}]
+    assert found["Follow"]["status"] == "ABORT"  # it was stopped: OK is not among its ends
+    assert 0.5 < found["Follow"]["away"] < 0.9
+
+
+async def _drive(visit: Visit) -> None:
+    """Teleoperation: what the keyboard does moves the figure, and what is let go of does not."""
+    where = "openrois.client.query('robot_position', \"component_ref = 'avatar/SystemInformation'\")"
+    operation = "openrois.client.query('operation', \"component_ref = 'avatar/Teleoperation'\")"
+
+    async def asked(expression: str) -> dict[str, str]:
+        return {each["name"]: each["value"] for each in await visit.page.evaluate(expression)}
+
+    before = (await asked(where))["position_data"]
+    await visit.press("control-toggle")
+    await visit.until("document.querySelector('[data-testid=control-toggle]').ariaPressed === 'true'")
+    await visit.page.keyboard.down("KeyA")
+    async with asyncio.timeout(15):
+        while (await asked(where))["position_data"] == before:
+            pass
+    driven = await asked(operation)
+    assert (driven["operated"], driven["active"]) == ("true", "true")
+    assert float(driven["turn"]) > 0
+    await visit.page.keyboard.up("KeyA")
+    async with asyncio.timeout(15):
+        while (await asked(operation))["active"] == "true":
+            pass
+    assert float((await asked(operation))["turn"]) == 0
+    await visit.page.keyboard.press("Escape")
+    await visit.until("document.querySelector('[data-testid=control-toggle]').ariaPressed === 'false'")
