@@ -47,7 +47,15 @@ def test_it_can_be_stopped_while_its_game_engine_starts(
     assert capsys.readouterr().out == ""
 
 
-@pytest.mark.parametrize("arguments", [("--link", "8766"), ("--link-secret-file", "no/such/file")])
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("--link", "8766"),
+        ("--link-secret-file", "no/such/file"),
+        ("--pixel-streaming", "8888"),
+        ("--pixel-streaming", "ws://[::1]", "--engine", "unreal"),
+    ],
+)
 def test_the_command_says_what_is_wrong(arguments: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit, match="2"):
         command.main(["--engine", "external", *arguments])

@@ -195,6 +195,7 @@ class WirelessConnection:
         """What each section has sent."""
         self._connection = RTCPeerConnection()
         self.channels: FakeChannels | None = None
+        self.make_channels: MakeChannels | None = None
         self.made.append(self)
 
     def section_for(self, stream: Stream) -> Section:
@@ -212,7 +213,8 @@ class WirelessConnection:
         self.sections.append(section)
         return section
 
-    def open_channels(self, _make: MakeChannels, take: Take, on_closed: Callable[[], None]) -> FakeChannels:
+    def open_channels(self, make: MakeChannels, take: Take, on_closed: Callable[[], None]) -> FakeChannels:
+        self.make_channels = make
         self.channels = FakeChannels(take, on_closed)
         return self.channels
 

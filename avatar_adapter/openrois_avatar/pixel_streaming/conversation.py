@@ -61,6 +61,8 @@ class Figures:
     malformed: int = 0
     excess: int = 0
     """Faster than they are taken."""
+    refused: int = 0
+    """What a person did whose turn it was not."""
 
 
 class Conversation:

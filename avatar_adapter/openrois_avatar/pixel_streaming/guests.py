@@ -39,8 +39,6 @@ class Guests:
     """
 
     def __init__(self, seat: Seat, make_pilot: Callable[[Callable[[str], None]], Pilot], clock: MediaClock) -> None:
-        self.refused = 0
-        """Messages of players whose turn it was not."""
         self._seat = seat
         self._clock = clock
         self._pilot = make_pilot(self._stopped)
@@ -64,22 +62,22 @@ class Guests:
             self._guests.remove(guest)
             self._choose(reason)
 
-    def operate(self, guest: Guest, message: InputMessage, hands: Hands) -> None:
-        """A player does something; nothing comes of it where it is not its turn."""
+    def operate(self, guest: Guest, message: InputMessage, hands: Hands) -> bool:
+        """A player does something; False if nothing comes of it, because it is not its turn."""
         if guest is not self._operator:
-            self.refused += 1
-            return
+            return False
         now, self._hands = self._clock.now(), hands
         if isinstance(message, State):
             self._late = now - self._told_at < STATE_INTERVAL
             if self._late:
                 self._news.set()
-                return
+                return True
             self._told_at = now
         elif isinstance(message, Key | Button | TouchPoint | Pad) and _goes_down(message):
             self._pressed_until = now + FIRST_PRESS
             self._news.set()
         self._pilot.take(message, hands.held)
+        return True
 
     async def run(self) -> None:
         """Keep the dead man's switch, for ever."""

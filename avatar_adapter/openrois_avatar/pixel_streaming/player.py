@@ -93,20 +93,20 @@ class Player:
     async def answer(self, sdp: str) -> None:
         """It answers the newest offer. What cannot be used ends it."""
         if self._offer is not None:
-            answer = Answer(peer_id=self._offer.peer_id, generation=self._offer.generation, sdp=sdp)
-            await self._tell(Answer.method, answer.wire())
+            await self._tell(Answer.method, {**self._newest(self._offer), "sdp": sdp})
 
     async def candidate(self, found: wire.RtcCandidate) -> None:
         """It has found a candidate. One that cannot be used is dropped."""
         if self._offer is not None and found.candidate:
-            candidate = Candidate(
-                peer_id=self._offer.peer_id,
-                generation=self._offer.generation,
-                candidate=found.candidate,
-                sdp_mid=found.sdp_mid or None,
-                sdp_m_line_index=0 if found.sdp_m_line_index is None else found.sdp_m_line_index,
+            await self._tell(
+                Candidate.method,
+                {
+                    **self._newest(self._offer),
+                    "candidate": found.candidate,
+                    "sdp_mid": found.sdp_mid or None,
+                    "sdp_m_line_index": found.sdp_m_line_index or 0,
+                },
             )
-            await self._tell(Candidate.method, candidate.wire())
 
     async def follow(self) -> None:
         """Suspend or resume what it is sent as it wants it now, if its peer connection has not ended."""
@@ -140,8 +140,8 @@ class Player:
 
     def operate(self, message: InputMessage, hands: Hands) -> None:
         """It does something."""
-        if self._guests is not None:
-            self._guests.operate(self, message, hands)
+        if self._guests is None or not self._guests.operate(self, message, hands):
+            self._conversation.figures.refused += 1
 
     def own(self, on: bool) -> None:
         """It operates the avatar from now on, or does not."""
@@ -155,6 +155,10 @@ class Player:
         """Nothing can come over its data channel any more."""
         if self._guests is not None:
             self._guests.leave(self, reason)
+
+    @staticmethod
+    def _newest(offer: Offer) -> dict[str, Any]:
+        return {"peer_id": offer.peer_id, "generation": offer.generation}
 
     def _hear(self, send: Callable[[str | bytes], None]) -> "Player":
         self._send = send

@@ -58,7 +58,7 @@ def pixel_streaming(chosen: argparse.Namespace) -> PixelStreaming | None:
         host, _ = parts.hostname, parts.port
     except ValueError:
         host = None
-    if host is None or parts.scheme not in {"ws", "wss"} or parts.username is not None:
+    if host is None or parts.scheme not in {"ws", "wss"} or parts.username is not None or parts.fragment:
         raise ValueError(f"--pixel-streaming: {url!r} is no address such as ws://127.0.0.1:8888")
     if not chosen.pixel_streaming_anywhere and not _is_loopback(host):
         raise ValueError(

@@ -61,8 +61,6 @@ class Streamer:
     """
 
     def __init__(self, url: str, name: str, make_player: MakePlayer) -> None:
-        self.players = 0
-        """How many there are now."""
         self._url = url
         self._name = name
         self._make_player = make_player
@@ -123,12 +121,8 @@ class Streamer:
         async with TaskScope() as tasks:
             tasks.start(send())
             visit = _Visit(self._name, self._make_player, say, tasks)
-            try:
-                while True:
-                    visit.take(await stream.receive())
-                    self.players = len(visit)
-            finally:
-                self.players = 0
+            while True:
+                visit.take(await stream.receive())
 
 
 class _Visit:
@@ -141,9 +135,6 @@ class _Visit:
         self._tasks = tasks
         self._attended: dict[str, _Attended] = {}
         self._ice_servers: tuple[IceServer, ...] = ()
-
-    def __len__(self) -> int:
-        return len(self._attended)
 
     def take(self, text: str) -> None:
         """Take one message; what is not known is dropped.

@@ -31,7 +31,16 @@ def test_one_elsewhere_has_to_be_allowed(host: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "url", ["8888", "http://127.0.0.1:8888", "ws://", "ws://127.0.0.1:99999", "ws://[1:8888", "ws://u:p@127.0.0.1"]
+    "url",
+    [
+        "8888",
+        "http://127.0.0.1:8888",
+        "ws://",
+        "ws://127.0.0.1:99999",
+        "ws://[1:8888",
+        "ws://u:p@127.0.0.1",
+        "ws://127.0.0.1#a",
+    ],
 )
 def test_what_is_no_address_is_refused(url: str) -> None:
     with pytest.raises(ValueError, match="is no address such as"):

@@ -74,6 +74,12 @@ async def test_nobody_opens_channels(association: Association) -> None:
     assert association.transport._data_channels == before
 
 
+async def test_a_channel_is_agreed_to_by_its_number_alone(association: Association) -> None:
+    for stream, word in ((0, b"\2"), (5, b"\2"), (0, b"\2\2"), (0, b"")):
+        await association.receive(word, stream=stream, protocol=OPEN)
+    assert (association.came, association.figures.unreadable) == ([], 0)
+
+
 async def test_what_a_receiver_raises_ends_here_and_is_told(
     association: Association, caplog: pytest.LogCaptureFixture
 ) -> None:
