@@ -28,7 +28,9 @@ public static class Vectors
         Console.WriteLine(told.ToString(Formatting.None));
     }
 
-    /// <summary>What a connection says after these bytes, which come in pieces: its messages, and what was wrong.</summary>
+    /// <summary>
+    /// What a connection says after these bytes, which come in pieces: its messages, and what was wrong.
+    /// </summary>
     private static JObject Read(string hex)
     {
         byte[] bytes = Bytes(hex);

@@ -128,7 +128,9 @@ namespace OpenRoIS.Link
         }
     }
 
-    /// <summary>Stop the reaction with this id, or every one if it is null; each is then Completed with Abort.</summary>
+    /// <summary>
+    /// Stop the reaction with this id, or every one if it is null; each is then Completed with Abort.
+    /// </summary>
     public sealed class Stop : Command
     {
         public readonly string Id;
@@ -209,7 +211,9 @@ namespace OpenRoIS.Link
         }
     }
 
-    /// <summary>Go straight to each point in turn; answer with Reached for each, and one Completed. Walker does it.</summary>
+    /// <summary>
+    /// Go straight to each point in turn; answer with Reached for each, and one Completed. Walker does it.
+    /// </summary>
     public sealed class Walk : Command
     {
         public readonly string Id;
@@ -252,7 +256,9 @@ namespace OpenRoIS.Link
         }
     }
 
-    /// <summary>What the operator does with keyboard, mouse, touch and gamepad: a message of docs/wire.md, "Input".</summary>
+    /// <summary>
+    /// What the operator does with keyboard, mouse, touch and gamepad: a message of docs/wire.md, "Input".
+    /// </summary>
     public sealed class OperatorInput : Command
     {
         public readonly JObject Message;

@@ -2,7 +2,9 @@ using System;
 
 namespace OpenRoIS.Link
 {
-    /// <summary>Turns the bytes of the adapter into messages; after a LinkException the connection is beyond repair.</summary>
+    /// <summary>
+    /// Turns the bytes of the adapter into messages; after a LinkException the connection is beyond repair.
+    /// </summary>
     internal sealed class FrameReader
     {
         private readonly byte[] _buffer = new byte[Wire.Header + Wire.MaxPayload];

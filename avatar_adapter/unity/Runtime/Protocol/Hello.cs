@@ -44,12 +44,13 @@ namespace OpenRoIS.Link
                 new JProperty("height", Height),
                 new JProperty("fps", PicturesPerSecond),
                 new JProperty("format", Encodes ? "h264" : Format.ToString().ToLowerInvariant()));
+            JObject sound = AudioChannels == 0 ? null : new JObject(new JProperty("channels", AudioChannels));
             return new JObject(
                 new JProperty("name", Name),
                 new JProperty("version", Version),
                 new JProperty("secret", Secret ?? ""),
                 new JProperty("video", video),
-                new JProperty("audio", AudioChannels == 0 ? null : new JObject(new JProperty("channels", AudioChannels))),
+                new JProperty("audio", sound),
                 new JProperty("reactions", new JArray(Reactions)),
                 new JProperty("hears", Hears),
                 new JProperty("walks", Walks),

@@ -80,7 +80,9 @@ namespace OpenRoIS.Link
             return true;
         }
 
-        /// <summary>Send a picture; one that still waits gives way. The pixels are copied before this returns.</summary>
+        /// <summary>
+        /// Send a picture; one that still waits gives way. The pixels are copied before this returns.
+        /// </summary>
         /// <param name="pixels">As many bytes as the shape says.</param>
         /// <param name="shape">How they are laid out.</param>
         /// <param name="timestampNs">The moment that the picture shows, as of Now.</param>
@@ -164,7 +166,9 @@ namespace OpenRoIS.Link
             _current?.SendEvent(EventMessage.Log(text));
         }
 
-        /// <summary>Where the figure is. Like all of the scene, to be told as often as you like, before connecting too.</summary>
+        /// <summary>
+        /// Where the figure is. Like all of the scene, to be told as often as you like, before connecting too.
+        /// </summary>
         public void Place(double x, double y, double th)
         {
             Tell(Told.Place, EventMessage.Place(x, y, th));

@@ -17,6 +17,7 @@ namespace OpenRoIS.Link
 
         internal readonly Outbox Outbox = new Outbox();
         private readonly object _counting = new object();
+        private readonly object _countingSound = new object();
         private readonly Socket _socket;
         private readonly FrameReader _reader = new FrameReader();
         private readonly Thread _writer;
@@ -119,7 +120,8 @@ namespace OpenRoIS.Link
         /// <summary>Send a block of sound.</summary>
         internal void SendSound(byte[] samples, int count, int channels, long timestampNs)
         {
-            lock (_counting)
+            // Not the lock of the pictures: their copying would hold up the thread that mixes.
+            lock (_countingSound)
             {
                 Outbox.PutSound(Wire.Sound(_blocks++, timestampNs, channels, samples, count));
             }

@@ -2,7 +2,9 @@ using System;
 
 namespace OpenRoIS.Link
 {
-    /// <summary>The adapter broke the protocol, refused us or is gone, or what shall be sent does not fit the link.</summary>
+    /// <summary>
+    /// The adapter broke the protocol, refused us or is gone, or what shall be sent does not fit the link.
+    /// </summary>
     public sealed class LinkException : Exception
     {
         public LinkException(string message) : base(message)

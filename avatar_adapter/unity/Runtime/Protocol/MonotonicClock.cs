@@ -8,8 +8,8 @@ namespace OpenRoIS.Link
     internal sealed class MonotonicClock
     {
         /// <summary>
-        /// Nanoseconds within which two clocks count as the same one, which both sides have outside of Windows: a welcome
-        /// takes no longer on one machine. Who counts from another moment is farther off.
+        /// Nanoseconds within which two clocks count as the same one, which both sides have outside of Windows: a
+        /// welcome takes no longer on one machine. Who counts from another moment is farther off.
         /// </summary>
         private const long Same = 500000000;
 

@@ -4,8 +4,8 @@ using System.Collections.Generic;
 namespace OpenRoIS.Link
 {
     /// <summary>
-    /// What the mouth does while the avatar speaks, or the operator through it: the weight of each of the Visemes at any
-    /// moment. Shapes flow into each other as lips do; closed lips are a little early. Of one thread.
+    /// What the mouth does while the avatar speaks, or the operator through it: the weight of each of the Visemes at
+    /// any moment. Shapes flow into each other as lips do; closed lips are a little early. Of one thread.
     /// </summary>
     public sealed class Mouth
     {
@@ -48,7 +48,9 @@ namespace OpenRoIS.Link
             }
         }
 
-        /// <summary>The operator's voice: where the avatar does not speak itself, the mouth opens with its loudness.</summary>
+        /// <summary>
+        /// The operator's voice: where the avatar does not speak itself, the mouth opens with its loudness.
+        /// </summary>
         public void Take(Heard heard, long nowNs)
         {
             int loudest = 0;

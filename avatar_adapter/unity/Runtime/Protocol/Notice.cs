@@ -2,7 +2,9 @@ using System;
 
 namespace OpenRoIS.Link
 {
-    /// <summary>What a LinkClient hands to its program: a Command, Heard, Connected, Disconnected or NotConnected.</summary>
+    /// <summary>
+    /// What a LinkClient hands to its program: a Command, Heard, Connected, Disconnected or NotConnected.
+    /// </summary>
     public abstract class Notice
     {
         internal Notice()

@@ -4,7 +4,9 @@ using System.Threading;
 
 namespace OpenRoIS.Link
 {
-    /// <summary>What is told of the scene: of each kind only the newest counts, and none comes oftener than its pace.</summary>
+    /// <summary>
+    /// What is told of the scene: of each kind only the newest counts, and none comes oftener than its pace.
+    /// </summary>
     internal enum Told
     {
         Floor,
@@ -131,7 +133,9 @@ namespace OpenRoIS.Link
             }
         }
 
-        /// <summary>Queue an encoded picture; false if it, or those before it, were lost: only a key frame helps then.</summary>
+        /// <summary>
+        /// Queue an encoded picture; false if it, or those before it, were lost: only a key frame helps then.
+        /// </summary>
         internal bool PutEncoded(byte[] message, bool isKeyFrame)
         {
             lock (_changed)

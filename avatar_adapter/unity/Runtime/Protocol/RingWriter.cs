@@ -36,7 +36,7 @@ namespace OpenRoIS.Link
             }
             catch (Exception error)
             {
-                // Nothing depends on a ring, so whatever this runtime cannot do for one is no reason to go without pictures.
+                // Nothing depends on a ring: whatever this runtime cannot do for one, pictures go through the socket.
                 _view?.Dispose();
                 _file?.Dispose();
                 throw new LinkException("the ring cannot be opened: " + error.Message, error);

@@ -13,7 +13,9 @@ namespace OpenRoIS.Link
 
         private const int BlockFrames = 960;
 
-        /// <summary>Seconds by which the count may be off the clock before it begins anew: a game stood still.</summary>
+        /// <summary>
+        /// Seconds by which the count may be off the clock before it begins anew: a game stood still.
+        /// </summary>
         private const double Lost = 0.1;
 
         private readonly Action<byte[], int, long> _send;
@@ -40,7 +42,7 @@ namespace OpenRoIS.Link
         /// <summary>Take what was mixed, at the moment at which it was.</summary>
         /// <param name="samples">From -1 to 1, channels in turn.</param>
         /// <param name="channels">Of these samples: mono is sent in both, of more than two the first two are.</param>
-        /// <param name="rate">Samples of a second; other than 48,000 they are interpolated, straight from one to the next.</param>
+        /// <param name="rate">Samples of a second; other than 48,000 they are interpolated, along straight lines.</param>
         /// <param name="nowNs">As of LinkClient.Now.</param>
         public void Take(float[] samples, int channels, int rate, long nowNs)
         {

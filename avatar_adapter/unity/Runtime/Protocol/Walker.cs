@@ -3,8 +3,8 @@ using System;
 namespace OpenRoIS.Link
 {
     /// <summary>
-    /// Where a figure is that obeys Walk, Drive and Halt, in the link's metres and radians. Advance it in each frame and
-    /// put the figure there. Of one thread.
+    /// Where a figure is that obeys Walk, Drive and Halt, in the link's metres and radians. Advance it in each frame
+    /// and put the figure there. Of one thread.
     /// </summary>
     public sealed class Walker
     {

@@ -1,31 +1,26 @@
 using System;
 using System.Collections;
 using System.Collections.Generic;
-using Unity.Collections;
-using Unity.Collections.LowLevel.Unsafe;
 using UnityEngine;
-using UnityEngine.Rendering;
 
 namespace OpenRoIS.Link.Unity
 {
     /// <summary>
-    /// Gives the pictures of a camera, and the sound that passes this object, to an avatar adapter, and tells on the main
-    /// thread what the avatar shall do. Put it on the object with the AudioListener to send what the game sounds like.
+    /// Gives the pictures of a camera, and the sound that passes this object, to an avatar adapter, and tells on the
+    /// main thread what the avatar shall do. Put it on the object with the AudioListener to send what the game sounds like.
     /// It connects by itself, again whenever the adapter went away, and never makes the game wait.
     /// </summary>
     [DefaultExecutionOrder(-1000)]
     [AddComponentMenu("OpenRoIS/OpenRoIS Link")]
     public sealed class OpenRoISLink : MonoBehaviour
     {
-        private const int MaxReadbacks = 3;
-
         [Header("Connection: empty for what an adapter that started this game has put into the environment")]
         [Tooltip("unix:/path or tcp:host:port, on this machine")]
         public string Address = "";
         public string Secret = "";
 
         [Header("Pictures")]
-        [Tooltip("Draws the picture; its target becomes a texture of this component. A camera of its own, beside the player's")]
+        [Tooltip("A camera for the viewers alone, beside the player's: it draws into a texture of this component")]
         public Camera Source;
         public int Width = 1280;
         public int Height = 720;
@@ -48,10 +43,8 @@ namespace OpenRoIS.Link.Unity
         public bool Quits = true;
 
         private LinkClient _client;
-        private RenderTexture _target;
+        private CameraPictures _pictures;
         private Picture _shape;
-        private double _due;
-        private int _readbacks;
         private long _frameNs;
         private volatile SoundStream _sound;
         private volatile int _soundRate;
@@ -64,7 +57,9 @@ namespace OpenRoIS.Link.Unity
         /// <summary>Play the reaction, then call Completed with the id.</summary>
         public event Action<string, string> React;
 
-        /// <summary>Stop the reaction with this id, or every one if it is null; each is then Completed with Abort.</summary>
+        /// <summary>
+        /// Stop the reaction with this id, or every one if it is null; each is then Completed with Abort.
+        /// </summary>
         public event Action<string> Stop;
 
         /// <summary>Move the mouth; OpenRoISMouth does it.</summary>
@@ -177,20 +172,14 @@ namespace OpenRoIS.Link.Unity
 
         private void OnEnable()
         {
-            if (Source != null && _target == null)
+            if (Source == null || !SystemInfo.supportsAsyncGPUReadback)
             {
-                _target = new RenderTexture(
-                    Width, Height, 24, RenderTextureFormat.ARGB32, RenderTextureReadWrite.sRGB);
-                Source.targetTexture = _target;
+                string lack = Source == null ? "no camera" : "a graphics API without asynchronous read-back";
+                Debug.LogError("OpenRoISLink: there are no pictures: " + lack);
+                return;
             }
-            if (SystemInfo.supportsAsyncGPUReadback)
-            {
-                StartCoroutine(TakePictures());
-            }
-            else
-            {
-                Debug.LogError("OpenRoISLink: there are no pictures: this graphics API has no asynchronous read-back");
-            }
+            _pictures = _pictures ?? new CameraPictures(Source, _shape, PicturesPerSecond, _client);
+            StartCoroutine(TakePictures());
         }
 
         private void Start()
@@ -207,15 +196,7 @@ namespace OpenRoIS.Link.Unity
         {
             _sound = null;
             _client?.Close("the engine ends");
-            if (_target != null)
-            {
-                if (Source != null)
-                {
-                    Source.targetTexture = null;
-                }
-                _target.Release();
-                Destroy(_target);
-            }
+            _pictures?.Release();
         }
 
         private void Update()
@@ -381,30 +362,11 @@ namespace OpenRoIS.Link.Unity
             while (true)
             {
                 yield return drawn;
-                double now = _frameNs / 1e9;
-                double period = 1.0 / PicturesPerSecond;
-                // A frame that comes a little early is better than none until the next one.
-                if (_target == null || !_client.IsConnected || _readbacks >= MaxReadbacks || now < _due - period / 4)
+                if (_client.IsConnected)
                 {
-                    continue;
+                    _pictures.Take(_frameNs);
                 }
-                _due = Math.Max(_due + period, now - period);
-                _readbacks++;
-                long frameNs = _frameNs;
-                AsyncGPUReadback.Request(_target, 0, TextureFormat.BGRA32, request => Send(request, frameNs));
             }
-        }
-
-        private unsafe void Send(AsyncGPUReadbackRequest request, long frameNs)
-        {
-            _readbacks--;
-            if (request.hasError || !IsConnected)
-            {
-                return;
-            }
-            NativeArray<byte> pixels = request.GetData<byte>();
-            _client.SendPicture(
-                (IntPtr)NativeArrayUnsafeUtility.GetUnsafeReadOnlyPtr(pixels), pixels.Length, _shape, frameNs);
         }
 
         private static List<FloorPoint> Polygon(IList<Vector3> corners)

@@ -46,7 +46,8 @@ namespace OpenRoIS.Link.Unity
             for (int viseme = 0; viseme < _shapes.Length; viseme++)
             {
                 // -1 where the face has none of that name.
-                _shapes[viseme] = Face == null ? -1 : Face.sharedMesh.GetBlendShapeIndex(Prefix + Visemes.Names[viseme]);
+                string name = Prefix + Visemes.Names[viseme];
+                _shapes[viseme] = Face == null ? -1 : Face.sharedMesh.GetBlendShapeIndex(name);
             }
         }
 

@@ -4,8 +4,8 @@ using UnityEngine;
 namespace OpenRoIS.Link.Unity
 {
     /// <summary>
-    /// Sends this object about as Walk, Drive and Halt demand, on the floor it stands on, and tells where it is. The link's
-    /// Walks has to be on. To keep a driven figure off what is in the way, set CanStand.
+    /// Sends this object about as Walk, Drive and Halt demand, on the floor it stands on, and tells where it is. The
+    /// link's Walks has to be on. To keep a driven figure off what is in the way, set CanStand.
     /// </summary>
     [AddComponentMenu("OpenRoIS/OpenRoIS Walker")]
     public sealed class OpenRoISWalker : MonoBehaviour

@@ -189,7 +189,8 @@ namespace OpenRoIS.Samples
                 else
                 {
                     Connected connected = (Connected)notice;
-                    Console.WriteLine($"connected to {connected.Adapter} {(connected.HasRing ? "with" : "without")} a ring");
+                    string way = connected.HasRing ? "with" : "without";
+                    Console.WriteLine($"connected to {connected.Adapter} {way} a ring");
                 }
             }
 
