@@ -74,6 +74,31 @@ async def test_the_keyboard_drives_and_a_page_that_is_not_looked_at_lets_go(driv
     assert len(engine.times(Drive)) == driven
 
 
+_PAD = """
+    const buttons = Array.from({ length: 17 }, () => ({ pressed: false, value: 0 }));
+    const id = "Stick 2000 (STANDARD GAMEPAD)";
+    const pad = { id, connected: true, mapping: "standard", axes: [0, 0, 0, 0], buttons };
+    navigator.getGamepads = () => [pad];
+    window.push = (ahead) => { pad.axes[1] = -ahead; };
+    dispatchEvent(new Event("gamepadconnected"));
+"""
+
+
+async def test_a_gamepad_is_announced_and_drives(drivers: Drivers) -> None:
+    visit, engine = drivers.visit, drivers.engine
+    await visit.page.evaluate(f"() => {{ {_PAD} }}")
+    words = visit.item("control-words")
+    await expect(words).to_have_text("Stick 2000 is connected: take control to drive")
+    await drivers.take_control()
+    await expect(words).to_have_text("You drive with Stick 2000")
+    await expect(visit.item("control-legend")).to_contain_text("Left stick")
+    await visit.page.evaluate("push(1)")
+    await drivers.goes()
+    await visit.page.evaluate("push(0)")
+    await drivers.stands()
+    assert all(command.ahead > 0 for _, command in engine.heard if isinstance(command, Drive))
+
+
 async def test_another_way_changes_nothing_and_a_page_that_is_closed_lets_go(
     drivers: Drivers, monkeypatch: pytest.MonkeyPatch
 ) -> None:
