@@ -12,7 +12,7 @@ import pytest_asyncio
 from playwright.async_api import Browser
 
 from tests.support.browser import Visit, running_browser, visiting
-from tests.support.conversation import meet
+from tests.support.conversation import aloud, meet
 from tests.support.demo import Demo
 from tests.support.hearing import spoken, stereo_48k
 from tests.support.people import Sitter, nodding, write_y4m
@@ -30,6 +30,7 @@ PATIENCE: Final = 30_000
 _ALL: Final = (Path(__file__).parent / "every_component.js").read_text(encoding="utf-8")
 _BY_HAND: Final = {"avatar/Teleoperation"}
 """What a script in the page cannot use as a person does."""
+_STORY: Final = "Once upon a time there was an avatar that told long stories to whoever would listen. " * 6
 _ANN: Final = "urn:x-rois:def:person:OpenRoIS::avatar/enrolled/Ann"
 
 
@@ -71,6 +72,39 @@ async def test_every_component_does_what_it_is_for(browser: Browser, avatar: Dem
         _check_scene(found)
         _check_acting(found)
         await _drive(visit)
+
+
+async def test_a_page_that_is_reloaded_in_the_middle_goes_on_with_a_new_life(browser: Browser, avatar: Demo) -> None:
+    async with visiting(browser, avatar.page) as visit:
+        await meet(visit)
+        begun = """async (story) => {
+            const { Navigation, SpeechSynthesis } = await import("/openrois.js");
+            const { client } = openrois;
+            const perform = (Part, name, values) =>
+                new Promise((resolve) => new Part(client, `avatar/${name}`).perform(values, resolve).catch(() => {}));
+            await perform(SpeechSynthesis, "SpeechSynthesis", { speech_text: story });
+            await perform(Navigation, "Navigation", { target_positions: ["-2.5,2.5", "2.5,0", "-2.5,2.5"] });
+        }"""
+        await visit.page.evaluate(begun, _STORY)
+        await visit.listen()
+        await aloud(visit)
+        before = await visit.stream_id("video")
+        await visit.page.reload()
+        await meet(visit)
+        assert await visit.stream_id("video") != before
+        again = """async () => {
+            const { Navigation, SpeechSynthesis } = await import("/openrois.js");
+            const speech = new SpeechSynthesis(openrois.client, "avatar/SpeechSynthesis");
+            const navigation = new Navigation(openrois.client, "avatar/Navigation");
+            await Promise.all([
+                speech.perform({ speech_text: "Here I am." }),
+                navigation.perform({ target_positions: ["0,0.5"] }),
+            ]);
+        }"""
+        await visit.page.evaluate(again)
+        await visit.plays()
+        status = "openrois.client.query('component_status', \"component_ref = 'avatar/Navigation'\")"
+        assert (await visit.page.evaluate(status))[0]["value"] == "READY"
 
 
 def _check_streams_and_system(found: dict[str, Any]) -> None:

@@ -20,6 +20,8 @@ __all__ = ["ScenePersonDetection", "ScenePersonLocalization", "SceneSoundLocaliz
 _MILLISECOND: Final = 0.001
 _SHORTEST: Final = 0.05
 """Seconds between two looks at the scene, however often the engine tells of it."""
+_LONGEST: Final = 0.5
+"""Seconds after which it is asked again how long an interval is: another one may have been set."""
 
 
 class _InScene:
@@ -33,6 +35,7 @@ class _InScene:
         self._clock = clock
         self._engine_status = engine_status
         self._news = asyncio.Event()
+        self._begins = False
         self._scope = TaskScope()
         world.changed.add(lambda _change: self._news.set())
         self.activity.changed.add(self._activity_changed)
@@ -51,9 +54,13 @@ class _InScene:
         """Wait no more."""
         await self._scope.__aexit__(None, None, None)
 
-    def look(self) -> int:
-        """Tell what is worth telling; return the milliseconds before which nothing more is to be told."""
+    def look(self) -> None:
+        """Tell what is worth telling."""
         raise NotImplementedError
+
+    def interval(self) -> int:
+        """Return the milliseconds after a look before which nothing more is to be told, as they are set now."""
+        return 0
 
     def forget(self) -> None:
         """Forget what was told: somebody new listens."""
@@ -71,7 +78,11 @@ class _InScene:
     def _activity_changed(self, works: bool) -> None:
         if works:
             self.forget()
+            self._begins = True
             self._news.set()
+
+    def _pause(self) -> float:
+        return max(self.interval() * _MILLISECOND, _SHORTEST)
 
     async def _watch(self) -> None:
         while True:
@@ -79,8 +90,11 @@ class _InScene:
             self._news.clear()
             if self.activity.works:
                 # What comes too early is looked at then: nobody may say it again.
-                pause = max(self.look() * _MILLISECOND, _SHORTEST)
-                await self._clock.sleep_until(self._clock.now() + pause)
+                began = self._clock.now()
+                self._begins = False
+                self.look()
+                while not self._begins and (left := began + self._pause() - self._clock.now()) > 0:
+                    await self._clock.sleep_until(self._clock.now() + min(left, _LONGEST))
 
 
 class ScenePersonDetection(_InScene, Sense, components.PersonDetection):
@@ -97,12 +111,11 @@ class ScenePersonDetection(_InScene, Sense, components.PersonDetection):
         self._numbers = Numbers()
         self.place_in(world, clock, engine_status)
 
-    def look(self) -> int:
+    def look(self) -> None:
         """Tell another number."""
         number = len(self.places("person"))
         if self._numbers.tells(number):
             self.person_detected(number, self.now())
-        return 0
 
     def forget(self) -> None:
         """Tell the number again where it is not 0."""
@@ -113,14 +126,18 @@ class _Localizing(_InScene, Localizing):
     """Tells where the things of a kind are."""
 
     kind: Kind
+    _told = False
 
-    def look(self) -> int:
+    def look(self) -> None:
         """Tell those that have moved far enough."""
         places = self.places(self.kind)
-        if not self.tells(places, self._clock.now()):
-            return 0
-        self.tell(tuple(places), tuple(place.text for place in places.values()), self.now())
-        return self.minimum_interval or 0
+        self._told = self.tells(places, self._clock.now())
+        if self._told:
+            self.tell(tuple(places), tuple(place.text for place in places.values()), self.now())
+
+    def interval(self) -> int:
+        """Return `minimum_interval`, after a look that found something to tell."""
+        return (self.minimum_interval or 0) if self._told else 0
 
     def forget(self) -> None:
         """Tell again where everybody is."""

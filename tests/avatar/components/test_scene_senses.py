@@ -164,3 +164,14 @@ async def test_a_flood_of_changes_is_looked_at_twenty_times_a_second(stage: Stag
     places = stage.told("position_data")
     assert 10 <= len(places) <= 18  # in 0.8 s
     assert places[-1] == '["100.000,0.000,0.0000"]'
+
+
+async def test_an_interval_that_is_taken_back_does_not_last(stage: Stage) -> None:
+    await stage.listen(LOCALIZATION, "person_localized")
+    await stage.set(LOCALIZATION, minimum_interval="4611686018427387904")
+    await stage.show(ANNA)
+    await stage.show(BOB)
+    assert len(stage.told("position_data")) == 1
+    await stage.set(LOCALIZATION, minimum_interval="0")
+    await stage.clock.advance(0.5)
+    assert stage.told("position_data") == ['["0.000,3.000,0.0000"]']
