@@ -1,7 +1,6 @@
 """Epic's own front-end of Pixel Streaming shows the avatar and operates it; nothing in it was changed."""
 
 import asyncio
-import math
 import os
 import shutil
 import subprocess
@@ -30,13 +29,26 @@ PAGE = b"""<!doctype html><title>Pixel Streaming</title><link rel=icon href=data
 <h1>OpenRoIS</h1><div id=place><div id=stage></div></div><script src=page.js></script>"""
 
 
+PAD = """(() => {
+  const buttons = Array.from({length: 17}, () => ({pressed: false, touched: false, value: 0}));
+  window.pad = {id: "pad", index: 0, connected: true, mapping: "standard", axes: [0, 1, 0, 0], buttons};
+  navigator.getGamepads = () => [pad];
+  dispatchEvent(Object.assign(new Event("gamepadconnected"), {gamepad: pad}));
+})()"""
+"""A gamepad whose left stick is pulled back."""
+
+
 @pytest.fixture(scope="module")
 def front_end(node: Path, tmp_path_factory: pytest.TempPathFactory) -> bytes:
     """The script of a page with Epic's front-end in it; what it needs is installed for this test alone."""
     if not (HERE / "node_modules" / ".package-lock.json").is_file():
         npm = shutil.which("npm")
         assert npm is not None
-        subprocess.run([npm, "ci", "--ignore-scripts", "--no-audit", "--no-fund", "--silent"], cwd=HERE, check=True)
+        command = [npm, "ci", "--ignore-scripts", "--no-audit", "--no-fund", "--silent"]
+        installed = subprocess.run(command, cwd=HERE, check=False).returncode == 0
+        if not installed and os.environ.get("OPENROIS_REQUIRE_ALL") != "1":
+            pytest.skip("Epic's front-end cannot be installed: npm needs a network for it, once")
+        assert installed, "npm could not install Epic's front-end"
     bundle = tmp_path_factory.mktemp("pixel") / "page.js"
     subprocess.run([ESBUILD, "page.js", "--bundle", f"--outfile={bundle}", "--log-level=error"], cwd=HERE, check=True)
     return bundle.read_bytes()
@@ -54,14 +66,15 @@ class Scenery:
         """Wait until the front-end has told something, of which this is so."""
         return await self.visit.until(f"told.findLast(({{name, data}}) => name === '{name}' && ({so}))")
 
-    async def walks(self) -> None:
-        """Hold a key, which repeats, until the figure has gone a step."""
+    async def walks(self, key: str = "", ahead: float = 1.0) -> None:
+        """Wait until the figure has gone a step ahead, or back; a key that is held repeats, as keyboards do it."""
         begun = self.scene.place()
         assert begun is not None
         async with asyncio.timeout(PATIENCE):
-            while (place := self.scene.place()) is None or math.hypot(place.x - begun.x, place.y - begun.y) < 0.2:
-                await self.visit.page.keyboard.down("ArrowUp")
-        await self.visit.page.keyboard.up("ArrowUp")
+            while (place := self.scene.place()) is None or (begun.y - place.y) * ahead < 0.2:
+                await (self.visit.page.keyboard.down(key) if key else self.visit.read("0"))
+        if key:
+            await self.visit.page.keyboard.up(key)
 
 
 @pytest_asyncio.fixture(loop_scope="session")
@@ -87,7 +100,10 @@ async def test_it_shows_the_avatar_and_operates_it_and_comes_back_when_the_signa
     await visit.until(f"{seen}.length > 10 && {seen}.at(-1).number > {seen}[0].number")
     await visit.until("player._inputController && !player._webRtcController.isQualityController")
     await scenery.told("initialSettings")
-    await scenery.walks()
+    await scenery.walks("ArrowUp")
+    await visit.read(PAD)
+    await scenery.walks(ahead=-1.0)
+    await visit.read("(pad.axes = [0, 0, 0, 0], navigator.getGamepads = () => [])")
 
     # The pointer hovers, as the streamer wants it: it is not locked, and the avatar looks at it.
     assert await visit.read("player.config.isFlagEnabled('HoveringMouse')")
@@ -99,10 +115,11 @@ async def test_it_shows_the_avatar_and_operates_it_and_comes_back_when_the_signa
     if shot := os.environ.get("OPENROIS_SHOT"):
         await visit.page.screenshot(path=shot)
 
+    await visit.read("player._inputController = false")
     await scenery.signaling.streamers["avatar"].close()
     await scenery.told("webRtcDisconnected")
     await scenery.signaling.until_heard("endpointId", 2)
     await scenery.signaling.until_heard("offer", 2)
     await visit.plays(10)
     await visit.until("player._inputController")
-    await scenery.walks()
+    await scenery.walks("ArrowUp")
