@@ -3,6 +3,7 @@
 using System;
 using System.Collections;
 using System.Collections.Generic;
+using System.Diagnostics;
 using System.Reflection;
 using System.Threading;
 using OpenRoIS.Link;
@@ -68,9 +69,11 @@ public static class Player
         mixer.Start();
         AsyncGPUReadback.Pixels = Pixels();
         float widest = 0f;
+        Stopwatch time = Stopwatch.StartNew();
         for (int frame = 0; !Application.HasQuit; frame++)
         {
-            Time.deltaTime = FrameMs / 1000f;
+            Time.deltaTime = (float)time.Elapsed.TotalSeconds;
+            time.Restart();
             Call(all, "Update");
             Call(all, "LateUpdate");
             foreach (IEnumerator routine in MonoBehaviour.Coroutines)
@@ -107,10 +110,12 @@ public static class Player
     private static void Mix(OpenRoISLink link)
     {
         float[] data = new float[2 * 1024];
-        while (true)
+        Stopwatch time = Stopwatch.StartNew();
+        for (long frames = 0; ; frames += 1024)
         {
             Call(new MonoBehaviour[] { link }, "OnAudioFilterRead", data, 2);
-            Thread.Sleep(1024 * 1000 / 44100);
+            // What a busy machine has kept from being mixed is mixed at once.
+            Thread.Sleep((int)Math.Max(0, frames * 1000 / 44100 - time.ElapsedMilliseconds));
         }
     }
 

@@ -61,6 +61,7 @@ namespace OpenRoIS.Samples
             private double _lookX;
             private double _lookY;
             private long _mixed;
+            private double _unmixed;
             private bool _quits;
 
             internal Game(LinkClient link)
@@ -76,27 +77,24 @@ namespace OpenRoIS.Samples
             internal int Play()
             {
                 long period = 1000000000L / PicturesPerSecond;
-                long due = _link.Now;
+                long before = _link.Now;
                 while (!_quits)
                 {
                     Obey();
-                    _walker.Advance((double)period / 1000000000);
+                    long now = _link.Now;
+                    // More than a second is a clock that was set anew when the adapter came.
+                    double seconds = Math.Max(0, Math.Min(1, (now - before) / 1e9));
+                    before = now;
+                    _walker.Advance(seconds);
                     _link.Place(_walker.X, _walker.Y, _walker.Th);
                     FinishReactions();
-                    MakeSound(AudioRate / PicturesPerSecond);
-                    long now = _link.Now;
+                    MakeSound(seconds, now);
                     Draw(now);
                     _link.SendPicture(_pixels, _shape, now);
-                    due += period;
-                    long early = (due - _link.Now) / 1000000;
+                    long early = (now + period - _link.Now) / 1000000;
                     if (early > 0)
                     {
-                        Thread.Sleep((int)Math.Min(early, 1000));
-                    }
-                    else
-                    {
-                        // What was missed is not made up for; the clock may be another one since the adapter came.
-                        due = _link.Now;
+                        Thread.Sleep((int)Math.Min(early, period / 1000000));
                     }
                 }
                 return 0;
@@ -219,15 +217,18 @@ namespace OpenRoIS.Samples
                 _playing.RemoveAll(which);
             }
 
-            private void MakeSound(int frames)
+            private void MakeSound(double seconds, long now)
             {
+                _unmixed += seconds * AudioRate;
+                int frames = (int)_unmixed;
+                _unmixed -= frames;
                 float[] samples = new float[2 * frames];
                 for (int frame = 0; frame < frames; frame++, _mixed++)
                 {
                     samples[2 * frame] = 0.05f * (float)Math.Sin(_mixed * 2 * Math.PI * 440 / AudioRate);
                     samples[2 * frame + 1] = samples[2 * frame];
                 }
-                _sound.Take(samples, 2, AudioRate, _link.Now);
+                _sound.Take(samples, 2, AudioRate, now);
             }
 
             /// <summary>The bottom row comes first, as in Unity: y grows upwards.</summary>
