@@ -68,6 +68,14 @@ def test_what_is_too_large_is_refused(values: tuple[int, int], why: str) -> None
             move(NORTH, values)
 
 
+def test_a_way_that_no_engine_can_be_told_is_refused() -> None:
+    assert len(line(NORTH, (-400_000, 0))) == 1000
+    with pytest.raises(BadParameter, match="line: the way has 1001 steps, and there can be 1000"):
+        line(NORTH, (-400_001, 0))
+    with pytest.raises(BadParameter, match="curve: the way leads beyond 10000 m"):
+        curve(NORTH, (6_000_000, 180))
+
+
 def test_a_radius_is_not_negative() -> None:
     with pytest.raises(BadParameter, match="cannot be negative: -5 mm"):
         curve(NORTH, (-5, 90))
