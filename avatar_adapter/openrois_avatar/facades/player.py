@@ -232,6 +232,15 @@ class Player:
         return True
 
     def _pass_on(self, candidate: str | None, mid: str | None, index: int | None) -> None:
-        """Hand the game engine a candidate; that there are no more is not told, for it need not know."""
-        if candidate and self._permits(candidate):
-            self._streamer.find(Found(self.player_id, candidate, mid, index))
+        """Hand the game engine a candidate; that there are no more is not told, for it need not know.
+
+        An application names its section in one way or the other, and game engines want to hear both.
+        """
+        if not candidate or not self._permits(candidate):
+            return
+        mids = [section.mid for section in self._told]
+        if index is None and mid in mids:
+            index = mids.index(mid)
+        elif mid is None and index is not None and index < len(mids):
+            mid = mids[index]
+        self._streamer.find(Found(self.player_id, candidate, mid, index))

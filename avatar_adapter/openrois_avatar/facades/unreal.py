@@ -22,7 +22,7 @@ from openrois_avatar.facades.messages.pixel_streaming import (
     Pong,
     RtcCandidate,
 )
-from openrois_avatar.facades.messages.reading import ProtocolError, Said
+from openrois_avatar.facades.messages.reading import Said
 from openrois_avatar.facades.streamer import Found, Heard, Left, Offered
 
 __all__ = ["UnrealStreamer"]
@@ -65,13 +65,11 @@ class UnrealStreamer:
         """Take one message; what is said of players that are gone is dropped, and so is what is not known.
 
         Raises:
-            ProtocolError: it cannot be understood, or came before the streamer said who it is.
+            ProtocolError: it cannot be understood.
         """
         message = STREAMER_SAYS.read(text)
         match message:
             case EndpointId(id=name):
-                if self.name:
-                    raise ProtocolError("endpointId: it said before who it is")
                 self.name = name
                 self._say(EndpointIdConfirm(committed_id=name))
             case Ping(time=time):

@@ -405,6 +405,7 @@ def test_candidates_of_the_application_are_checked_one_by_one_and_wait_for_its_a
     house.answers(offer, more=f"a={LINE} in answer\r\na={BAD}\r\na=candidate:10.0.0.1\r\n")
     assert [each.candidate for each in house.engine.found] == [f"{LINE} in answer", f"{LINE} in answer", LINE]
     assert LINE not in house.engine.answers[0][1]
+    assert {(each.sdp_mid, each.sdp_m_line_index) for each in house.engine.found} == {("0", 0), ("1", 1)}
     finds(LINE)
     finds("candidate:elsewhere")
     finds(None)
@@ -419,6 +420,20 @@ def test_candidates_of_the_application_are_checked_one_by_one_and_wait_for_its_a
         finds(LINE)
     with pytest.raises(UnknownPeer):
         house.viewing.candidate(Candidate(peer_id="avatar/p9", generation=1, candidate=None))
+
+
+@pytest.mark.parametrize(
+    ("mid", "index", "passed_on"),
+    [("1", None, ("1", 1)), (None, 1, ("1", 1)), ("1", 1, ("1", 1)), ("x", None, ("x", None)), (None, 7, (None, 7))],
+)
+def test_a_candidate_names_its_section_both_ways(
+    mid: str | None, index: int | None, passed_on: tuple[str | None, int | None]
+) -> None:
+    house = House()
+    offer = house.plays("video", "audio")
+    found = Candidate(peer_id=offer.peer_id, generation=1, candidate=LINE, sdp_mid=mid, sdp_m_line_index=index)
+    house.viewing.candidate(found)
+    assert [(each.sdp_mid, each.sdp_m_line_index) for each in house.engine.found] == [passed_on]
 
 
 def test_a_game_engine_that_ends_a_player_ends_its_streams_and_no_others() -> None:
