@@ -1,16 +1,23 @@
 """Game engines that do WebRTC themselves, behind a gateway: their media comes straight to who asked for it."""
 
+import asyncio
+from pathlib import Path
+
 import pytest
+from openrois_avatar.link.client import LinkClient
+from openrois_avatar.link.messages import Completed, Pause, React
 from openrois_signaling.messages import Offer
 from openrois_streaming.testing.sink import MeasuringSink
 
+from tests.support.avatar_link import HELLO
 from tests.support.deployment import Application, application
 from tests.support.streamers import FakeStreamer, FakeUnity, FakeUnreal, house, streaming
 from tests.support.viewer import STATUS
 
 pytestmark = [pytest.mark.media, pytest.mark.timeout(60)]
 
-VIDEO, AUDIO = "avatar/VideoStreaming", "avatar/AudioStreaming"
+VIDEO, AUDIO, REACTION = "avatar/VideoStreaming", "avatar/AudioStreaming", "avatar/Reaction"
+NOD = "urn:x-rois:def:reaction:OMG::1"
 ENGINES: dict[str, type[FakeStreamer]] = {"unreal": FakeUnreal, "unity-render-streaming": FakeUnity}
 
 
@@ -35,6 +42,14 @@ async def answered(app: Application, sink: MeasuringSink) -> Offer:
     answer = await sink.respond(offer)
     assert await app.code("signaling.answer", **answer.wire()) == "OK"
     return offer
+
+
+async def usable(app: Application, ref: str) -> None:
+    """Wait until a component is READY."""
+    asked = {"query_type": "component_status", "condition": f"component_ref = '{ref}'"}
+    async with asyncio.timeout(5):
+        while not any(each["value"] == "READY" for each in (await app.ask("rois.query.query", **asked))["results"]):
+            pass
 
 
 async def statuses(app: Application, count: int) -> set[tuple[str, str]]:
@@ -124,3 +139,27 @@ async def test_streams_belong_to_who_connected_them() -> None:
         assert (code, "recvonly" in why) == ("UNSUPPORTED", True)
         assert await app.code("rois.stream.disconnect_stream", stream_id=stream) == "OK"
         assert (await app.next("signaling.bye"))["reason"] == "no stream is left to play"
+
+
+async def test_commands_go_over_the_engine_link_beside(tmp_path: Path) -> None:
+    link = f"unix:{tmp_path}/engine"
+    async with house("unreal", link) as here, application(here.gateway) as app:
+        plugin = await asyncio.to_thread(LinkClient.connect, link, HELLO)
+        try:
+            # A plug-in without pictures has paused them for good.
+            plugin.send_event(Pause(True))
+            await usable(app, REACTION)
+            assert await app.code("rois.command.bind", component_ref=REACTION) == "OK"
+            nod = {"name": "reaction_ref", "data_type_ref": "RoIS_Identifier", "value": NOD}
+            assert await app.code("rois.command.set_parameter", component_ref=REACTION, parameters=[nod]) == "OK"
+            unit = {"component_ref": REACTION, "command_type": "start", "command_id": "n", "arguments": []}
+            assert await app.code("rois.command.execute", command_unit_list=[unit]) == "OK"
+            (command,) = await asyncio.to_thread(plugin.poll_commands, 5)
+            assert isinstance(command, React)
+            plugin.send_event(Completed(command.id, "OK"))
+            told = await app.next("rois.command.completed")
+            while told["command_id"] != "n":
+                told = await app.next("rois.command.completed")
+            assert told["status"] == "OK"
+        finally:
+            await asyncio.to_thread(plugin.close, "done")

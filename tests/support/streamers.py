@@ -200,9 +200,9 @@ class House:
 
 
 @asynccontextmanager
-async def house(engine: str, **gateway_settings: Any) -> AsyncIterator[House]:
-    """Run a gateway and an adapter for a game engine in this process."""
-    settings = AvatarSettings(engine=engine, facade="127.0.0.1:0", link="tcp:127.0.0.1:0")
+async def house(engine: str, link: str = "tcp:127.0.0.1:0", **gateway_settings: Any) -> AsyncIterator[House]:
+    """Run a gateway and an adapter for a game engine in this process; `link` is where its plug-in is awaited."""
+    settings = AvatarSettings(engine=engine, facade="127.0.0.1:0", link=link)
     async with (
         run_gateway(GatewaySettings(port=0, **gateway_settings)) as gateway,
         run_facade(settings) as avatar,
