@@ -8,6 +8,7 @@ import { byRole, byTestId, make, setText } from "./dom.ts";
 import { languageChoice } from "./languages.ts";
 import { describeEnd, describeFailure } from "./outcome.ts";
 import { SpeechWords } from "./speech_words.ts";
+import { stopUntilEnded } from "./stopping.ts";
 
 type State = "idle" | "speaking" | "paused" | "done" | "stopped" | "failed" | "refused" | "unavailable";
 
@@ -28,7 +29,6 @@ export class SayLine {
   #speech: SpeechSynthesis | null = null;
   #usable = false;
   #performance = 0;
-  #stopping = false;
   #last = "";
 
   /** @param onCut is told that speech is being broken off, and when that is done */
@@ -70,8 +70,14 @@ export class SayLine {
   }
 
   stop(): void {
-    this.#stopping = true;
-    if (this.#speech?.inUse) this.#onCut(this.#speech.stop().catch(() => undefined));
+    const performance = this.#performance;
+    const runs = (): boolean => performance === this.#performance && this.#speaking;
+    if (this.#speech && runs()) this.#onCut(stopUntilEnded(this.#speech, runs));
+  }
+
+  get #speaking(): boolean {
+    const state = this.#state.dataset["state"];
+    return state === "speaking" || state === "paused";
   }
 
   async #togglePause(): Promise<void> {
@@ -84,8 +90,7 @@ export class SayLine {
       return;
     }
     // It may have come to its end meanwhile.
-    const state = this.#state.dataset["state"];
-    if (performance !== this.#performance || (state !== "speaking" && state !== "paused")) return;
+    if (performance !== this.#performance || !this.#speaking) return;
     if (paused) this.#show("speaking", "speaking");
     else this.#show("paused", "paused");
   }
@@ -98,13 +103,10 @@ export class SayLine {
     const performance = ++this.#performance;
     const language = this.#language.value;
     const parameters = { speech_text: text, ...(language !== "" && { language }) };
-    this.#stopping = false;
     this.#show("speaking", "speaking");
     await this.#words.begin(text);
     if (performance !== this.#performance) return;
     const spoken = speech.perform(parameters, () => {
-      // Stop may have been pressed before there was anything to stop.
-      if (this.#stopping && performance === this.#performance) this.stop();
       this.#last = text;
       if (this.#input.value.trim() === text) this.#input.value = "";
     });
@@ -154,8 +156,7 @@ export class SayLine {
     this.#language.disabled = !this.#usable;
     this.#send.disabled = !this.#usable;
     const paused = this.#state.dataset["state"] === "paused";
-    const speaking = this.#state.dataset["state"] === "speaking" || paused;
-    this.#stop.disabled = this.#pause.disabled = !this.#usable || !speaking;
+    this.#stop.disabled = this.#pause.disabled = !this.#usable || !this.#speaking;
     this.#pause.setAttribute("aria-label", paused ? "Go on" : "Pause");
     this.#pause.title = paused ? "Go on" : "Pause";
     this.#pause.classList.toggle("paused", paused);

@@ -29,6 +29,7 @@ export class MapCard {
   readonly #view = new FloorView();
   readonly #walk: Walk;
   readonly #watch: ComponentWatch;
+  readonly #scene: ComponentWatch;
   readonly #words = make("p", { class: "map-words", "data-testid": "map-words", "aria-live": "polite" });
   readonly #choice = make("div", { class: "map-choice", "data-testid": "map-choice" });
   readonly #stop = make(
@@ -47,14 +48,18 @@ export class MapCard {
   #things: readonly Thing[] = [];
   #figure: Place | null = null;
   #cursor: Point | null = null;
-  #walks = false;
+  /** Null while that is not known. */
+  #walks: boolean | null = null;
 
   constructor(client: Client) {
     this.#client = client;
     this.#walk = new Walk(client, () => this.#render());
     this.#watch = new ComponentWatch(client, (status) => {
-      this.#walks = isUsable(status);
+      this.#walks = status === null ? null : isUsable(status);
       this.#render();
+    });
+    this.#scene = new ComponentWatch(client, (status) => {
+      if (isUsable(status) && this.#surroundings) this.#follow(this.#surroundings);
     });
     this.#open = make(
       "button",
@@ -87,14 +92,11 @@ export class MapCard {
     if (avatar !== null) this.#element.hidden = avatar.surroundings === null;
     const ref = avatar?.surroundings ?? null;
     this.#avatar = avatar;
-    if (ref === (this.#surroundings?.componentRef ?? null)) {
-      // It may have been away meanwhile; what is subscribed to has come back by itself.
-      if (this.#surroundings && this.#following.length > 0) void this.#askAll(this.#surroundings);
-      return;
-    }
-    this.#unfollow();
-    this.#surroundings = ref === null ? null : new Surroundings(this.#client, ref);
     if (avatar) this.#walk.setComponents(avatar.navigation, avatar.follow);
+    if (ref !== (this.#surroundings?.componentRef ?? null)) {
+      this.#unfollow();
+      this.#surroundings = ref === null ? null : new Surroundings(this.#client, ref);
+    }
     this.#look();
   }
 
@@ -105,22 +107,28 @@ export class MapCard {
     this.#look();
   }
 
-  /** Begins to follow what happens on the floor, or ends that. */
+  /** Begins to follow what happens on the floor as soon as there is a scene, or ends that. */
   #look(): void {
     const surroundings = this.#shown && !this.#body.hidden ? this.#surroundings : null;
-    if (surroundings === null) {
-      this.#watch.watch(null);
-      return this.#unfollow();
-    }
+    this.#scene.watch(surroundings?.componentRef ?? null);
+    this.#watch.watch(surroundings && (this.#avatar?.navigation ?? null));
+    if (surroundings === null) this.#unfollow();
+  }
+
+  #follow(surroundings: Surroundings): void {
+    // It may have been away meanwhile; what is subscribed to has come back by itself.
+    void this.#askAll(surroundings);
     if (this.#following.length > 0) return;
-    this.#watch.watch(this.#avatar?.navigation ?? null);
-    this.#following = [
+    const following = [
       surroundings.figureMoved.subscribe(({ position_data: text }) => this.#moved(readPlace(text))),
       surroundings.floorChanged.subscribe(() => void this.#askFloor(surroundings)),
       surroundings.thingsChanged.subscribe(() => this.#askSoon(surroundings)),
     ];
-    for (const each of this.#following) each.catch(() => undefined);
-    void this.#askAll(surroundings);
+    this.#following = following;
+    Promise.all(following).catch(() => {
+      // The scene is gone again: the next answer begins anew.
+      if (this.#following === following) this.#look();
+    });
   }
 
   #unfollow(): void {
@@ -214,7 +222,7 @@ export class MapCard {
   /** A place is gone to; of somebody it is asked first what is meant. */
   #choose(point: Point, further: boolean): void {
     this.#choice.replaceChildren();
-    if (!this.#walks) return;
+    if (this.#walks !== true) return;
     const thing = nearest(this.#things, point, REACH);
     if (thing === null || further)
       return this.#walk.go(
@@ -240,10 +248,10 @@ export class MapCard {
 
   #render(): void {
     const { state, words, targets, followed } = this.#walk;
-    const idle = !this.#walks ? NO_WALK : this.#ground.outline.length === 0 ? NO_FLOOR : HINT;
-    setText(this.#words, state === "idle" || !this.#walks ? idle : words);
+    const idle = this.#walks === false ? NO_WALK : this.#ground.outline.length === 0 ? NO_FLOOR : HINT;
+    setText(this.#words, this.#walks === null ? "" : state === "idle" || !this.#walks ? idle : words);
     this.#words.dataset["state"] = this.#walks ? state : "idle";
-    this.#view.element.classList.toggle("walks", this.#walks);
+    this.#view.element.classList.toggle("walks", this.#walks === true);
     this.#stop.hidden = state !== "walking";
     this.#view.showWay(this.#figure, targets);
     this.#element.dataset["followed"] = followed?.ref ?? "";

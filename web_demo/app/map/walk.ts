@@ -1,8 +1,9 @@
 /** Sending the avatar somewhere, or after somebody; and what becomes of it, in words. */
 
 import { CommandFailed, Follow, Navigation } from "../../sdk/index.ts";
-import type { Client, RoISCommon, Subscription } from "../../sdk/index.ts";
+import type { Client, Subscription } from "../../sdk/index.ts";
 import { describeFailure } from "../outcome.ts";
+import { stopUntilEnded } from "../stopping.ts";
 import type { Place } from "./geometry.ts";
 import { ahead } from "./scene.ts";
 import type { Thing } from "./scene.ts";
@@ -32,7 +33,6 @@ export class Walk {
   #state: WalkState = "idle";
   #words = "";
   #number = 0;
-  #stopping = false;
 
   /** @param onChange is called when any of the properties has changed */
   constructor(client: Client, onChange: () => void) {
@@ -80,24 +80,25 @@ export class Walk {
     const [first] = targets;
     const words =
       targets.length > 1 ? `Walking to ${targets.length} places` : `Walking to ${first?.words ?? ""}`;
-    void this.#run(words, targets, null, navigation, async (onStart) => {
+    void this.#run(words, targets, null, async () => {
       await this.#hear(navigation);
-      await navigation.perform({ target_positions: targets.map(({ text }) => text) }, onStart);
+      await navigation.perform({ target_positions: targets.map(({ text }) => text) });
     });
   }
 
   follow(whom: Thing): void {
     const follow = this.#follow;
     if (!follow) return;
-    void this.#run(`Following ${whom.name}`, [], whom, follow, (onStart) =>
-      follow.perform({ target_object_ref: whom.ref, distance: DISTANCE }, onStart),
+    void this.#run(`Following ${whom.name}`, [], whom, () =>
+      follow.perform({ target_object_ref: whom.ref, distance: DISTANCE }),
     );
   }
 
   stop(): void {
-    this.#stopping = true;
-    for (const component of [this.#navigation, this.#follow])
-      if (component?.inUse) void component.stop().catch(() => undefined);
+    const number = this.#number;
+    const component = this.#followed ? this.#follow : this.#navigation;
+    const runs = (): boolean => number === this.#number && this.#state === "walking";
+    if (component) void stopUntilEnded(component, runs);
   }
 
   async #hear(navigation: Navigation): Promise<void> {
@@ -113,19 +114,13 @@ export class Walk {
     words: string,
     targets: readonly Target[],
     followed: Thing | null,
-    component: Pick<RoISCommon, "stop">,
-    perform: (onStart: () => void) => Promise<void>,
+    perform: () => Promise<void>,
   ): Promise<void> {
     const number = ++this.#number;
     const began = Date.now();
     [this.#targets, this.#followed] = [targets, followed];
     this.#show("walking", words);
-    this.#stopping = false;
-    // Stop may have been pressed before there was anything to stop.
-    const onStart = (): void => {
-      if (number === this.#number && this.#stopping) void component.stop().catch(() => undefined);
-    };
-    const [state, outcome] = await perform(onStart).then(
+    const [state, outcome] = await perform().then(
       () => ["done", `Arrived after ${((Date.now() - began) / 1000).toFixed(1)} s`] as const,
       (error: unknown) => failure(error),
     );

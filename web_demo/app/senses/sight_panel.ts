@@ -12,6 +12,8 @@ import { Wanted } from "./wanted.ts";
 
 /** Milliseconds after which what is told no more is not shown any more. */
 const FRESH = 1500;
+/** Milliseconds for which it stands why something failed. */
+const READABLE = 4000;
 const BUSY = "Somebody else has it now";
 const KEPT = "A face is kept in the avatar's memory and nowhere else, and is gone when the avatar ends.";
 
@@ -134,8 +136,8 @@ export class SightPanel {
 
   async #enrol(name: string): Promise<void> {
     if (name === "") return this.#name.focus();
-    await this.#change(`Looking at ${name} …`, "", (enrolment) => enrolment.enrol(name));
-    this.#name.value = "";
+    const done = await this.#change(`Looking at ${name} …`, (enrolment) => enrolment.enrol(name));
+    if (done) this.#name.value = "";
   }
 
   async #list(): Promise<void> {
@@ -145,25 +147,26 @@ export class SightPanel {
         const forget = make("button", { type: "button", class: "forget", title: `Forget ${name}` }, name);
         forget.append(make("span", { "aria-hidden": "true" }, "×"));
         forget.setAttribute("aria-label", `Forget ${name}`);
-        forget.addEventListener(
-          "click",
-          () => void this.#change("", "", (enrolment) => enrolment.forget(name)),
-        );
+        forget.addEventListener("click", () => void this.#change("", (enrolment) => enrolment.forget(name)));
         return make("li", {}, forget);
       }),
     );
   }
 
-  async #change(doing: string, done: string, change: (enrolment: Enrolment) => Promise<void>): Promise<void> {
-    if (!this.#enrolment || this.#form.dataset["busy"] !== undefined) return;
+  /** Returns whether it was done. */
+  async #change(doing: string, change: (enrolment: Enrolment) => Promise<void>): Promise<boolean> {
+    if (!this.#enrolment || this.#form.dataset["busy"] !== undefined) return false;
     this.#form.dataset["busy"] = "";
     this.#say(doing);
     try {
       await change(this.#enrolment);
-      this.#say(done);
+      this.#say("");
+      return true;
     } catch (error) {
       this.#refused(error);
-      await new Promise((resolve) => setTimeout(resolve, FRESH));
+      // Long enough to be read before it is said again who is seen.
+      await new Promise((resolve) => setTimeout(resolve, READABLE));
+      return false;
     } finally {
       delete this.#form.dataset["busy"];
       await this.#list();
