@@ -190,8 +190,11 @@ async def test_an_encoder_that_hangs_is_given_up_and_the_next_starts_anew(stage:
             await stage.shoot(viewer)
             await stage.clock.advance(2 * HANG)
             encoder = stage.encoders.made[number]
+            while encoder.entered.acquire(blocking=False):
+                pass
             encoder.go_on.clear()
             await stage.source.feed(picture(100 + number, stage.clock.now()))
+            assert encoder.entered.acquire(timeout=5), "its thread has the picture before time passes"
             await stage.clock.advance(HANG - 0.1)
             stage.clock.jump(100)
             await settle()
