@@ -143,14 +143,19 @@ async def test_an_engine_that_is_lost_fails_the_walk_and_not_the_voice(
         engine(demo).send_signal(harm)
         assert await on.end(walk) == "ERROR"
         assert time.monotonic() - harmed > patience
-        await on.app.until_status(on.video, "NOT_RUNNING")
         await on.app.news.until(lambda: len(on.app.told(ERROR)) > faults)
         assert {told["error_type"] for told in on.app.told(ERROR)[faults:]} == {fault}
-        await on.app.until_status(on.video, "RUNNING", _BACK_WITHIN)
-        assert on.app.statuses(on.video) == ["NOT_RUNNING", "RUNNING"] * 2
+        if patience:
+            await on.app.until_status(on.video, "NOT_RUNNING")
+            await on.app.until_status(on.video, "RUNNING", _BACK_WITHIN)
         assert on.ends(speech) == []
         await on.usable(VIDEO)
         await on.works()
+        await on.app.until_status(on.video, "RUNNING", _BACK_WITHIN)
+        # One that dies may be back before a second without pictures is over; what hangs is not.
+        gaps = len(on.app.statuses(on.video)) // 2 - 1
+        assert on.app.statuses(on.video) == ["NOT_RUNNING", "RUNNING"] * (1 + gaps)
+        assert gaps == 1 or (gaps == 0 and not patience)
         assert on.ends(walk) == ["ERROR"]
         assert on.ends(speech) == ["ABORT"]  # the next text replaced it: its voice was there to the end
 
