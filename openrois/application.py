@@ -12,6 +12,7 @@ from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from openrois.access.principal import LOCAL, Principal
 from openrois.command_log import MAX_RUNNING, MAX_UNFINISHED, CommandBudget, CommandLog
 from openrois.contract import Client, Fault
 from openrois.engine import Engine
@@ -81,6 +82,7 @@ class ApplicationSession:
         trusted: the other side is the parent engine; it needs no reservations.
         passes: sees every extension notification on its way to the application, and says whether it goes on.
         left: called when the application has left and its streams and peer connections are over.
+        principal: who it is; another one takes its place when it shows a new token.
     """
 
     def __init__(
@@ -91,9 +93,11 @@ class ApplicationSession:
         trusted: bool = False,
         passes: Callable[[str, Mapping[str, Any]], bool] = lambda _method, _params: True,
         left: Callable[[], None] = lambda: None,
+        principal: Principal = LOCAL,
     ) -> None:
         self.host = host
         self.engine = host.engine
+        self.principal = principal
         self.trusted = trusted
         # A parent speaks for many applications: the share of one is kept where they are known apart.
         self.commands = CommandLog(time.monotonic, host.commands, MAX_UNFINISHED if trusted else MAX_RUNNING)

@@ -1,0 +1,125 @@
+"""Who asks: roles, the one table of what each role may call, and which components a principal is shown."""
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from fnmatch import translate
+from functools import lru_cache
+from types import MappingProxyType
+from typing import Final
+
+__all__ = ["ALLOWED", "LOCAL", "Principal", "Role"]
+
+
+class Role(StrEnum):
+    """What somebody is to the system."""
+
+    VIEWER = "viewer"
+    MAINTENANCE = "maintenance"
+    OPERATOR = "operator"
+    ADMINISTRATOR = "administrator"
+    ADAPTER = "adapter"
+
+
+_READERS: Final = frozenset({Role.VIEWER, Role.MAINTENANCE, Role.OPERATOR, Role.ADMINISTRATOR})
+_WATCHERS: Final = frozenset({Role.VIEWER, Role.OPERATOR, Role.ADMINISTRATOR})
+_OPERATORS: Final = frozenset({Role.OPERATOR, Role.ADMINISTRATOR})
+
+ALLOWED: Final[Mapping[str, frozenset[Role]]] = MappingProxyType(
+    {
+        "rois.system.connect": _READERS,
+        "rois.system.disconnect": _READERS,
+        "rois.system.get_profile": _READERS,
+        "rois.system.get_error_detail": _READERS,
+        "rois.command.search": _READERS,
+        "rois.command.bind": _OPERATORS,
+        "rois.command.bind_any": _OPERATORS,
+        "rois.command.release": _OPERATORS,
+        "rois.command.get_parameter": _READERS,
+        "rois.command.set_parameter": _OPERATORS,
+        "rois.command.execute": _OPERATORS,
+        "rois.command.get_command_result": _READERS,
+        "rois.query.query": _READERS,
+        "rois.event.subscribe": _READERS,
+        "rois.event.unsubscribe": _READERS,
+        "rois.event.get_event_detail": _READERS,
+        "rois.stream.connect_stream": _WATCHERS,
+        "rois.stream.disconnect_stream": _WATCHERS,
+        "rois.stream.suspend_stream": _WATCHERS,
+        "rois.stream.resume_stream": _WATCHERS,
+        "rois.stream.query_stream_status": _WATCHERS,
+        "signaling.answer": _WATCHERS,
+        "signaling.bye": _WATCHERS,
+        "signaling.candidate": _WATCHERS,
+        "signaling.ice_servers": _WATCHERS,
+        "signaling.restart": _WATCHERS,
+        "openrois.hello": _READERS,
+        "openrois.auth.refresh": _READERS,
+    }
+)
+"""Every method of the gateway and the roles that may call it. What does not stand here nobody may call."""
+
+
+@dataclass(frozen=True, slots=True)
+class Principal:
+    """Somebody who has proven who it is.
+
+    Attributes:
+        subject: who it is.
+        roles: what it is to the system; it may do what any of them may.
+        scope: patterns of component references (`avatar/*`), case-sensitive; `*` stands for any text, slashes too.
+        expires: epoch seconds from which on this does not hold any more; None for always.
+        token_id: the id of the token that says so; empty where it has none.
+    """
+
+    subject: str
+    roles: frozenset[Role]
+    scope: tuple[str, ...]
+    expires: float | None = None
+    token_id: str = ""
+    _methods: frozenset[str] = field(init=False, repr=False, compare=False)
+    _shown: Callable[[str], object] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        # Asked for every call and every event: both are one look-up.
+        object.__setattr__(self, "_methods", _methods_of(self.roles))
+        object.__setattr__(self, "_shown", _matcher(self.scope))
+
+    def may_call(self, method: str) -> bool:
+        """Tell whether a role of this principal may call the method; an unknown one nobody may."""
+        return method in self._methods
+
+    def sees(self, component_ref: str) -> bool:
+        """Tell whether the component is in scope; to this principal one that is not does not exist."""
+        return self._shown(component_ref) is not None
+
+    @property
+    def is_application(self) -> bool:
+        """Whether it may connect where applications do."""
+        return not self.roles.isdisjoint(_READERS)
+
+    @property
+    def is_adapter(self) -> bool:
+        """Whether it may connect where adapters do, and offer the components in its scope."""
+        return Role.ADAPTER in self.roles or self.is_administrator
+
+    @property
+    def is_administrator(self) -> bool:
+        """Whether it may take from others what they hold."""
+        return Role.ADMINISTRATOR in self.roles
+
+
+@lru_cache(maxsize=64)
+def _methods_of(roles: frozenset[Role]) -> frozenset[str]:
+    return frozenset(method for method, allowed in ALLOWED.items() if not allowed.isdisjoint(roles))
+
+
+@lru_cache(maxsize=1024)
+def _matcher(scope: tuple[str, ...]) -> Callable[[str], object]:
+    # `(?!)` matches nothing: an empty scope shows nothing.
+    return re.compile("|".join(translate(pattern) for pattern in scope) or "(?!)").match
+
+
+LOCAL: Final = Principal("local", frozenset({Role.ADMINISTRATOR, Role.ADAPTER}), ("*",))
+"""Whoever reaches a gateway of this machine that runs without authentication, and the parent of an engine."""
