@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from openrois.access.principal import LOCAL, Principal
+from openrois.audit import Audit
 from openrois.command_log import MAX_RUNNING, MAX_UNFINISHED, CommandBudget, CommandLog
 from openrois.contract import Client, Fault
 from openrois.engine import Engine
@@ -56,6 +57,7 @@ class EngineHost:
         wall_clock: epoch seconds.
         ice_servers: what an end of a stream may use, as the W3C's RTCIceServer objects; given who it is for.
         ice_ttl: seconds for which that may be kept.
+        audit: who did what, and what was refused.
     """
 
     engine: Engine
@@ -66,6 +68,7 @@ class EngineHost:
     wall_clock: Callable[[], float] = time.time
     ice_servers: Callable[[str], tuple[Mapping[str, Any], ...]] = lambda _user: ()
     ice_ttl: int = 3600
+    audit: Audit = field(default_factory=Audit)
 
     def crashed(self, what: str) -> None:
         """Report that something went wrong inside the engine, which is nobody else's fault."""

@@ -57,11 +57,12 @@ async def _keep_attached(host: EngineHost, session: RpcSession, proxy: RemotePro
             host.reservations.keep_only(set(host.engine.directory.component_profiles))
             await host.sleep(CHANGE_PAUSE)
     except BadParameter as error:
-        await _refuse(session, str(error))
+        await _refuse(host, session, str(error))
     except RoISError as error:
-        await _refuse(session, f"no usable profile: {error}")
+        await _refuse(host, session, f"no usable profile: {error}")
 
 
-async def _refuse(session: RpcSession, reason: str) -> None:
+async def _refuse(host: EngineHost, session: RpcSession, reason: str) -> None:
     _log.warning("an adapter was refused: %s", reason)
+    host.audit.refused(None, "/adapter", "", reason)
     await session.close(POLICY_VIOLATION, reason)

@@ -3,6 +3,7 @@
 import logging
 import time
 from collections.abc import Mapping
+from functools import partial
 from typing import Any, Final
 
 from openrois_signaling.messages import Answer, Bye, Candidate, IceServer, Offer, Restart
@@ -13,7 +14,9 @@ from pydantic import ValidationError
 
 from openrois.application import ApplicationSession, EngineHost
 from openrois.contract import Client
+from openrois.correlation import connection
 from openrois.errors import RoISError
+from openrois.gateway.refusals import note_refusal
 from openrois.interfaces import base_methods, stream_methods
 from openrois.interfaces.operation import reply_first
 from openrois.jsonrpc.session import Handler, InvalidParams, Reply, RpcSession
@@ -36,11 +39,13 @@ async def serve_application(host: EngineHost, stream: MessageStream) -> StreamCl
     signaling.app = app
     session.on_failure = host.crashed
     session.explain = app.explain
+    session.on_refusal = partial(note_refusal, app)
     session.outbox.gap = app.gap
     session.methods = {**base_methods(app), **stream_methods(app), **signaling.methods()}
     stop_listening = host.engine.on_change(signaling.tree_changed)
     try:
-        return await session.run()
+        with connection(app.client_id[:8]):
+            return await session.run()
     finally:
         stop_listening()
         await app.close()

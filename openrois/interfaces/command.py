@@ -77,6 +77,10 @@ class _Commands:
         if self._profile(component_ref).function is ComponentFunction.ACTUATION:
             self._app.reserve(component_ref)
         self._app.bound.add(component_ref)
+        self._acted("rois.command.bind", component_ref)
+
+    def _acted(self, method: str, component_ref: str, detail: str = "") -> None:
+        self._app.host.audit.acted(self._app.principal, method, component_ref, detail)
 
     async def bind_any(self, params: ConditionParams) -> ReferenceResult:
         refs = matching(self._app.engine, parse_condition(params.condition, COMPONENT_PROPERTIES))
@@ -94,6 +98,7 @@ class _Commands:
         self._profile(params.component_ref)
         self._app.give_back(params.component_ref)
         self._app.bound.discard(params.component_ref)
+        self._acted("rois.command.release", params.component_ref)
         return ReturnResult()
 
     async def get_parameter(self, params: ComponentParams) -> ParametersResult:
@@ -185,7 +190,10 @@ class _Commands:
     async def _outcome(self, unit: CommandUnit) -> tuple[Result, ...]:
         if self._app.is_barred_from(unit.component_ref):
             # It was accepted while the component was this application's, and its turn came later.
-            raise OutOfResources(f"{unit.component_ref} is bound by another application by now")
+            reason = f"{unit.component_ref} is bound by another application by now"
+            self._app.host.audit.refused(self._app.principal, unit.command_type, unit.component_ref, reason)
+            raise OutOfResources(reason)
+        self._acted("rois.command.execute", unit.component_ref, f"{unit.command_type} {unit.command_id}")
         if stream.is_verb(unit.command_type) and stream.has_streams(self._app, unit.component_ref):
             return await stream.run_verb(self._app, unit)
         return await self._app.engine.invoke(unit.component_ref, unit.command_type, unit.arguments)

@@ -134,6 +134,7 @@ async def connect_stream(app: ApplicationSession, component_ref: str, parameters
     if not app.engine.leads_alike(result.stream_id, component_ref):
         raise ComponentFailed(f"the engine minted the stream_id {result.stream_id[:200]!r}, which is not its own")
     app.streams[result.stream_id] = component_ref
+    app.host.audit.acted(app.principal, STREAM_METHODS["connect_stream"], component_ref, result.stream_id)
     return result.stream_id
 
 

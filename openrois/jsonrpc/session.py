@@ -15,6 +15,7 @@ from typing import Any, Final, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
+from openrois import correlation
 from openrois.jsonrpc import protocol
 from openrois.jsonrpc.calls import Calls, RpcError, SessionClosed
 from openrois.jsonrpc.outbox import Outbox, OutboxOverflow
@@ -124,6 +125,7 @@ class RpcSession:
         on_failure: called with what failed when a handler here raised what it must not raise, after that was logged.
         explain: called with the id of a request and a `Reply.reason` that is not empty; what it tells the other side
             stands right before the reply.
+        on_refusal: called with the method, the params, the result and the reason of such a reply.
     """
 
     stream: MessageStream
@@ -133,6 +135,7 @@ class RpcSession:
     call_timeout: float = CALL_TIMEOUT
     on_failure: Callable[[str], None] = lambda _what: None
     explain: Callable[[RequestId, str], None] = lambda _request_id, _reason: None
+    on_refusal: Callable[[str, Mapping[str, Any], Any, str], None] = lambda _method, _params, _result, _reason: None
 
     def __post_init__(self) -> None:
         self._peer = Peer()
@@ -201,6 +204,7 @@ class RpcSession:
                 return
 
     async def _serve(self, request: protocol.Request) -> None:
+        correlation.request.set(request.id)
         reply = Reply(None)
         try:
             result = await self._handle(request)
@@ -216,7 +220,8 @@ class RpcSession:
             answer = Peer.error(request.id, protocol.INTERNAL_ERROR, "Internal error")
         finally:
             self._slots.release()
-        if reply.reason:
+        if reply.reason and isinstance(request.params, dict):
+            self.on_refusal(request.method, request.params, reply.result, reply.reason)
             self.explain(request.id, reply.reason)
         self._put(answer)
         if reply.then is not None:

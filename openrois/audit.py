@@ -1,0 +1,144 @@
+"""The audit trail: who was refused what, and who moved what, as JSON lines; what happens is never delayed by it."""
+
+import json
+import time
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from pathlib import Path
+from types import TracebackType
+from typing import Any, Final, Self
+
+from openrois.access.principal import Principal
+from openrois.correlation import correlation
+from openrois.errors import ComponentFailed
+from openrois.line_writer import RECORDS_LIMIT, LineWriter
+
+__all__ = ["Audit"]
+
+_LONGEST: Final = 300
+"""Characters of one value in a record; whoever is refused chose them."""
+
+
+_Record = tuple[float, str, str, str, str, str, str, str]
+
+
+class Audit(AbstractContextManager["Audit"]):
+    """Where records go: to a file, or nowhere.
+
+    A call takes a microsecond or two and never waits: a thread writes. Refusals, which strangers can cause at will, may
+    fill half of the queue only, so that they do not crowd out what was done. What is lost is counted, here and in the
+    file. **Commands and STOP go on when the trail cannot be written; operations of administrators do not**: they call
+    `require` first.
+
+    Args:
+        path: the file; None for nowhere.
+        clock: epoch seconds.
+        limit: records that may wait.
+    """
+
+    def __init__(
+        self,
+        path: Path | None = None,
+        *,
+        clock: Callable[[], float] = time.time,
+        limit: int = RECORDS_LIMIT,
+    ) -> None:
+        self._clock = clock
+        self._writer = None if path is None else LineWriter[_Record](path, _line, self._gap, limit)
+        self.refusals = 0
+        self.actions = 0
+
+    def __enter__(self) -> Self:
+        """Open the file.
+
+        Raises:
+            OSError: it cannot be written.
+        """
+        if self._writer is not None:
+            self._writer.__enter__()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._writer is not None:
+            self._writer.__exit__(kind, error, trace)
+
+    @property
+    def waiting(self) -> int:
+        """How many records wait to be written."""
+        return 0 if self._writer is None else len(self._writer)
+
+    @property
+    def lost(self) -> int:
+        """How many records were lost because too many waited."""
+        return 0 if self._writer is None else self._writer.lost
+
+    @property
+    def failures(self) -> int:
+        """How often the file could not be written."""
+        return 0 if self._writer is None else self._writer.failures
+
+    @property
+    def is_kept(self) -> bool:
+        """Whether what is recorded now will be in the file; without a file nobody wants that."""
+        writer = self._writer
+        return writer is None or (not writer.failing and len(writer) < writer.limit)
+
+    def require(self) -> None:
+        """Refuse an operation that must not happen without a record.
+
+        Raises:
+            ComponentFailed: the trail cannot be written now.
+        """
+        if not self.is_kept:
+            raise ComponentFailed("the audit trail cannot be written, and without it administrators do nothing here")
+
+    def refused(self, principal: Principal | None, method: str, subject: str, reason: str) -> None:
+        """Record that something was not allowed or not possible.
+
+        Args:
+            principal: who wanted it; None for a stranger.
+            method: what was called.
+            subject: the component, command or stream that it was about.
+            reason: why not; no secret.
+        """
+        self.refusals += 1
+        self._put("refused", principal, method, subject, reason)
+
+    def acted(self, principal: Principal | None, method: str, subject: str, detail: str = "") -> None:
+        """Record that something was done or begun that changes what a robot does or who may change that.
+
+        Args:
+            principal: who did it.
+            method: what was called.
+            subject: the component, command or stream that it was about.
+            detail: what else matters, such as the kind of the command and its id; no secret.
+        """
+        self.actions += 1
+        self._put("acted", principal, method, subject, detail)
+
+    def _put(self, kind: str, principal: Principal | None, method: str, subject: str, detail: str) -> None:
+        if self._writer is None:
+            return
+        who, token = ("", "") if principal is None else (principal.subject, principal.token_id)
+        record = (self._clock(), kind, who, token, method, subject, detail, correlation())
+        self._writer.put(record, dispensable=kind == "refused")
+
+    def _gap(self, lost: int) -> str:
+        return json.dumps({"time": self._clock(), "kind": "lost", "count": lost})
+
+
+def _line(record: _Record) -> str:
+    at, kind, who, token, method, subject, detail, correlation = record
+    told: dict[str, Any] = {"time": round(at, 6), "kind": kind, "who": who, "method": method, "subject": subject}
+    told["reason" if kind == "refused" else "detail"] = detail
+    told |= {"token_id": token, "correlation": correlation}
+    # Characters beyond ASCII and controls are escaped: one record is one line, whatever somebody put in it.
+    return json.dumps({name: _short(value) for name, value in told.items() if value != ""})
+
+
+def _short(value: Any) -> Any:
+    if isinstance(value, str) and len(value) > _LONGEST:
+        return value[:_LONGEST] + "…"
+    return value
