@@ -21,9 +21,9 @@ from openrois.error_log import ErrorLog
 from openrois.event_log import EventLog
 from openrois.holders import tell_holder
 from openrois.jsonrpc.protocol import Peer, RequestId
+from openrois.leases.holding import Holding
 from openrois.lost_streams import lost_streams
 from openrois.ordering import ReplyFirst
-from openrois.reservations import Reservations
 from openrois.stream_parameters import StreamParameters
 from openrois.tasks import TaskScope
 from openrois.types.codes import CompletedStatus, ErrorType, StreamStatus
@@ -51,7 +51,7 @@ class EngineHost:
     Attributes:
         engine: the engine that is spoken to.
         tasks: owns the commands; they go on when the application that started them is gone.
-        reservations: who holds which component.
+        leases: who holds which component.
         commands: how many commands are accepted and not finished.
         sleep: waits for some seconds, between the commands of a sequence.
         wall_clock: epoch seconds.
@@ -62,7 +62,7 @@ class EngineHost:
 
     engine: Engine
     tasks: TaskScope
-    reservations: Reservations = field(default_factory=Reservations)
+    leases: Holding = field(default_factory=Holding)
     commands: CommandBudget = field(default_factory=CommandBudget)
     sleep: Callable[[float], Awaitable[None]] = asyncio.sleep
     wall_clock: Callable[[], float] = time.time
@@ -127,11 +127,11 @@ class ApplicationSession:
 
     def may_operate(self, component_ref: str) -> bool:
         """Tell whether this session may change what the component does."""
-        return self.trusted or self.host.reservations.is_held(component_ref, self)
+        return self.trusted or self.host.leases.is_held(component_ref, self)
 
     def is_barred_from(self, component_ref: str) -> bool:
         """Tell whether another session has the component now; one that nobody has is open to what was accepted."""
-        return not self.trusted and self.host.reservations.is_held_by_another(component_ref, self)
+        return not self.trusted and self.host.leases.is_held_by_another(component_ref, self)
 
     def reserve(self, component_ref: str) -> None:
         """Reserve a component for this session; its adapter is told, also when the session has it already.
@@ -139,12 +139,12 @@ class ApplicationSession:
         Raises:
             OutOfResources: another session holds it.
         """
-        epoch = self.host.reservations.bind(component_ref, self)
+        epoch = self.host.leases.bind(component_ref, self)
         self._tell_holder(HolderNotification(component_ref=component_ref, holds=True, epoch=epoch))
 
     def give_back(self, component_ref: str) -> None:
         """End the session's reservation of a component, if it has one; its adapter is told."""
-        epoch = self.host.reservations.release(component_ref, self)
+        epoch = self.host.leases.release(component_ref, self)
         if epoch is not None:
             self._tell_holder(HolderNotification(component_ref=component_ref, holds=False, epoch=epoch))
 
@@ -221,7 +221,7 @@ class ApplicationSession:
         """Give back reservations, subscriptions and streams. What runs goes on."""
         self.connected = False
         self.bound.clear()
-        self.host.reservations.release_all(self)
+        self.host.leases.release_all(self)
         self.streams.clear()
         self.stream_parameters.keep_only(())
         self.order.clear()

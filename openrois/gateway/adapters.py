@@ -43,7 +43,7 @@ async def serve_adapter(host: EngineHost, stream: MessageStream, answer_timeout:
         attaching.cancel()
         engine.detach(proxy)
         proxy.lost("the connection to the engine has ended")
-        host.reservations.keep_only(set(engine.directory.component_profiles))
+        host.leases.keep_only(set(engine.directory.component_profiles))
 
 
 async def _keep_attached(host: EngineHost, session: RpcSession, proxy: RemoteProxy, changed: asyncio.Event) -> None:
@@ -54,7 +54,7 @@ async def _keep_attached(host: EngineHost, session: RpcSession, proxy: RemotePro
             await changed.wait()
             changed.clear()
             await host.engine.refresh(proxy)
-            host.reservations.keep_only(set(host.engine.directory.component_profiles))
+            host.leases.keep_only(set(host.engine.directory.component_profiles))
             await host.sleep(CHANGE_PAUSE)
     except BadParameter as error:
         await _refuse(host, session, str(error))

@@ -65,7 +65,7 @@ def app(host: EngineHost, told: Told) -> ApplicationSession:
 async def test_who_may_operate(host: EngineHost, app: ApplicationSession, told: Told) -> None:
     trusted = ApplicationSession(host, told.notify, trusted=True)
     assert (app.may_operate(LAMP), trusted.may_operate(LAMP)) == (False, True)
-    host.reservations.bind(LAMP, app)
+    host.leases.bind(LAMP, app)
     assert app.may_operate(LAMP)
 
 
@@ -102,7 +102,7 @@ async def test_leaving_gives_everything_back(host: EngineHost, registry: LocalRe
     told, left = Told(), asyncio.Event()
     app = ApplicationSession(host, told.notify, left=left.set)
     app.extended = True
-    host.reservations.bind(LAMP, app)
+    host.leases.bind(LAMP, app)
     reply = await app.events.subscribe("robot/bell", "rang", of_streams=False)
     assert reply.then is not None
     reply.then()

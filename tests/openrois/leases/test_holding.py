@@ -3,7 +3,7 @@
 import pytest
 
 from openrois.errors import OutOfResources
-from openrois.reservations import Reservations
+from openrois.leases.holding import Holding
 
 LAMP, BELL = "r/lamp", "r/bell"
 
@@ -28,7 +28,7 @@ def bob() -> Holder:
 
 
 def test_one_holder_at_a_time(ann: Holder, bob: Holder) -> None:
-    held = Reservations()
+    held = Holding()
     held.bind(LAMP, ann)
     held.bind(LAMP, ann)
     held.bind(BELL, bob)
@@ -40,7 +40,7 @@ def test_one_holder_at_a_time(ann: Holder, bob: Holder) -> None:
 
 
 def test_only_the_holder_releases(ann: Holder, bob: Holder) -> None:
-    held = Reservations()
+    held = Holding()
     held.bind(LAMP, ann)
     held.release(LAMP, bob)
     assert held.is_held(LAMP, ann)
@@ -51,7 +51,7 @@ def test_only_the_holder_releases(ann: Holder, bob: Holder) -> None:
 
 
 def test_everything_of_one_holder(ann: Holder, bob: Holder) -> None:
-    held = Reservations()
+    held = Holding()
     held.bind(LAMP, ann)
     held.bind(BELL, bob)
     held.release_all(ann)
@@ -59,7 +59,7 @@ def test_everything_of_one_holder(ann: Holder, bob: Holder) -> None:
 
 
 def test_components_that_are_gone(ann: Holder) -> None:
-    held = Reservations()
+    held = Holding()
     held.bind(LAMP, ann)
     held.bind(BELL, ann)
     held.keep_only({BELL, "r/new"})
@@ -67,7 +67,7 @@ def test_components_that_are_gone(ann: Holder) -> None:
 
 
 def test_each_holder_has_an_epoch_of_its_own(ann: Holder, bob: Holder) -> None:
-    held = Reservations()
+    held = Holding()
     assert (held.bind(LAMP, ann), held.bind(LAMP, ann), held.bind(BELL, ann)) == (1, 1, 2)
     assert (held.release(LAMP, bob), held.release(LAMP, ann), held.release(LAMP, ann)) == (None, 1, None)
     assert held.bind(LAMP, bob) == 3

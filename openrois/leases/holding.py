@@ -4,10 +4,10 @@ from itertools import count
 
 from openrois.errors import OutOfResources
 
-__all__ = ["Reservations"]
+__all__ = ["Holding"]
 
 
-class Reservations:
+class Holding:
     """The holders of one engine's components. A holder is any object; identity decides.
 
     Each time that somebody else begins to hold a component there is a new epoch, and its number is greater than all
