@@ -18,13 +18,14 @@ from typing import Any, Final
 
 import numpy as np
 import uvloop
-from openrois_avatar.bench.conditions import conditions, load
 from openrois_avatar.link.address import ADDRESS_VARIABLE, SECRET_VARIABLE
 from openrois_avatar.link.client import connect_from_environment
 from openrois_avatar.link.messages import Event, Hello, Log, VideoShape
 from openrois_avatar.link.protocol import PixelFormat
 from openrois_avatar.link.server import LinkServer
 from openrois_streaming.testing.delays import percentile
+
+from openrois.bench.conditions import conditions, load
 
 WAYS: Final = {"ring": "unix", "ring, TCP": "tcp", "Unix": "unix", "TCP": "tcp"}
 """What is compared, and the socket of each."""

@@ -16,11 +16,11 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from openrois_avatar.bench.conditions import conditions, load
 from openrois_avatar.hearing.recognizer import Expectation, Transcriber
 from openrois_avatar.hearing.sphinx import Sphinx
 from openrois_avatar.hearing.voice_activity import END_SILENCE, PREROLL, VoiceActivity
 
+from openrois.bench.conditions import conditions, load
 from tests.support.hearing import RATE, not_speech, spoken
 
 SPEAKERS: Final = ("slt", "rms", "awb")

@@ -17,7 +17,6 @@ from typing import Any, NamedTuple
 import uvloop
 from openrois_avatar.bench.adapter import COMPONENT_REF, SOUND_REF
 from openrois_avatar.bench.browser import chromium_version, find_chromium, watch_in_chromium
-from openrois_avatar.bench.conditions import conditions, load
 from openrois_avatar.bench.latency import avatar, patience
 from openrois_avatar.bench.observation import Order, Sightings
 from openrois_avatar.bench.series import Series
@@ -27,6 +26,7 @@ from openrois_streaming.testing.path import Direction
 
 from benchmarks.chromium.way import impaired
 from benchmarks.latency.__main__ import Size, plain
+from openrois.bench.conditions import conditions, load
 
 WAYS = ("openrois", "aiortc")
 SIZE = Size(1280, 720, 30)

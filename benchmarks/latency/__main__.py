@@ -18,11 +18,12 @@ from typing import Any, NamedTuple
 
 from openrois_avatar.bench.adapter import COMPONENT_REF, Show
 from openrois_avatar.bench.browser import chromium_version, find_chromium, watch_in_chromium
-from openrois_avatar.bench.conditions import conditions, load
 from openrois_avatar.bench.latency import avatar, patience, watch_in_sink
 from openrois_avatar.bench.observation import MEASURES, Order, Sightings, missed
 from openrois_avatar.bench.series import Series
 from openrois_streaming.codecs import H264
+
+from openrois.bench.conditions import conditions, load
 
 
 class Size(NamedTuple):

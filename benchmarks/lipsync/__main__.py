@@ -18,7 +18,6 @@ from pathlib import Path
 from typing import Any
 
 import uvloop
-from openrois_avatar.bench.conditions import conditions, load
 from openrois_avatar.bench.partner import SWITCH_INTERVAL, Partner, partner
 from openrois_signaling.messages import Answer, Downward, Offer
 from openrois_streaming.clock import SystemClock
@@ -26,6 +25,7 @@ from openrois_streaming.publisher import AudioPublisher, VideoPublisher
 from openrois_streaming.session import StreamSession
 
 from benchmarks.lipsync.scenes import SCENES, played
+from openrois.bench.conditions import conditions, load
 
 _PATIENCE = 15.0
 _SETTLING = 10.0

@@ -21,10 +21,9 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from openrois_avatar.bench.conditions import conditions, load
-
 from benchmarks.peers.network import inside, network
 from benchmarks.peers.sender import FORWARDER, KINDS
+from openrois.bench.conditions import conditions, load
 
 _PLAIN_MOST = 2
 _PATIENCE = 120.0

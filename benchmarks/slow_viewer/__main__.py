@@ -14,8 +14,9 @@ from contextlib import AsyncExitStack
 from pathlib import Path
 from typing import Any, Final
 
-from openrois_avatar.bench.conditions import conditions, load
 from openrois_avatar.bench.partner import Partner, partner
+
+from openrois.bench.conditions import conditions, load
 
 SLOW: Final = {"rate": 1_000_000, "delay": 0.02}
 BACK: Final = {"delay": 0.02}

@@ -11,7 +11,8 @@ from typing import Final
 
 import uvloop
 from openrois_avatar.bench.application import Playing, application
-from openrois_avatar.bench.errors import BenchFailed
+
+from openrois.bench.errors import BenchFailed
 
 VIDEO: Final = "avatar/VideoStreaming"
 CODECS: Final = ("video/H264", "video/VP8")

@@ -1,10 +1,11 @@
 """Reports of benches that never ran."""
 
-from openrois_avatar.bench.conditions import Conditions
 from openrois_avatar.bench.fanout_report import FanoutReport
 from openrois_avatar.bench.latency_report import LatencyReport
 from openrois_avatar.bench.observation import Observation, Sightings
 from openrois_avatar.bench.runs import AIORTC, OPENROIS, Run, compare
+
+from openrois.bench.conditions import Conditions
 
 CONDITIONS = Conditions(
     cpus=2, processor="P", system="S", python="3", versions={"aiortc": "1"}, load_before=0.1, load_after=0.2

@@ -9,9 +9,9 @@ from typing import Any, Final
 
 from openrois_streaming.testing import MeasuringSink, SeenPicture
 
+from openrois.bench.errors import BenchFailed, within
 from openrois.jsonrpc.session import RpcSession
 from openrois.transport.websocket import dial
-from openrois_avatar.bench.errors import BenchFailed, within
 
 __all__ = ["Application", "Playing", "application"]
 

@@ -15,7 +15,7 @@ from aiohttp import web
 from openrois_streaming.clock import SystemClock
 from pydantic import BaseModel, TypeAdapter, ValidationError
 
-from openrois_avatar.bench.errors import BenchFailed, within
+from openrois.bench.errors import BenchFailed, within
 from openrois_avatar.bench.observation import Order, Sightings
 from openrois_avatar.child import Output, child_process
 

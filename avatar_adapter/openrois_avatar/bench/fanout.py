@@ -10,7 +10,7 @@ from contextlib import AsyncExitStack
 from dataclasses import dataclass
 from typing import Final
 
-from openrois_avatar.bench.conditions import busy, conditions, load
+from openrois.bench.conditions import busy, conditions, load
 from openrois_avatar.bench.fanout_report import FanoutReport
 from openrois_avatar.bench.partner import Partner, partner
 from openrois_avatar.bench.runs import CODECS, WAYS, Planned, Reading, Run, compare, plan

@@ -5,9 +5,9 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict
 
-from openrois_avatar.bench.conditions import Conditions
+from openrois.bench.conditions import Conditions
+from openrois.bench.table import table
 from openrois_avatar.bench.runs import AIORTC, BITRATE, FPS, HEIGHT, OPENROIS, WIDTH, Comparison, Run
-from openrois_avatar.bench.table import table
 
 __all__ = ["FanoutReport"]
 

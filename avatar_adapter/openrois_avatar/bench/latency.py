@@ -11,10 +11,10 @@ import aiohttp
 from openrois_streaming.clock import SystemClock
 from openrois_streaming.codecs import H264
 
+from openrois.bench.conditions import conditions, load
+from openrois.bench.errors import BenchFailed, within
 from openrois_avatar.bench.adapter import COMPONENT_REF, ENGINE_ID, Show
 from openrois_avatar.bench.browser import chromium_version, watch_in_chromium
-from openrois_avatar.bench.conditions import conditions, load
-from openrois_avatar.bench.errors import BenchFailed, within
 from openrois_avatar.bench.latency_report import SINK, LatencyReport
 from openrois_avatar.bench.observation import Observation, Order, Sightings
 from openrois_avatar.bench.partner import partner

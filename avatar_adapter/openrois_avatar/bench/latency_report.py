@@ -4,9 +4,9 @@ from typing import Final, Literal
 
 from pydantic import BaseModel, ConfigDict
 
-from openrois_avatar.bench.conditions import Conditions
+from openrois.bench.conditions import Conditions
+from openrois.bench.table import table
 from openrois_avatar.bench.observation import MEASURES, Observation
-from openrois_avatar.bench.table import table
 
 __all__ = ["SINK", "LatencyReport"]
 

@@ -10,9 +10,9 @@ from typing import Any, Final
 import uvloop
 from openrois_streaming.clock import SystemClock
 
+from openrois.bench.errors import BenchFailed
 from openrois.jsonrpc.session import Handler, RpcError, RpcSession, SessionClosed
 from openrois.transport.stream import StreamClosed
-from openrois_avatar.bench.errors import BenchFailed
 from openrois_avatar.child import Output, child_process
 
 __all__ = ["SWITCH_INTERVAL", "Partner", "PipeStream", "cpu_seconds", "partner", "serve"]

@@ -8,8 +8,8 @@ from typing import Any, Final
 
 from openrois_streaming.testing import SeenPicture
 
+from openrois.bench.errors import BenchFailed
 from openrois_avatar.bench.application import Playing, application
-from openrois_avatar.bench.errors import BenchFailed
 from openrois_avatar.bench.observation import Order, Sightings
 from openrois_avatar.bench.partner import serve
 

@@ -5,8 +5,9 @@ from pathlib import Path
 
 import pytest
 from openrois_avatar.bench.browser import chromium_version, find_chromium, watch_in_chromium
-from openrois_avatar.bench.errors import BenchFailed
 from openrois_avatar.bench.observation import Order, Sightings
+
+from openrois.bench.errors import BenchFailed
 
 ORDER = Order(
     url="ws://127.0.0.1:1/", component_ref="bench/VideoStreaming", codec="video/H264", seconds=1, runs=2, resumes=2

@@ -7,12 +7,13 @@ from pathlib import Path
 
 import pytest
 from openrois_avatar.bench import command
-from openrois_avatar.bench.errors import BenchFailed
 from openrois_avatar.bench.fanout import FanoutSettings
 from openrois_avatar.bench.fanout_report import FanoutReport
 from openrois_avatar.bench.latency import LatencySettings
 from openrois_avatar.bench.latency_report import LatencyReport
 
+from openrois.bench.command import INTERRUPTED
+from openrois.bench.errors import BenchFailed
 from tests.support.bench import fanout, latency, observation
 
 Progress = Callable[[str], None]
@@ -116,5 +117,5 @@ def test_ctrl_c_ends_it_in_good_order(monkeypatch: pytest.MonkeyPatch, number: s
         raise AssertionError("an interrupted bench has no figures")
 
     monkeypatch.setattr(command, "run_fanout", wait)
-    assert command.main(["fanout"]) == command.INTERRUPTED
+    assert command.main(["fanout"]) == INTERRUPTED
     assert ended == ["cleaned up"]

@@ -2,9 +2,10 @@ import asyncio
 from pathlib import Path
 
 import pytest
-from openrois_avatar.bench.errors import BenchFailed
 from openrois_avatar.bench.latency import LatencySettings, run_latency
 from openrois_avatar.bench.observation import Observation
+
+from openrois.bench.errors import BenchFailed
 
 SHORT = LatencySettings(seconds=0.5, runs=1, sizes=((640, 360),))
 

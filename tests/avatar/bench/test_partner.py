@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 from openrois_avatar.bench import partner as partner_module
-from openrois_avatar.bench.errors import BenchFailed
 from openrois_avatar.bench.partner import PipeStream, partner
 
+from openrois.bench.errors import BenchFailed
 from openrois.jsonrpc.session import RpcSession
 from openrois.transport.stream import StreamClosed
 

@@ -1,4 +1,4 @@
-from openrois_avatar.bench.table import table
+from openrois.bench.table import table
 
 
 def test_text_is_aligned_to_the_left_and_numbers_to_the_right() -> None:

@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict
 
 __all__ = ["Conditions", "busy", "conditions", "load"]
 
-_LIBRARIES: Final = ("openrois", "aiortc", "aioice", "av", "numpy", "uvloop")
+_LIBRARIES: Final = ("openrois", "aiohttp", "pydantic", "uvloop", "websockets", "aiortc", "aioice", "av", "numpy")
 
 
 class Conditions(BaseModel):

@@ -4,7 +4,8 @@ from importlib.metadata import version
 from pathlib import Path
 
 import pytest
-from openrois_avatar.bench.conditions import Conditions, busy, conditions, load, processor
+
+from openrois.bench.conditions import Conditions, busy, conditions, load, processor
 
 
 def test_the_conditions_name_machine_versions_and_load(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,0 +1,75 @@
+"""What is measured: a gateway and an adapter behind it, each a process of its own, over loopback."""
+
+import asyncio
+import json
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from typing import Final
+
+from openrois.bench.adapter import COMPONENT
+from openrois.bench.errors import within
+from openrois.bench.load import Application, Door, applications
+from openrois.bench.processes import Child, child
+
+__all__ = ["Deployment", "deployed", "request"]
+
+ATTACHING: Final = 20.0
+"""Seconds that the adapter has to stand behind its gateway."""
+
+
+@dataclass(frozen=True, slots=True)
+class Deployment:
+    """A gateway with an adapter behind it.
+
+    Attributes:
+        gateway: its process.
+        adapter: its process.
+        door: where applications enter.
+    """
+
+    gateway: Child
+    adapter: Child
+    door: Door
+
+
+def request(number: int, method: str, **params: object) -> bytes:
+    """Return the text of a request."""
+    return json.dumps({"jsonrpc": "2.0", "id": number, "method": method, "params": params}).encode()
+
+
+@asynccontextmanager
+async def deployed(*options: str) -> AsyncIterator[Deployment]:
+    """Run gateway and adapter while the block does.
+
+    Args:
+        options: further options of the gateway.
+
+    Raises:
+        BenchFailed: one of them did not start.
+    """
+    async with child("-m", "openrois.cli", "gateway", "--port", "0", *options) as gateway:
+        url = gateway.said.rpartition(" ")[2]
+        door = Door(url)
+        async with child("-m", "openrois.bench.adapter", url) as adapter:
+            async with within(ATTACHING, "attaching the adapter"), applications(door, 1) as (application,):
+                await _attached(application)
+            yield Deployment(gateway, adapter, door)
+
+
+async def _attached(application: Application) -> None:
+    """Wait until the component can be found: whenever the tree of engines changes, it is looked for."""
+    found = asyncio.Event()
+
+    def take(message: bytes) -> None:
+        if COMPONENT.encode() in message:
+            found.set()
+        elif b"profile_changed" in message:
+            look()
+
+    def look() -> None:
+        application.send(request(0, "rois.command.search", condition=""))
+
+    application.on_message = take
+    look()
+    await found.wait()

@@ -1,0 +1,42 @@
+"""The floor of the machine, a process of its own: a raw TCP echo, and an echo by the bare `websockets` library."""
+
+import asyncio
+import signal
+import sys
+from typing import Any
+
+from websockets.asyncio.server import ServerConnection, serve
+
+__all__: list[str] = []
+
+
+class _Echo(asyncio.Protocol):
+    def connection_made(self, transport: Any) -> None:
+        self._transport: asyncio.Transport = transport
+
+    def data_received(self, data: bytes) -> None:
+        self._transport.write(data)
+
+
+async def _answer(connection: ServerConnection) -> None:
+    async for message in connection:
+        await connection.send(message)
+
+
+async def _main() -> None:
+    loop = asyncio.get_running_loop()
+    stopped = asyncio.Event()
+    loop.add_signal_handler(signal.SIGTERM, stopped.set)
+    tcp = await loop.create_server(_Echo, "127.0.0.1", 0)
+    async with tcp, serve(_answer, "127.0.0.1", 0, compression=None) as server:
+        print(tcp.sockets[0].getsockname()[1], next(iter(server.sockets)).getsockname()[1], flush=True)
+        await stopped.wait()
+
+
+if __name__ == "__main__":
+    if sys.argv[1:] == ["uvloop"]:
+        import uvloop
+
+        uvloop.run(_main())
+    else:
+        asyncio.run(_main())

@@ -1,0 +1,273 @@
+"""`openrois bench rpc`: what a query costs through the gateway, beside what the machine and the bare library cost."""
+
+import asyncio
+import time
+from collections.abc import Awaitable, Callable, Sequence
+from contextlib import AsyncExitStack
+from dataclasses import dataclass
+from typing import Final, Literal
+
+from websockets.asyncio.client import connect
+
+from openrois.bench.adapter import COMPONENT
+from openrois.bench.conditions import Conditions, conditions, load
+from openrois.bench.deployment import Deployment, deployed, request
+from openrois.bench.errors import within
+from openrois.bench.figures import Figures, Waits, median
+from openrois.bench.load import Application, applications
+from openrois.bench.processes import child, own_cpu
+from openrois.bench.table import table
+
+__all__ = ["RpcReport", "RpcSettings", "run_rpc"]
+
+PATIENCE: Final = 10.0
+"""Seconds that answers may take that are still under way."""
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True, slots=True)
+class RpcSettings:
+    """What to measure.
+
+    Attributes:
+        rounds: how often everything is measured, one after the other.
+        seconds: of each measurement with many requests at a time.
+        requests: of each measurement with one request at a time.
+        clients: connections that ask at a time.
+        depth: requests of each that are unanswered at a time.
+        rate: requests a second of the measurement at a fixed rate.
+    """
+
+    rounds: int = 5
+    seconds: float = 2.0
+    requests: int = 1000
+    clients: int = 8
+    depth: int = 16
+    rate: int = 500
+
+
+class Pipelined(Figures):
+    """Many requests at a time: how many a second, and microseconds of each process for one."""
+
+    per_second: float
+    gateway_us: float
+    adapter_us: float
+    load_us: float
+
+
+class RpcReport(Figures):
+    """What was measured, as medians of the rounds; times in microseconds."""
+
+    bench: Literal["rpc"] = "rpc"
+    conditions: Conditions
+    rounds: int
+    clients: int
+    depth: int
+    rate: int
+    tcp: Waits
+    echo: Waits
+    echo_uvloop: Waits
+    query: Waits
+    pipelined: Pipelined
+    open_loop: Waits
+    ratio: float
+    ratio_uvloop: float
+
+    def __str__(self) -> str:
+        waits = [
+            ("raw TCP echo", self.tcp),
+            ("websockets echo", self.echo),
+            ("websockets echo, uvloop", self.echo_uvloop),
+            ("query through the gateway", self.query),
+            (f"the same, {self.rate} a second whatever happens", self.open_loop),
+        ]
+        many = self.pipelined
+        return "\n".join(
+            (
+                f"{self.conditions}\nmedians of {self.rounds} rounds",
+                "",
+                table(
+                    ("one at a time", "p50 us", "p95 us", "p99 us"),
+                    [(name, f"{w.p50:.0f}", f"{w.p95:.0f}", f"{w.p99:.0f}") for name, w in waits],
+                ),
+                "",
+                f"query / echo, p50, median of the rounds: {self.ratio:.2f} (uvloop's echo: {self.ratio_uvloop:.2f})",
+                f"pipelined, {self.clients} clients x {self.depth}: {many.per_second:.0f} queries a second; "
+                f"CPU of each: gateway {many.gateway_us:.0f} us, "
+                f"adapter {many.adapter_us:.0f} us, load {many.load_us:.0f} us",
+            )
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class _Round:
+    tcp: Waits
+    echo: Waits
+    echo_uvloop: Waits
+    query: Waits
+    pipelined: Pipelined
+    open_loop: Waits
+
+
+def _query(number: int) -> bytes:
+    return request(number, "rois.query.query", query_type="level", condition=f"component_ref = '{COMPONENT}'")
+
+
+async def run_rpc(settings: RpcSettings, progress: Progress) -> RpcReport:
+    """Measure and return the report.
+
+    Raises:
+        BenchFailed: something that is measured did not do what it should.
+    """
+    before = load()
+    async with AsyncExitStack() as stack:
+        deployment = await stack.enter_async_context(deployed())
+        floors = [
+            await stack.enter_async_context(child("-m", "openrois.bench.echo", *loop)) for loop in ((), ("uvloop",))
+        ]
+        ports = [tuple(int(port) for port in floor.said.split()) for floor in floors]
+        rounds = []
+        for number in range(settings.rounds):
+            rounds.append(await _round(settings, deployment, ports))
+            progress(f"round {number + 1} of {settings.rounds}: {rounds[-1].pipelined.per_second:.0f} queries a second")
+    return _report(settings, conditions(before), rounds)
+
+
+async def _round(settings: RpcSettings, deployment: Deployment, ports: Sequence[tuple[int, ...]]) -> _Round:
+    (tcp, echo), (_, echo_uvloop) = ports
+    return _Round(
+        tcp=await _tcp(tcp, settings.requests),
+        echo=await _sequential(f"ws://127.0.0.1:{echo}/", settings.requests),
+        echo_uvloop=await _sequential(f"ws://127.0.0.1:{echo_uvloop}/", settings.requests),
+        query=await _sequential(deployment.door.url.replace("http", "ws", 1), settings.requests),
+        pipelined=await _pipelined(settings, deployment),
+        open_loop=await _open_loop(settings, deployment),
+    )
+
+
+async def _timed(ask: Callable[[int], Awaitable[object]], count: int) -> Waits:
+    """Ask one at a time; the first tenth warms up."""
+    waits: list[float] = []
+    for number in range(count + count // 10):
+        began = time.perf_counter()
+        await ask(number)
+        waits.append(time.perf_counter() - began)
+    return Waits.of(waits[count // 10 :])
+
+
+async def _tcp(port: int, count: int) -> Waits:
+    reader, writer = await asyncio.open_connection("127.0.0.1", port)
+    try:
+
+        async def ask(number: int) -> None:
+            text = _query(number)
+            writer.write(text)
+            await reader.readexactly(len(text))
+
+        return await _timed(ask, count)
+    finally:
+        writer.close()
+
+
+async def _sequential(url: str, count: int) -> Waits:
+    async with connect(url, compression=None, proxy=None) as connection:
+
+        async def ask(number: int) -> None:
+            await connection.send(_query(number).decode())
+            answer = f'"id":{number}'
+            while answer not in (await connection.recv(decode=True)).replace(" ", ""):
+                pass
+
+        return await _timed(ask, count)
+
+
+async def _pipelined(settings: RpcSettings, deployment: Deployment) -> Pipelined:
+    """Keep `depth` requests of each client unanswered: each answer makes room for the next request."""
+    answered, asked_for = 0, settings.clients * settings.depth
+    running, complete = True, asyncio.Event()
+
+    def asking(application: Application) -> Callable[[bytes], None]:
+        number = settings.depth
+
+        def take(_message: bytes) -> None:
+            nonlocal answered, asked_for, number
+            answered += 1
+            if running:
+                number += 1
+                asked_for += 1
+                application.send(_query(number))
+            elif answered == asked_for:
+                complete.set()
+
+        return take
+
+    processes = (deployment.gateway, deployment.adapter)
+    async with applications(deployment.door, settings.clients) as asked:
+        for application in asked:
+            application.on_message = asking(application)
+            for number in range(settings.depth):
+                application.send(_query(number))
+        await asyncio.sleep(settings.seconds / 5)
+        began, before, own, first = time.perf_counter(), [p.cpu() for p in processes], own_cpu(), answered
+        await asyncio.sleep(settings.seconds)
+        took, after, own_after, last = time.perf_counter() - began, [p.cpu() for p in processes], own_cpu(), answered
+        running = False
+        async with within(PATIENCE, "the last answers"):
+            await complete.wait()
+    count = max(last - first, 1)
+    gateway, adapter = ((b - a) / count * 1e6 for a, b in zip(before, after, strict=True))
+    return Pipelined(
+        per_second=count / took, gateway_us=gateway, adapter_us=adapter, load_us=(own_after - own) / count * 1e6
+    )
+
+
+async def _open_loop(settings: RpcSettings, deployment: Deployment) -> Waits:
+    """Ask at a fixed rate, however long answers take, and count each wait from when its question was due."""
+    due: list[float] = []
+    waits: list[float] = []
+    count, complete = int(settings.rate * settings.seconds), asyncio.Event()
+
+    def take(message: bytes) -> None:
+        at = message.index(b'"id":') + 5
+        number = int(message[at : message.index(b",", at)])
+        waits.append(time.perf_counter() - due[number])
+        if len(waits) == count:
+            complete.set()
+
+    async with applications(deployment.door, settings.clients) as asked:
+        for application in asked:
+            application.on_message = take
+        began = time.perf_counter()
+        for number in range(count):
+            due.append(began + number / settings.rate)
+            if (early := due[-1] - time.perf_counter()) > 0:
+                await asyncio.sleep(early)
+            asked[number % len(asked)].send(_query(number))
+        async with within(PATIENCE, "the last answers"):
+            await complete.wait()
+    return Waits.of(waits)
+
+
+def _report(settings: RpcSettings, found: Conditions, rounds: Sequence[_Round]) -> RpcReport:
+    many = [each.pipelined for each in rounds]
+    return RpcReport(
+        conditions=found,
+        rounds=settings.rounds,
+        clients=settings.clients,
+        depth=settings.depth,
+        rate=settings.rate,
+        tcp=Waits.median([each.tcp for each in rounds]),
+        echo=Waits.median([each.echo for each in rounds]),
+        echo_uvloop=Waits.median([each.echo_uvloop for each in rounds]),
+        query=Waits.median([each.query for each in rounds]),
+        open_loop=Waits.median([each.open_loop for each in rounds]),
+        pipelined=Pipelined(
+            per_second=median([each.per_second for each in many]),
+            gateway_us=median([each.gateway_us for each in many]),
+            adapter_us=median([each.adapter_us for each in many]),
+            load_us=median([each.load_us for each in many]),
+        ),
+        ratio=median([each.query.p50 / each.echo.p50 for each in rounds]),
+        ratio_uvloop=median([each.query.p50 / each.echo_uvloop.p50 for each in rounds]),
+    )

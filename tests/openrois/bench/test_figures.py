@@ -1,0 +1,13 @@
+from openrois.bench.figures import Waits, median
+
+
+def test_waits_are_summed_up_in_microseconds() -> None:
+    waits = Waits.of([number / 1000 for number in range(100, 0, -1)])
+    assert (waits.count, waits.p50, waits.p95, waits.p99) == (100, 50_000, 95_000, 99_000)
+    assert Waits.of([0.001]).p99 == 1000
+
+
+def test_the_median_over_rounds_is_that_of_each_figure() -> None:
+    rounds = [Waits(count=10, p50=p50, p95=p95, p99=30) for p50, p95 in ((1, 9), (2, 7), (9, 8))]
+    assert Waits.median(rounds) == Waits(count=30, p50=2, p95=8, p99=30)
+    assert median([1, 2]) == 1.5

@@ -1,0 +1,27 @@
+"""The benches of the gateway with real processes, as short as they can be: what they say is for a quiet machine."""
+
+import json
+from pathlib import Path
+
+import pytest
+from openrois_avatar.bench import command
+
+
+def test_rpc_measures_gateway_and_floor(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "rpc.json"
+    assert command.main(["rpc", "--rounds", "1", "--seconds", "0.2", "--json", str(file)]) == 0
+    assert "query through the gateway" in capsys.readouterr().out
+    figures = json.loads(file.read_text())
+    assert figures["bench"] == "rpc"
+    assert figures["tcp"]["p50"] < figures["query"]["p50"]
+    assert figures["pipelined"]["per_second"] > 0
+
+
+def test_events_reach_everybody(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "events.json"
+    asked = ["events", "--rounds", "1", "--seconds", "0.2", "--clients", "3", "--json", str(file)]
+    assert command.main(asked) == 0
+    assert "deliveries a second" in capsys.readouterr().out
+    figures = json.loads(file.read_text())
+    assert figures["bench"] == "events"
+    assert 0 < figures["first"]["p50"] <= figures["last"]["p50"]
