@@ -24,6 +24,7 @@ from openrois.contract import (
 from openrois.errors import BadParameter, NotResponding, TimedOut, Unsupported
 from openrois.faults import FaultMint
 from openrois.listeners import Listeners
+from openrois.lost_components import LostComponents
 from openrois.types.codes import ErrorType
 from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIEngineProfile, RoISIdentifier
@@ -60,6 +61,7 @@ class Engine:
         engine_id: the engine's name in its tree.
         faults: who is told of the faults of the engine and of every bus attached to it.
         on_fault: the engine that this one is attached to is told, too.
+        lost: components whose bus went without a word.
     """
 
     def __init__(self, engine_id: str) -> None:
@@ -68,6 +70,7 @@ class Engine:
         self.engine_id = engine_id
         self.faults: Listeners[Fault] = Listeners()
         self.on_fault: OnFault = ignore_fault
+        self.lost = LostComponents()
         self._children: list[_Child] = []
         self._routes: dict[str, ComponentBus] = {}
         self._subscriptions: dict[str, _Subscription] = {}
@@ -110,11 +113,21 @@ class Engine:
             child.directory = directory
             self._changed()
 
-    def detach(self, bus: ComponentBus) -> None:
-        """Take a bus away and tell the listeners; a bus that is not attached is ignored."""
-        remaining = [child for child in self._children if child.bus is not bus]
-        if len(remaining) < len(self._children):
-            self._children = remaining
+    def detach(self, bus: ComponentBus, *, lost: str = "") -> None:
+        """Take a bus away and tell the listeners; a bus that is not attached is ignored.
+
+        Args:
+            bus: what to take away.
+            lost: why, where it went without a word: whoever works with one of its components is told that it does not
+                respond, and until it is back its components count as failing.
+        """
+        leaving = [child for child in self._children if child.bus is bus]
+        if leaving:
+            gone = leaving[0].directory.profile.component_refs() if lost else ()
+            self.lost.lose(gone)
+            for fault in self._mint.make_each(ErrorType.COMPONENT_NOT_RESPONDING, gone, lost) if lost else ():
+                self._tell(fault)
+            self._children.remove(leaving[0])
             if isinstance(bus, FaultSource):
                 bus.on_fault = ignore_fault
             self._changed()
@@ -156,6 +169,7 @@ class Engine:
 
     def _changed(self) -> None:
         self._directory = self._merge()
+        self.lost.found(self._directory.component_profiles)
         self._routes = {
             engine_id: child.bus for child in self._children for engine_id in child.directory.profile.engine_ids()
         }

@@ -2,7 +2,7 @@
 
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Final
 
 from openrois.contract import Fault
@@ -54,6 +54,16 @@ class FaultMint:
         if not self._limit.admits():
             self._untold.note(description[:200])
             return None
+        return self._new(error_type, component_ref, description)
+
+    def make_each(self, error_type: ErrorType, component_refs: Iterable[str], description: str) -> tuple[Fault, ...]:
+        """Return a fault of each component, or none where there are too many; what befell all at once counts as one."""
+        if not self._limit.admits():
+            self._untold.note(description[:200])
+            return ()
+        return tuple(self._new(error_type, ref, description) for ref in component_refs)
+
+    def _new(self, error_type: ErrorType, component_ref: str, description: str) -> Fault:
         return Fault(
             error_id=new_id(self._engine_id),
             error_type=error_type,

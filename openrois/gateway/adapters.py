@@ -14,6 +14,9 @@ __all__ = ["serve_adapter"]
 
 _log = logging.getLogger(__name__)
 
+_FAREWELLS: Final = frozenset({1000, 1001, 1005, 1008, 1012})
+"""Close codes after which nobody is missed: the adapter took its leave, was refused, or the gateway itself stops."""
+
 CHANGE_PAUSE: Final = 0.1
 """Seconds between two looks at one adapter's profile: every application hears of each, and asks again."""
 
@@ -35,13 +38,16 @@ async def serve_adapter(host: EngineHost, stream: MessageStream, answer_timeout:
     session.notifications = proxy.notifications()
     engine = host.engine
     attaching = host.tasks.start(_keep_attached(host, session, proxy, changed))
+    closed = StreamClosed(1006)
     try:
-        return await session.run()
+        closed = await session.run()
+        return closed
     finally:
         if not attaching.done():
-            _log.info("%s left", ", ".join(proxy.engine_ids) or "an adapter that told no profile")
+            _log.info("%s left: %s", ", ".join(proxy.engine_ids) or "an adapter that told no profile", closed)
         attaching.cancel()
-        engine.detach(proxy)
+        well = closed.code in _FAREWELLS
+        engine.detach(proxy, lost="" if well else f"the connection to its engine has ended: {closed}")
         proxy.lost("the connection to the engine has ended")
         host.leases.keep_only(set(engine.directory.component_profiles))
 

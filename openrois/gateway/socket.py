@@ -4,7 +4,7 @@ import asyncio
 from dataclasses import dataclass
 from typing import Final
 
-from aiohttp import WSCloseCode, WSMsgType, web
+from aiohttp import WebSocketError, WSCloseCode, WSMessage, WSMsgType, web
 
 from openrois.transport.stream import StreamClosed, close_reason
 
@@ -26,10 +26,11 @@ class SocketProfile:
     ping_timeout: float
 
 
-APPLICATION: Final = SocketProfile(max_message=64 << 10, ping_interval=5.0, ping_timeout=5.0)
-ADAPTER: Final = SocketProfile(max_message=1 << 20, ping_interval=2.0, ping_timeout=3.0)
+APPLICATION: Final = SocketProfile(max_message=64 << 10, ping_interval=4.0, ping_timeout=5.0)
+ADAPTER: Final = SocketProfile(max_message=1 << 20, ping_interval=1.5, ping_timeout=3.0)
 
 _CLOSE_TIMEOUT: Final = 1.0
+_NO_CODE: Final = 1005
 
 
 class ServerSocket:
@@ -44,6 +45,7 @@ class ServerSocket:
         self._profile = profile
         self._heard = asyncio.Event()
         self._reading = False
+        self._ended: StreamClosed | None = None
 
     async def prepare(self) -> None:
         """Answer the upgrade."""
@@ -80,7 +82,15 @@ class ServerSocket:
                 await self.close(WSCloseCode.UNSUPPORTED_DATA, "text messages only")
                 raise StreamClosed(WSCloseCode.UNSUPPORTED_DATA, "text messages only")
             elif message.type is not WSMsgType.PONG:
-                raise StreamClosed(self.response.close_code or 1006, str(message.extra or ""))
+                raise self._closed_by(message)
+
+    def _closed_by(self, message: WSMessage) -> StreamClosed:
+        """Return how the connection ended; aiohttp takes one that broke for one that was closed in good order."""
+        if message.type is WSMsgType.CLOSE:
+            return StreamClosed(message.data or _NO_CODE, str(message.extra or ""))
+        if isinstance(message.data, WebSocketError):
+            return StreamClosed(message.data.code, str(message.data))
+        return self._ended or StreamClosed(1006)
 
     async def send(self, text: str) -> None:
         """Send one text message; waits while the other side is slow."""
@@ -91,6 +101,7 @@ class ServerSocket:
 
     async def close(self, code: int = 1000, reason: str = "") -> None:
         """Close with the closing handshake, for at most a second, then cut."""
+        self._ended = self._ended or StreamClosed(code, reason)
         try:
             # The close frame itself waits for a side that does not read.
             async with asyncio.timeout(_CLOSE_TIMEOUT):

@@ -9,11 +9,15 @@ from openrois.interfaces import stream
 from openrois.interfaces.operation import operation
 from openrois.interfaces.selection import COMPONENT_PROPERTIES, the_one
 from openrois.jsonrpc.session import Handler
+from openrois.types.codes import ComponentStatus
 from openrois.types.messages import QueryParams, Result, ResultsResult
 
 __all__ = ["methods"]
 
 _STREAM_STATUS: Final = "get_stream_status"
+_COMPONENT_STATUS: Final = "component_status"
+_FAILING: Final = Result(name="status", data_type_ref="Component_Status", value=ComponentStatus.ERROR.value)
+"""What is said of a component whose engine went away without a word: nobody else is there to say it."""
 
 
 def methods(app: ApplicationSession) -> dict[str, Handler]:
@@ -23,6 +27,8 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
         name = params.query_type
         properties = COMPONENT_PROPERTIES | {"stream_id"} if name == _STREAM_STATUS else COMPONENT_PROPERTIES
         condition = parse_condition(params.condition, properties)
+        if name == _COMPONENT_STATUS and condition.value_of("component_ref") in app.engine.lost:
+            return ResultsResult(results=(_FAILING,))
         component_ref = the_one(app.engine, condition.without("stream_id"), lambda profile: profile.has_query(name))
         if name == _STREAM_STATUS and stream.has_streams(app, component_ref):
             return ResultsResult(results=await _stream_status(app, component_ref, condition))

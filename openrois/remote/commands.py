@@ -1,12 +1,17 @@
 """Commands that run in a remote engine, until the other side has said how each of them ended."""
 
 import asyncio
+import logging
 from typing import Any
 
+from openrois.logs import Tally
 from openrois.types.codes import CompletedStatus
 from openrois.types.messages import Completed
 
 __all__ = ["RemoteCommand", "RemoteCommands"]
+
+
+_log = logging.getLogger(__name__)
 
 
 class RemoteCommand:
@@ -28,9 +33,14 @@ class RemoteCommand:
 
 
 class RemoteCommands:
-    """The commands of one connection that have not ended, by the id that the other side knows them by."""
+    """The commands of one connection that have not ended, by the id that the other side knows them by.
+
+    Attributes:
+        strays: ends that came for none of them: late, twice or invented. They change nothing.
+    """
 
     def __init__(self) -> None:
+        self.strays = Tally(_log, "ends of commands that nobody waits for")
         self._running: dict[str, RemoteCommand] = {}
 
     def __contains__(self, command_id: str) -> bool:
@@ -51,7 +61,9 @@ class RemoteCommands:
         """Take how a command ended; one that nobody waits for is passed over."""
         completed = Completed.model_validate(params)
         command = self._running.get(completed.command_id)
-        if command is not None:
+        if command is None:
+            self.strays.note(completed.command_id[:80])
+        else:
             command.end(completed.status)
 
     def take_reason(self, command_id: str, reason: str) -> None:

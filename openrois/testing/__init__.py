@@ -1,4 +1,4 @@
-"""Testing for those who write adapters: a harness in memory, a whole process, and the contract of every component.
+"""Testing for those who write adapters: a harness in memory, a whole process, a bad connection, and a contract.
 
     from openrois.testing import ComponentContract, harness
 
@@ -8,5 +8,16 @@ Nothing here needs a test runner; `ComponentContract` is made for pytest and wor
 from openrois.testing.contract import ComponentContract, Finding, findings
 from openrois.testing.memory import MemoryGateway, harness, memory_gateway
 from openrois.testing.process import launched
+from openrois.testing.relay import FaultRelay, Weather
 
-__all__ = ["ComponentContract", "Finding", "MemoryGateway", "findings", "harness", "launched", "memory_gateway"]
+__all__ = [
+    "ComponentContract",
+    "FaultRelay",
+    "Finding",
+    "MemoryGateway",
+    "Weather",
+    "findings",
+    "harness",
+    "launched",
+    "memory_gateway",
+]

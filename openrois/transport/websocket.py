@@ -1,5 +1,6 @@
 """The dialling side of a WebSocket as a message stream, on the `websockets` library."""
 
+import asyncio
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from types import MappingProxyType
@@ -19,7 +20,8 @@ NO_HEADERS: Final[Mapping[str, str]] = MappingProxyType({})
 
 OPEN_TIMEOUT: Final = 10.0
 _CLOSE_TIMEOUT: Final = 1.0
-_PING_INTERVAL: Final = 5.0
+_GOING_AWAY: Final = 1001
+_PING_INTERVAL: Final = 4.0
 _PING_TIMEOUT: Final = 5.0
 
 
@@ -89,4 +91,9 @@ async def dial(
         ping_timeout=_PING_TIMEOUT,
         proxy=None,
     ) as connection:
-        yield WebSocketStream(connection)
+        try:
+            yield WebSocketStream(connection)
+        except asyncio.CancelledError:
+            # Whoever is told to stop takes its leave; the library would call it an internal error.
+            await connection.close(_GOING_AWAY)
+            raise

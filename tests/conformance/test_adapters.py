@@ -83,7 +83,7 @@ class TestProfiles:
             await attached(gateway)
         await deployment.until(gateway.engine, lambda ids: ids == ("gateway", "robot"))
         told = [record.getMessage() for record in caplog.records if record.name == "openrois.gateway.adapters"]
-        assert told[-2:] == ["attached plain", "plain left"]
+        assert told[-2:] == ["attached plain", "plain left: closed with 1000"]
 
     async def test_many_changes_at_once_are_two(self) -> None:
         may_go_on, looks = asyncio.Event(), 0

@@ -283,6 +283,47 @@ class TestNotResponding:
         robot.streams.may_answer.set()
 
 
+class TestLostAdapters:
+    async def test_those_who_work_with_one_are_told_and_its_components_count_as_failing(
+        self, gateway: Gateway, stack: AsyncExitStack
+    ) -> None:
+        plain = await stack.enter_async_context(plain_adapter(gateway))
+        await attached(gateway)
+        app = await stack.enter_async_context(deployment.application(gateway))
+        stranger = await stack.enter_async_context(deployment.application(gateway))
+        await stranger.code("rois.system.connect")
+        await app.code("rois.command.bind", component_ref=TOY)
+        plain.hold_completed = True
+        await execute(app, TOY, "start")
+        plain.socket.transport.abort()
+        assert await app.completed("c") == {"c": "ERROR"}
+        told = await app.next("rois.system.notify_error")
+        assert told["error_type"] == "COMPONENT_NOT_RESPONDING"
+        assert (await details(app, told["error_id"]))["component_ref"] == TOY
+        await app.next("rois.system.profile_changed")
+        assert await app.settled() == []
+        assert await stranger.settled() == ["rois.system.profile_changed"]
+        status = await app.ask("rois.query.query", query_type="component_status", condition=f"component_ref = '{TOY}'")
+        assert [each["value"] for each in status["results"]] == ["ERROR"]
+        assert await app.code("rois.command.bind", component_ref=TOY) == "UNSUPPORTED"
+        await stack.enter_async_context(plain_adapter(gateway))
+        await attached(gateway)
+        mood = {"query_type": "component_status", "condition": f"component_ref = '{TOY}'"}
+        assert await app.code("rois.query.query", **mood) == "UNSUPPORTED"
+        assert await app.code("rois.command.bind", component_ref=TOY) == "OK"
+
+    async def test_one_that_takes_its_leave_is_no_fault(self, gateway: Gateway, stack: AsyncExitStack) -> None:
+        plain = await stack.enter_async_context(plain_adapter(gateway))
+        await attached(gateway)
+        app = await stack.enter_async_context(deployment.application(gateway))
+        await app.code("rois.command.bind", component_ref=TOY)
+        await plain.socket.close()
+        await app.next("rois.system.profile_changed")
+        assert await app.settled() == []
+        mood = {"query_type": "component_status", "condition": f"component_ref = '{TOY}'"}
+        assert await app.code("rois.query.query", **mood) == "UNSUPPORTED"
+
+
 class TestEngines:
     @pytest.fixture
     async def failing(self, gateway: Gateway, monkeypatch: pytest.MonkeyPatch) -> None:

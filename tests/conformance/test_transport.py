@@ -342,4 +342,4 @@ class TestPings:
 
 
 async def test_the_default_bounds() -> None:
-    assert (APPLICATION.max_message, APPLICATION.ping_interval, APPLICATION.ping_timeout) == (64 * KIB, 5, 5)
+    assert (APPLICATION.max_message, APPLICATION.ping_interval, APPLICATION.ping_timeout) == (64 * KIB, 4, 5)

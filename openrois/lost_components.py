@@ -1,0 +1,36 @@
+"""Components whose engine went away without a word: as long as they are not back they count as failing."""
+
+from collections.abc import Iterable
+from typing import Final
+
+__all__ = ["LostComponents"]
+
+MAX_LOST: Final = 4096
+"""Components that are remembered; of more the one that was lost first is forgotten."""
+
+
+class LostComponents:
+    """The references of what was lost and is not back."""
+
+    def __init__(self, most: int = MAX_LOST) -> None:
+        self._most = most
+        self._refs: dict[str, None] = {}
+
+    def __contains__(self, component_ref: object) -> bool:
+        return component_ref in self._refs
+
+    def __len__(self) -> int:
+        return len(self._refs)
+
+    def lose(self, component_refs: Iterable[str]) -> None:
+        """Note components that are gone."""
+        for ref in component_refs:
+            self._refs.pop(ref, None)
+            self._refs[ref] = None
+        while len(self._refs) > self._most:
+            del self._refs[next(iter(self._refs))]
+
+    def found(self, component_refs: Iterable[str]) -> None:
+        """Forget those that are there."""
+        for ref in component_refs:
+            self._refs.pop(ref, None)
