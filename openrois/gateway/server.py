@@ -12,6 +12,7 @@ from urllib.parse import urlsplit
 from aiohttp import WSCloseCode, web
 
 from openrois.application import EngineHost
+from openrois.audit import Audit
 from openrois.engine import Engine
 from openrois.gateway.adapters import serve_adapter
 from openrois.gateway.applications import serve_application
@@ -64,7 +65,8 @@ async def run_gateway(
     """
     async with TaskScope() as tasks, AsyncExitStack() as stack:
         ice = IceServers(settings.ice_servers, settings.turn, settings.turn_secret, settings.turn_ttl, time.time)
-        host = EngineHost(Engine(settings.engine_id), tasks, ice_servers=ice.servers, ice_ttl=ice.ttl)
+        audit = stack.enter_context(Audit(settings.audit_file))
+        host = EngineHost(Engine(settings.engine_id), tasks, ice_servers=ice.servers, ice_ttl=ice.ttl, audit=audit)
         server = _Server(host, settings.adapter_timeout, application, adapter)
         runner = web.AppRunner(server.app, access_log=None, shutdown_timeout=_SHUTDOWN_TIMEOUT)
         await runner.setup()

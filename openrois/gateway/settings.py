@@ -1,12 +1,15 @@
-"""What can be set on a gateway."""
+"""What can be set on a gateway: one model for each group of settings, and each setting in one of them only."""
 
-from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, ClassVar, Final, Self
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from openrois.gateway.loopback import is_loopback
 from openrois.jsonrpc.session import CALL_TIMEOUT
 from openrois.types.references import flaw_of_name
 
-__all__ = ["SECRET_LENGTH", "GatewaySettings"]
+__all__ = ["GROUPS", "SECRET_LENGTH", "GatewaySettings", "SettingsGroup", "setting"]
 
 SECRET_LENGTH = 16
 """Characters that a secret has at least; who guesses it relays over the server at will."""
@@ -14,34 +17,43 @@ SECRET_LENGTH = 16
 _URL_LIMIT = 512
 
 
-@dataclass(frozen=True, slots=True)
-class GatewaySettings:
-    """The settings of one gateway.
+def setting(default: Any, meaning: str, *, metavar: str = "", secret: bool = False) -> Any:
+    """Return a field that becomes a key of the configuration file, a variable of the environment and an option.
+
+    Args:
+        default: what holds unless it is set.
+        meaning: one line for people, without a full stop.
+        metavar: what stands for the value in the help.
+        secret: it comes only from a file, which `<name>_file` names, and is never shown.
+    """
+    extra: dict[str, Any] = {"metavar": metavar, "secret": secret}
+    return Field(default, description=meaning, repr=not secret, json_schema_extra=extra)
+
+
+class SettingsGroup(BaseModel):
+    """Settings that belong together: a table of the configuration file.
 
     Attributes:
-        host: the address to listen on. Only loopback addresses are accepted: there is no authentication yet.
-        port: the TCP port, 0 for any free one.
-        engine_id: the gateway's own id in references and profiles.
-        ice_servers: STUN addresses (`stun:host:port`) that both ends of every stream use.
-        turn: TURN addresses (`turn:host:port`, `turns:host:port`) whose server knows `turn_secret`.
-        turn_secret: what it makes short-lived credentials with (coturn's `static-auth-secret`).
-        turn_ttl: seconds for which credentials hold.
-        adapter_timeout: seconds that an adapter has for each answer.
-
-    Raises:
-        ValueError: one of them cannot be used; the message says why.
+        table: its name there.
     """
 
-    host: str = "127.0.0.1"
-    port: int = 8765
-    engine_id: str = "gateway"
-    ice_servers: tuple[str, ...] = ()
-    turn: tuple[str, ...] = ()
-    turn_secret: str = field(default="", repr=False)
-    turn_ttl: int = 600
-    adapter_timeout: float = CALL_TIMEOUT
+    # What was refused may be a secret.
+    model_config = ConfigDict(frozen=True, extra="forbid", hide_input_in_errors=True, allow_inf_nan=False)
 
-    def __post_init__(self) -> None:
+    table: ClassVar[str] = ""
+
+
+class Listening(SettingsGroup):
+    """Where the gateway is found, and its name."""
+
+    table: ClassVar[str] = "listen"
+
+    host: str = setting("127.0.0.1", "loopback address to listen on")
+    port: int = setting(8765, "TCP port, 0 for any free one")
+    engine_id: str = setting("gateway", "the gateway's own id in references and profiles", metavar="ID")
+
+    @model_validator(mode="after")
+    def _check_listening(self) -> Self:
         if not is_loopback(self.host):
             raise ValueError(
                 f"the gateway listens on loopback addresses only, and {self.host!r} is none: "
@@ -51,23 +63,69 @@ class GatewaySettings:
             raise ValueError(f"{self.port} is no TCP port")
         if flaw := flaw_of_name(self.engine_id):
             raise ValueError(f"{self.engine_id!r} is no engine id: {flaw}")
+        return self
+
+
+class Streams(SettingsGroup):
+    """What both ends of every stream use to find each other."""
+
+    table: ClassVar[str] = "streams"
+
+    ice_servers: tuple[str, ...] = setting((), "a STUN server for streams, stun:HOST:PORT", metavar="URL")
+    turn: tuple[str, ...] = setting((), "a TURN server for streams, turn:HOST:PORT or turns:HOST:PORT", metavar="URL")
+    turn_secret: str = setting("", "what the TURN server's credentials are made with", secret=True)
+    turn_ttl: int = setting(600, "how long each credential for the TURN server holds", metavar="SECONDS")
+
+    @model_validator(mode="after")
+    def _check_streams(self) -> Self:
         for url in self.ice_servers:
             if not url.startswith("stun:") or not _is_url(url):
                 raise ValueError(f"{url[:80]!r} is no address of a STUN server, such as stun:stun.example.org:3478")
         for url in self.turn:
             if not url.startswith(("turn:", "turns:")) or not _is_url(url):
                 raise ValueError(f"{url[:80]!r} is no address of a TURN server, such as turn:turn.example.org:3478")
-        self._check_turn()
-        if not 0 < self.adapter_timeout < 3600:
-            raise ValueError("an adapter has more than 0 and less than 3600 seconds for an answer")
-
-    def _check_turn(self) -> None:
         if bool(self.turn) != bool(self.turn_secret):
             raise ValueError("a TURN server and the secret that it shares with the gateway are given together")
         if self.turn and len(self.turn_secret) < SECRET_LENGTH:
             raise ValueError(f"the secret of the TURN server has at least {SECRET_LENGTH} characters")
         if not 60 <= self.turn_ttl <= 86400:
             raise ValueError("credentials for the TURN server hold for 60 to 86400 seconds")
+        return self
+
+
+class Adapters(SettingsGroup):
+    """How adapters are treated."""
+
+    table: ClassVar[str] = "adapters"
+
+    adapter_timeout: float = setting(CALL_TIMEOUT, "how long an adapter has for each answer", metavar="SECONDS")
+
+    @model_validator(mode="after")
+    def _check_adapters(self) -> Self:
+        if not 0 < self.adapter_timeout < 3600:
+            raise ValueError("an adapter has more than 0 and less than 3600 seconds for an answer")
+        return self
+
+
+class Operation(SettingsGroup):
+    """What the gateway tells those who operate it."""
+
+    table: ClassVar[str] = "operation"
+
+    verbose: bool = setting(False, "log more")
+    audit_file: Path | None = setting(None, "append who did what and what was refused, as JSON lines", metavar="FILE")
+
+
+class GatewaySettings(Listening, Streams, Adapters, Operation):
+    """The settings of one gateway.
+
+    Raises:
+        ValueError: one of them cannot be used; the message says why.
+    """
+
+
+GROUPS: Final[tuple[type[SettingsGroup], ...]] = (Listening, Streams, Adapters, Operation)
+"""The tables of the configuration file, in its order."""
 
 
 def _is_url(text: str) -> bool:

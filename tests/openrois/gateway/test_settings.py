@@ -42,8 +42,8 @@ def test_not_this_machine(host: str) -> None:
         ({"turn_ttl": 59}, "60 to 86400"),
         ({"turn_ttl": 86401}, "60 to 86400"),
         ({"adapter_timeout": 0}, "seconds"),
-        ({"adapter_timeout": float("nan")}, "seconds"),
-        ({"adapter_timeout": float("inf")}, "seconds"),
+        ({"adapter_timeout": float("nan")}, "finite"),
+        ({"adapter_timeout": float("inf")}, "finite"),
     ],
 )
 def test_what_is_refused(settings: dict[str, Any], words: str) -> None:
