@@ -24,6 +24,7 @@ from openrois.jsonrpc.protocol import Peer, RequestId
 from openrois.leases.holding import Holding
 from openrois.lost_streams import lost_streams
 from openrois.ordering import ReplyFirst
+from openrois.shown import ShownDirectories
 from openrois.stream_parameters import StreamParameters
 from openrois.tasks import TaskScope
 from openrois.types.codes import CompletedStatus, ErrorType, StreamStatus
@@ -36,6 +37,8 @@ from openrois.types.streams import (
     StreamStatusNotification,
     subject_of,
 )
+from openrois.visible_engine import VisibleEngine
+from openrois.withdrawal import Claims, end_streams
 
 __all__ = ["ApplicationSession", "EngineHost"]
 
@@ -52,6 +55,7 @@ class EngineHost:
         engine: the engine that is spoken to.
         tasks: owns the commands; they go on when the application that started them is gone.
         leases: who holds which component.
+        shown: what applications are shown of the engine.
         commands: how many commands are accepted and not finished.
         sleep: waits for some seconds, between the commands of a sequence.
         wall_clock: epoch seconds.
@@ -63,6 +67,7 @@ class EngineHost:
     engine: Engine
     tasks: TaskScope
     leases: Holding = field(default_factory=Holding)
+    shown: ShownDirectories = field(default_factory=ShownDirectories)
     commands: CommandBudget = field(default_factory=CommandBudget)
     sleep: Callable[[float], Awaitable[None]] = asyncio.sleep
     wall_clock: Callable[[], float] = time.time
@@ -86,6 +91,9 @@ class ApplicationSession:
         passes: sees every extension notification on its way to the application, and says whether it goes on.
         left: called when the application has left and its streams and peer connections are over.
         principal: who it is; another one takes its place when it shows a new token.
+
+    Attributes:
+        engine: what the principal is shown of the engine: whatever an application names is looked up there.
     """
 
     def __init__(
@@ -99,12 +107,11 @@ class ApplicationSession:
         principal: Principal = LOCAL,
     ) -> None:
         self.host = host
-        self.engine = host.engine
-        self.principal = principal
+        self.engine = VisibleEngine(host.engine, principal, host.shown)
         self.trusted = trusted
         # A parent speaks for many applications: the share of one is kept where they are known apart.
         self.commands = CommandLog(time.monotonic, host.commands, MAX_UNFINISHED if trusted else MAX_RUNNING)
-        self.events = EventLog(self.engine, notify, wall_clock=host.wall_clock)
+        self.events = EventLog(host.engine, notify, wall_clock=host.wall_clock)
         self.errors = ErrorLog()
         self.bound: set[str] = set()
         self.connected = trusted
@@ -120,10 +127,26 @@ class ApplicationSession:
         self._passes = passes
         self._left = left
         self._stop_listening = self.engine.on_change(self._tree_changed)
-        self._stop_watching = self.engine.faults.add(self._take_fault)
+        self._stop_watching = host.engine.faults.add(self._take_fault)
 
     def _new_client(self) -> Client:
         return Client(self.client_id, self._take_extension_notification)
+
+    @property
+    def principal(self) -> Principal:
+        """Who the application is; one that is put in its place is shown something else, and loses what it is not."""
+        return self.engine.principal
+
+    @principal.setter
+    def principal(self, principal: Principal) -> None:
+        claims = Claims(principal)
+        for component_ref in claims.lost_bindings(tuple(self.bound)):
+            self.give_back(component_ref)
+            self.bound.discard(component_ref)
+        if lost := claims.lost_streams(self.streams):
+            self.host.tasks.start(end_streams(self.host.engine, lost, self.client))
+        self.host.tasks.start(self.events.drop(claims.loses_subscription))
+        self.engine.principal = principal
 
     def may_operate(self, component_ref: str) -> bool:
         """Tell whether this session may change what the component does."""
@@ -149,7 +172,7 @@ class ApplicationSession:
             self._tell_holder(HolderNotification(component_ref=component_ref, holds=False, epoch=epoch))
 
     def _tell_holder(self, told: HolderNotification) -> None:
-        self.host.tasks.start(tell_holder(self.engine, told, self.client))
+        self.host.tasks.start(tell_holder(self.host.engine, told, self.client))
 
     def explain(self, request_id: RequestId, reason: object) -> None:
         """Tell the application why the reply that comes right behind is a refusal, if it would understand that."""
@@ -174,9 +197,10 @@ class ApplicationSession:
         return Peer.notification(told.method, told.model_dump(mode="json"))
 
     def _take_fault(self, fault: Fault) -> None:
-        if not self._is_concerned_by(fault):
+        shown = self.engine.shown_fault(fault) if self._is_concerned_by(fault) else None
+        if shown is None:
             return
-        self.errors.note(fault)
+        self.errors.note(shown)
         told = ErrorNotification(error_id=fault.error_id, error_type=fault.error_type).model_dump(mode="json")
         # Whatever was asked and failed is answered first.
         asyncio.get_running_loop().call_soon(lambda: self._notify("rois.system.notify_error", told, droppable=True))
@@ -193,18 +217,23 @@ class ApplicationSession:
             or component_ref in self.streams.values()
         )
 
-    def _tree_changed(self) -> None:
+    def _tree_changed(self, visibly: bool) -> None:
+        """Let go of what is not shown any more: it has left the tree, or the principal's scope."""
+        shown = self.engine.directory.component_profiles.keys()
         for notice in lost_streams(self.streams, self.engine.directory, self.host.wall_clock()):
             self._deliver(notice.method, notice.model_dump(mode="json"), notice)
-        self.events.keep_only(self.engine.directory.component_profiles.keys())
-        self.bound &= self.engine.directory.component_profiles.keys()
-        self.stream_parameters.keep_only(self.engine.directory.component_profiles.keys())
-        self._notify("rois.system.profile_changed", {})
+        self.events.keep_only(shown)
+        self.bound &= shown
+        self.stream_parameters.keep_only(shown)
+        if visibly:
+            self._notify("rois.system.profile_changed", {})
 
     def _take_extension_notification(self, method: str, params: Mapping[str, Any]) -> None:
         # Read before it waits: a malformed one is the fault of who tells it, not of the call that it waits for.
         is_status = method == StreamStatusNotification.method
         notice = StreamStatusNotification.model_validate(params) if is_status else None
+        if notice is not None and not self.engine.sees(notice.component_ref):
+            return
         self.order.tell(engine_of(subject_of(params)), lambda: self._deliver(method, params, notice))
 
     def _deliver(self, method: str, params: Mapping[str, Any], notice: StreamStatusNotification | None) -> None:
@@ -234,4 +263,5 @@ class ApplicationSession:
         self.closed = True
         self._stop_listening()
         self._stop_watching()
+        self.engine.close()
         await self.leave()

@@ -87,18 +87,21 @@ class CommandLog:
         self._budget.give_back()
         self._finished.put(command_id, _Finished(component_ref, self._clock(), results), results)
 
-    def results(self, command_id: str) -> tuple[Result, ...]:
+    def results(self, command_id: str, sees: Callable[[str], bool] = lambda _component_ref: True) -> tuple[Result, ...]:
         """Return what a command gave: empty while it runs and when it failed.
 
+        Args:
+            command_id: the command.
+            sees: tells whether the component that it is of is in the application's scope, which may have changed.
+
         Raises:
-            BadParameter: no command with this id is remembered.
+            BadParameter: no command with this id is remembered, or its component is out of scope by now.
         """
         finished = self._finished.get(command_id)
-        if finished is not None:
-            return finished.results
-        if command_id not in self._running:
+        component_ref = self._running.get(command_id) if finished is None else finished.component_ref
+        if component_ref is None or not sees(component_ref):
             raise BadParameter(f"there is no command {command_id[:200]!r}")
-        return ()
+        return () if finished is None else finished.results
 
     def has_one_on(self, component_ref: str) -> bool:
         """Tell whether a command runs on the component, or did so until a moment ago."""

@@ -1,5 +1,7 @@
 """The faults that one application was told, and what it may ask about them."""
 
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Final
 
 from openrois.contract import Fault
@@ -12,27 +14,38 @@ __all__ = ["ErrorLog", "error_results"]
 MAX_ERRORS: Final = 256
 
 
+@dataclass(frozen=True, slots=True)
+class _Told:
+    component_ref: str
+    results: tuple[Result, ...]
+
+
 class ErrorLog:
     """Error ids that this application was told: those of others look like ones that do not exist."""
 
     def __init__(self) -> None:
-        self._told: Remembered[tuple[Result, ...]] = Remembered(MAX_ERRORS)
+        self._told: Remembered[_Told] = Remembered(MAX_ERRORS)
 
     def note(self, fault: Fault) -> None:
         """Remember a fault; the oldest of too many is forgotten."""
         results = error_results(fault)
-        self._told.put(fault.error_id, results, results)
+        self._told.put(fault.error_id, _Told(fault.component_ref, results), results)
 
-    def details(self, error_id: str) -> tuple[Result, ...]:
+    def details(self, error_id: str, sees: Callable[[str], bool] = lambda _component_ref: True) -> tuple[Result, ...]:
         """Return what is known of a fault.
 
+        Args:
+            error_id: the fault.
+            sees: tells whether a component is in the application's scope, which may have changed.
+
         Raises:
-            BadParameter: this application was never told of it, or it is forgotten.
+            BadParameter: this application was never told of it, it is forgotten, or its component is out of scope by
+                now.
         """
-        results = self._told.get(error_id)
-        if results is None:
+        told = self._told.get(error_id)
+        if told is None or (told.component_ref and not sees(told.component_ref)):
             raise BadParameter(f"there is no error {error_id[:200]!r}")
-        return results
+        return told.results
 
 
 def error_results(fault: Fault) -> tuple[Result, ...]:

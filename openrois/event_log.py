@@ -42,6 +42,7 @@ class _Subscription:
     event_type: str
     bus_id: str = ""
     open: bool = False
+    dropped: bool = False
     held: deque[Event] = field(default_factory=lambda: deque(maxlen=MAX_HELD))
 
 
@@ -49,6 +50,7 @@ class _Subscription:
 class _Told:
     """What was told, and when, by both clocks."""
 
+    component_ref: str
     results: tuple[Result, ...]
     expire: str
     at: float
@@ -130,18 +132,30 @@ class EventLog:
             if not subscription.bus_id and subscription.component_ref not in component_refs:
                 del self._subscriptions[subscription.subscribe_id]
 
+    def drop(self, is_lost: Callable[[str], bool]) -> Coroutine[Any, Any, None]:
+        """Forget at once the subscriptions to components that are lost to the application; return what ends them."""
+        dropped = [s for s in self._subscriptions.values() if is_lost(s.component_ref)]
+        for subscription in dropped:
+            del self._subscriptions[subscription.subscribe_id]
+            subscription.open, subscription.dropped = False, True
+        return self._end([subscription.bus_id for subscription in dropped if subscription.bus_id])
+
     def listens_to(self, component_ref: str) -> bool:
         """Tell whether there is a subscription to an event of the component."""
         return any(s.open and s.component_ref == component_ref for s in self._subscriptions.values())
 
-    def details(self, event_id: str) -> tuple[Result, ...]:
+    def details(self, event_id: str, sees: Callable[[str], bool] = lambda _component_ref: True) -> tuple[Result, ...]:
         """Return the results of an event that this application was told.
 
+        Args:
+            event_id: the event.
+            sees: tells whether the component that it is of is in the application's scope, which may have changed.
+
         Raises:
-            BadParameter: it was never told, or too long ago.
+            BadParameter: it was never told, or too long ago, or is out of scope by now.
         """
         told = self._details.get(event_id)
-        if told is None or self._is_over(told):
+        if told is None or self._is_over(told) or not sees(told.component_ref):
             raise BadParameter(f"there are no details of an event {event_id[:200]!r}")
         return told.results
 
@@ -173,6 +187,8 @@ class EventLog:
                 self._take(subscription, event)
 
     def _open(self, subscription: _Subscription) -> None:
+        if subscription.dropped:
+            return
         subscription.open = True
         while subscription.held:
             self._tell(subscription, subscription.held.popleft())
@@ -186,7 +202,9 @@ class EventLog:
             subscription.held.append(item)
 
     def _tell(self, subscription: _Subscription, event: Event) -> None:
-        told = _Told(event.results, event.expire[:MAX_DATE_TIME], self._clock(), self._wall_clock())
+        told = _Told(
+            event.component_ref, event.results, event.expire[:MAX_DATE_TIME], self._clock(), self._wall_clock()
+        )
         self._details.put(event.event_id, told, event.results)
         notification = EventNotification(
             event_id=event.event_id,

@@ -12,12 +12,14 @@ from openrois_signaling.methods import InvalidParams as InvalidSignaling
 from openrois_signaling.relay import PEERS_PER_OWNER, Refused, Relay, Upward
 from pydantic import ValidationError
 
+from openrois.access.principal import LOCAL, Principal
 from openrois.application import ApplicationSession, EngineHost
 from openrois.contract import Client
 from openrois.correlation import connection
 from openrois.errors import RoISError
 from openrois.gateway.refusals import note_refusal
 from openrois.interfaces import base_methods, stream_methods
+from openrois.interfaces.enforcement import enforced
 from openrois.interfaces.operation import reply_first
 from openrois.jsonrpc.session import Handler, InvalidParams, Reply, RpcSession
 from openrois.logs import Tally
@@ -31,18 +33,20 @@ _log = logging.getLogger(__name__)
 _TO_APPLICATION: Final = {message.method: message for message in (Offer, Candidate, Bye)}
 
 
-async def serve_application(host: EngineHost, stream: MessageStream) -> StreamClosed:
-    """Serve one application until its connection ends; return why it did."""
+async def serve_application(host: EngineHost, stream: MessageStream, principal: Principal = LOCAL) -> StreamClosed:
+    """Serve one application, which is the principal's, until its connection ends; return why it did."""
     session = RpcSession(stream)
     signaling = _Signaling(host)
-    app = ApplicationSession(host, session.notify, passes=signaling.passes, left=signaling.forget_peers)
+    app = ApplicationSession(
+        host, session.notify, passes=signaling.passes, left=signaling.forget_peers, principal=principal
+    )
     signaling.app = app
     session.on_failure = host.crashed
     session.explain = app.explain
     session.on_refusal = partial(note_refusal, app)
     session.outbox.gap = app.gap
-    session.methods = {**base_methods(app), **stream_methods(app), **signaling.methods()}
-    stop_listening = host.engine.on_change(signaling.tree_changed)
+    session.methods = enforced(app, {**base_methods(app), **stream_methods(app), **signaling.methods()})
+    stop_listening = app.engine.on_change(lambda _visibly: signaling.tree_changed())
     try:
         with connection(app.client_id[:8]):
             return await session.run()
@@ -100,11 +104,13 @@ class _Signaling:
             self._forget(peer_id)
 
     def tree_changed(self) -> None:
-        """Forget the peers of engines that are gone: they can't end them any more."""
+        """Forget the peers of engines that the application is not shown any more; one that is still there ends them."""
         present = self._host.engine.directory.profile.engine_ids()
         for peer_id in tuple(self._peers):
-            if engine_of(peer_id) not in present:
+            if engine_of(peer_id) not in self.app.engine.engine_ids:
                 self._forget(peer_id)
+                if engine_of(peer_id) in present:
+                    self._end(peer_id, "the application may not have it any more")
 
     def methods(self) -> dict[str, Handler]:
         """Return the `signaling.*` methods; whoever calls one gets the extensions' notifications."""

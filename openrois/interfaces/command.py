@@ -29,7 +29,6 @@ from openrois.types.messages import (
     SetParameterParams,
     SetParameterResult,
 )
-from openrois.types.profiles import HRIComponentProfile
 from openrois.types.references import engine_of, new_id
 from openrois.types.streams import STREAM_METHODS
 
@@ -59,12 +58,6 @@ class _Commands:
     def __init__(self, app: ApplicationSession) -> None:
         self._app = app
 
-    def _profile(self, component_ref: str) -> HRIComponentProfile:
-        profile = self._app.engine.directory.component_profiles.get(component_ref)
-        if profile is None:
-            raise Unsupported(f"there is no component {component_ref[:200]!r}")
-        return profile
-
     async def search(self, params: ConditionParams) -> SearchResult:
         condition = parse_condition(params.condition, COMPONENT_PROPERTIES)
         return SearchResult(component_ref_list=tuple(matching(self._app.engine, condition)))
@@ -74,7 +67,7 @@ class _Commands:
         return ReturnResult()
 
     def _bind(self, component_ref: str) -> None:
-        if self._profile(component_ref).function is ComponentFunction.ACTUATION:
+        if self._app.engine.require(component_ref).function is ComponentFunction.ACTUATION:
             self._app.reserve(component_ref)
         self._app.bound.add(component_ref)
         self._acted("rois.command.bind", component_ref)
@@ -95,14 +88,14 @@ class _Commands:
         raise OutOfResources("every component that satisfies the condition is bound by another application")
 
     async def release(self, params: ComponentParams) -> ReturnResult:
-        self._profile(params.component_ref)
+        self._app.engine.require(params.component_ref)
         self._app.give_back(params.component_ref)
         self._app.bound.discard(params.component_ref)
         self._acted("rois.command.release", params.component_ref)
         return ReturnResult()
 
     async def get_parameter(self, params: ComponentParams) -> ParametersResult:
-        self._profile(params.component_ref)
+        self._app.engine.require(params.component_ref)
         return ParametersResult(parameters=await stream.get_parameters(self._app, params.component_ref))
 
     async def set_parameter(self, params: SetParameterParams) -> Reply:
@@ -133,7 +126,7 @@ class _Commands:
         return Reply(ReturnResult(), lambda: self._start(params))
 
     def _check_operable(self, unit: CommandUnit) -> None:
-        profile = self._profile(unit.component_ref)
+        profile = self._app.engine.require(unit.component_ref)
         if unit.command_type == "set_parameter":
             known = bool(profile.parameter_profiles)
         else:
@@ -144,7 +137,7 @@ class _Commands:
             raise OutOfResources(f"{unit.component_ref} has to be bound first")
 
     def _check_arguments(self, unit: CommandUnit) -> None:
-        profile = self._profile(unit.component_ref)
+        profile = self._app.engine.require(unit.component_ref)
         command = profile.command(unit.command_type)
         check_arguments(profile.parameter_profiles if command is None else command.arguments, unit.arguments)
 
@@ -153,7 +146,7 @@ class _Commands:
             raise BadParameter(f"the command_id {command_id[:200]!r} is empty or taken")
         if len(command_id) > MAX_ID:
             raise BadParameter(f"a command_id has at most {MAX_ID} characters")
-        if engine_of(command_id) in self._app.engine.directory.profile.engine_ids() and not self._app.trusted:
+        if engine_of(command_id) in self._app.engine.engine_ids and not self._app.trusted:
             raise BadParameter("a command_id cannot begin with the id of an engine and a slash")
         seen.add(command_id)
 
@@ -188,6 +181,8 @@ class _Commands:
         return status
 
     async def _outcome(self, unit: CommandUnit) -> tuple[Result, ...]:
+        if not self._app.principal.may_call("rois.command.execute"):
+            raise Unsupported("the application may not run commands any more")
         if self._app.is_barred_from(unit.component_ref):
             # It was accepted while the component was this application's, and its turn came later.
             reason = f"{unit.component_ref} is bound by another application by now"
@@ -210,4 +205,4 @@ class _Commands:
     async def get_command_result(self, params: CommandResultParams) -> ResultsResult:
         if params.condition:
             raise BadParameter("the condition of get_command_result is empty")
-        return ResultsResult(results=self._app.commands.results(params.command_id))
+        return ResultsResult(results=self._app.commands.results(params.command_id, self._app.engine.sees))

@@ -4,9 +4,9 @@ from collections.abc import Callable
 from typing import Final
 
 from openrois.condition import Condition
-from openrois.engine import Engine
 from openrois.errors import BadParameter, Unsupported
 from openrois.types.profiles import HRIComponentProfile
+from openrois.visible_engine import VisibleEngine
 
 __all__ = ["COMPONENT_PROPERTIES", "matching", "the_one"]
 
@@ -14,7 +14,7 @@ COMPONENT_PROPERTIES: Final = frozenset({"component_ref", "component_type"})
 """The properties of a component that a condition can ask for; `component_type` is the full URN."""
 
 
-def matching(engine: Engine, condition: Condition) -> list[str]:
+def matching(engine: VisibleEngine, condition: Condition) -> list[str]:
     """Return the refs of the components that satisfy a condition, in the order of the profile."""
     return [
         ref
@@ -23,7 +23,7 @@ def matching(engine: Engine, condition: Condition) -> list[str]:
     ]
 
 
-def the_one(engine: Engine, condition: Condition, declares: Callable[[HRIComponentProfile], bool]) -> str:
+def the_one(engine: VisibleEngine, condition: Condition, declares: Callable[[HRIComponentProfile], bool]) -> str:
     """Return the ref of the only component that satisfies a condition and declares a message.
 
     Raises:

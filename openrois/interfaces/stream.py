@@ -10,7 +10,6 @@ from typing import Any, Final, TypeVar
 from pydantic import ValidationError
 
 from openrois.application import ApplicationSession
-from openrois.engine import leads_to
 from openrois.errors import (
     Aborted,
     BadParameter,
@@ -105,8 +104,7 @@ async def connect_stream(app: ApplicationSession, component_ref: str, parameters
         Aborted: the application has left.
         RoISError: the engine refused.
     """
-    if component_ref not in app.engine.directory.component_profiles:
-        raise Unsupported(f"there is no component {component_ref[:200]!r}")
+    app.engine.require(component_ref)
     if app.closed:
         raise Aborted("the application is gone")
     if len(app.streams) + app.connecting >= MAX_STREAMS:
@@ -128,7 +126,7 @@ async def connect_stream(app: ApplicationSession, component_ref: str, parameters
         # It left while the stream was made, and has been forgotten already: that has to be said again.
         await app.engine.extension.forget(client)
         raise Aborted("the application has left")
-    if not leads_to(app.engine, component_ref, bus):
+    if not app.engine.leads_to(component_ref, bus):
         # Whatever the engine says of the stream goes where nobody listens any more; it ends it after a while.
         raise EngineUnreachable("the connection to the engine ended while the stream was made")
     if not app.engine.leads_alike(result.stream_id, component_ref):
