@@ -98,6 +98,10 @@ class VisibleEngine:
             raise Unsupported(f"there is no component {component_ref[:200]!r}")
         return profile
 
+    def has_lost(self, component_ref: str | None) -> bool:
+        """Tell whether a component is in scope whose engine went away without a word."""
+        return component_ref is not None and component_ref in self._engine.lost and self.sees(component_ref)
+
     def shown_fault(self, fault: Fault) -> Fault | None:
         """Return a fault as the principal may hear of it, None where it may not."""
         return shown_fault(fault, self._engine.directory, self.directory, self._principal)

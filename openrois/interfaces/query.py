@@ -27,7 +27,7 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
         name = params.query_type
         properties = COMPONENT_PROPERTIES | {"stream_id"} if name == _STREAM_STATUS else COMPONENT_PROPERTIES
         condition = parse_condition(params.condition, properties)
-        if name == _COMPONENT_STATUS and condition.value_of("component_ref") in app.engine.lost:
+        if name == _COMPONENT_STATUS and app.engine.has_lost(condition.value_of("component_ref")):
             return ResultsResult(results=(_FAILING,))
         component_ref = the_one(app.engine, condition.without("stream_id"), lambda profile: profile.has_query(name))
         if name == _STREAM_STATUS and stream.has_streams(app, component_ref):
