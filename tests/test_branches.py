@@ -11,7 +11,10 @@ ROOT = Path(__file__).parents[1]
 # Whole processes and sockets are others' business: what is pure is tested by itself.
 TESTS = (
     *(f"tests/openrois/{part}" for part in ("authoring", "catalog", "jsonrpc", "leases", "profile_xml", "types")),
-    "tests/openrois/access/test_principal.py",
+    *(
+        f"tests/openrois/access/test_{part}.py"
+        for part in ("claims", "keys", "loopback", "principal", "revocations", "tokens")
+    ),
     *(f"tests/openrois/conformance/test_{part}.py" for part in ("manifest", "probe_engine", "strictness", "table")),
     *(str(path.relative_to(ROOT)) for path in sorted((ROOT / "tests/openrois").glob("test_*.py"))),
     *(

@@ -11,13 +11,13 @@ from urllib.parse import urlsplit
 
 from aiohttp import WSCloseCode, web
 
+from openrois.access.loopback import is_loopback
 from openrois.application import EngineHost
 from openrois.audit import Audit
 from openrois.engine import Engine
 from openrois.gateway.adapters import serve_adapter
 from openrois.gateway.applications import serve_application
 from openrois.gateway.ice import IceServers
-from openrois.gateway.loopback import is_loopback
 from openrois.gateway.page import page_response
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import ADAPTER, APPLICATION, ServerSocket, SocketProfile

@@ -5,7 +5,7 @@ from typing import Any, ClassVar, Final, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from openrois.gateway.loopback import is_loopback
+from openrois.access.loopback import is_loopback
 from openrois.jsonrpc.session import CALL_TIMEOUT
 from openrois.types.references import flaw_of_name
 

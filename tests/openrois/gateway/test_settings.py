@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from openrois.gateway.loopback import is_loopback
+from openrois.access.loopback import is_loopback
 from openrois.gateway.settings import GatewaySettings
 
 
