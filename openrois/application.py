@@ -27,6 +27,7 @@ from openrois.ordering import ReplyFirst
 from openrois.shown import ShownDirectories
 from openrois.stream_parameters import StreamParameters
 from openrois.tasks import TaskScope
+from openrois.traffic import Traffic
 from openrois.types.codes import CompletedStatus, ErrorType, StreamStatus
 from openrois.types.messages import Completed, ErrorNotification
 from openrois.types.reasons import ReasonNotification, sentence
@@ -62,6 +63,7 @@ class EngineHost:
         ice_servers: what an end of a stream may use, as the W3C's RTCIceServer objects; given who it is for.
         ice_ttl: seconds for which that may be kept.
         audit: who did what, and what was refused.
+        traffic: the connections, and what they did.
     """
 
     engine: Engine
@@ -74,6 +76,7 @@ class EngineHost:
     ice_servers: Callable[[str], tuple[Mapping[str, Any], ...]] = lambda _user: ()
     ice_ttl: int = 3600
     audit: Audit = field(default_factory=Audit)
+    traffic: Traffic = field(default_factory=Traffic)
 
     def crashed(self, what: str) -> None:
         """Report that something went wrong inside the engine, which is nobody else's fault."""

@@ -31,7 +31,13 @@ class CommandBudget:
     """How many commands of an engine are accepted and not finished yet, whoever started them."""
 
     def __init__(self, most: int = MAX_UNFINISHED) -> None:
+        self.most = most
         self._left = most
+
+    @property
+    def taken(self) -> int:
+        """How many are accepted and not finished."""
+        return self.most - self._left
 
     def take(self, count: int) -> None:
         """Count commands that are accepted.

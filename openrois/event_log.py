@@ -74,6 +74,10 @@ class EventLog:
         self._subscriptions: dict[str, _Subscription] = {}
         self._details: Remembered[_Told] = Remembered(MAX_DETAILS)
 
+    def count(self) -> int:
+        """Return how many subscriptions there are."""
+        return len(self._subscriptions)
+
     async def subscribe(self, component_ref: str, event_type: str, *, of_streams: bool) -> Reply:
         """Subscribe and return the reply, after which events flow.
 

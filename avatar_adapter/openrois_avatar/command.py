@@ -7,6 +7,7 @@ import signal
 import sys
 from collections.abc import Sequence
 from contextlib import AsyncExitStack
+from functools import partial
 from typing import Final
 
 import cv2
@@ -17,6 +18,7 @@ from openrois_streaming.seams.trial import UnsupportedLibrary
 from openrois.dialer import serve_parent
 from openrois.errors import BadParameter
 from openrois.logs import set_up_logging
+from openrois.metrics.server import LOOPBACK, MetricsUnavailable, metrics_address, serving_metrics
 from openrois.transport.address import adapter_url
 from openrois_avatar.adapter import Avatar, run_avatar
 from openrois_avatar.check import command as check
@@ -25,7 +27,7 @@ from openrois_avatar.facades.server import FacadeUnavailable
 from openrois_avatar.game_engines import NoGameEngine
 from openrois_avatar.link.messages import LinkError
 from openrois_avatar.link_options import add_link_options, link_secret
-from openrois_avatar.metrics.server import LOOPBACK, MetricsUnavailable, metrics_address, serving_metrics
+from openrois_avatar.metrics.exposition import scraped
 from openrois_avatar.network_options import add_network_options, network_settings
 from openrois_avatar.pixel_streaming.settings import add_pixel_streaming_options, pixel_streaming
 from openrois_avatar.settings import ENGINES, AvatarSettings
@@ -131,6 +133,7 @@ async def _serve(settings: AvatarSettings) -> None:
         else:
             avatar = await stack.enter_async_context(run_avatar(settings))
         if settings.metrics is not None:
-            _log.info("metrics: %s", await stack.enter_async_context(serving_metrics(*settings.metrics, avatar.look)))
+            serving = serving_metrics(*settings.metrics, partial(scraped, avatar.look))
+            _log.info("metrics: %s", await stack.enter_async_context(serving))
         print(f"ready {settings.engine_id}", flush=True)
         await serve_parent(avatar.host, settings.gateway)

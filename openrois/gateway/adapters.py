@@ -2,9 +2,11 @@
 
 import asyncio
 import logging
+import secrets
 from typing import Final
 
 from openrois.application import EngineHost
+from openrois.correlation import connection
 from openrois.errors import BadParameter, RoISError
 from openrois.jsonrpc.session import CALL_TIMEOUT, RpcSession
 from openrois.remote.proxy import RemoteProxy
@@ -32,7 +34,9 @@ async def serve_adapter(host: EngineHost, stream: MessageStream, answer_timeout:
         stream: the connection.
         answer_timeout: seconds that the adapter has for each answer.
     """
-    session = RpcSession(stream, call_timeout=answer_timeout, on_failure=host.crashed)
+    session = RpcSession(
+        stream, call_timeout=answer_timeout, on_failure=host.crashed, call_latencies=host.traffic.call_latencies
+    )
     changed = asyncio.Event()
     proxy = RemoteProxy(session, changed.set, host.tasks)
     session.notifications = proxy.notifications()
@@ -40,7 +44,8 @@ async def serve_adapter(host: EngineHost, stream: MessageStream, answer_timeout:
     attaching = host.tasks.start(_keep_attached(host, session, proxy, changed))
     closed = StreamClosed(1006)
     try:
-        closed = await session.run()
+        with connection(f"adapter-{secrets.token_hex(4)}"), host.traffic.counted("adapter", session):
+            closed = await session.run()
         return closed
     finally:
         if not attaching.done():
@@ -71,4 +76,5 @@ async def _keep_attached(host: EngineHost, session: RpcSession, proxy: RemotePro
 async def _refuse(host: EngineHost, session: RpcSession, reason: str) -> None:
     _log.warning("an adapter was refused: %s", reason)
     host.audit.refused(None, "/adapter", "", reason)
+    host.traffic.turn_away("profile")
     await session.close(POLICY_VIOLATION, reason)

@@ -35,7 +35,7 @@ _TO_APPLICATION: Final = {message.method: message for message in (Offer, Candida
 
 async def serve_application(host: EngineHost, stream: MessageStream, principal: Principal = LOCAL) -> StreamClosed:
     """Serve one application, which is the principal's, until its connection ends; return why it did."""
-    session = RpcSession(stream)
+    session = RpcSession(stream, latencies=host.traffic.latencies)
     signaling = _Signaling(host)
     app = ApplicationSession(
         host, session.notify, passes=signaling.passes, left=signaling.forget_peers, principal=principal
@@ -48,7 +48,7 @@ async def serve_application(host: EngineHost, stream: MessageStream, principal: 
     session.methods = enforced(app, {**base_methods(app), **stream_methods(app), **signaling.methods()})
     stop_listening = app.engine.on_change(lambda _visibly: signaling.tree_changed())
     try:
-        with connection(app.client_id[:8]):
+        with connection(app.client_id[:8]), host.traffic.counted("application", session, app.events.count):
             return await session.run()
     finally:
         stop_listening()

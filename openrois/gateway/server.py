@@ -6,6 +6,7 @@ import time
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
+from functools import partial
 from typing import Final
 from urllib.parse import urlsplit
 
@@ -18,9 +19,12 @@ from openrois.engine import Engine
 from openrois.gateway.adapters import serve_adapter
 from openrois.gateway.applications import serve_application
 from openrois.gateway.ice import IceServers
+from openrois.gateway.metrics import figures
 from openrois.gateway.page import page_response
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import ADAPTER, APPLICATION, ServerSocket, SocketProfile
+from openrois.loop_lag import LoopLag
+from openrois.metrics.server import metrics_address, serving_metrics
 from openrois.schema import openrpc
 from openrois.tasks import TaskScope
 from openrois.transport.stream import MessageStream
@@ -43,10 +47,12 @@ class Gateway:
     Attributes:
         url: where a browser finds it.
         engine: the main HRI engine.
+        metrics: where Prometheus finds figures; empty for nowhere.
     """
 
     url: str
     engine: Engine
+    metrics: str = ""
 
 
 @asynccontextmanager
@@ -66,6 +72,8 @@ async def run_gateway(
     async with TaskScope() as tasks, AsyncExitStack() as stack:
         ice = IceServers(settings.ice_servers, settings.turn, settings.turn_secret, settings.turn_ttl, time.time)
         audit = stack.enter_context(Audit(settings.audit_file))
+        lag = LoopLag()
+        tasks.start(lag.watch())
         host = EngineHost(Engine(settings.engine_id), tasks, ice_servers=ice.servers, ice_ttl=ice.ttl, audit=audit)
         server = _Server(host, settings.adapter_timeout, application, adapter)
         runner = web.AppRunner(server.app, access_log=None, shutdown_timeout=_SHUTDOWN_TIMEOUT)
@@ -75,7 +83,13 @@ async def run_gateway(
         await site.start()
         port = runner.addresses[0][1]
         shown = f"[{settings.host}]" if ":" in settings.host else settings.host
-        yield Gateway(f"http://{shown}:{port}/", host.engine)
+        metrics = ""
+        if settings.metrics is not None:
+            look = partial(figures, host, lag, MAX_CONNECTIONS)
+            serving = serving_metrics(*metrics_address(settings.metrics), look, settings.metrics_token)
+            metrics = await stack.enter_async_context(serving)
+            _log.info("metrics: %s", metrics)
+        yield Gateway(f"http://{shown}:{port}/", host.engine, metrics)
 
 
 class _Server:
@@ -121,6 +135,7 @@ class _Server:
         self, request: web.Request, profile: SocketProfile, serve: Callable[[MessageStream], Awaitable[object]]
     ) -> web.StreamResponse:
         if len(self._sockets) >= MAX_CONNECTIONS:
+            self._host.traffic.turn_away("full")
             raise web.HTTPServiceUnavailable(text="the gateway has as many connections as it takes\n")
         socket = ServerSocket(request, profile)
         await socket.prepare()

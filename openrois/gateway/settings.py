@@ -7,12 +7,13 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from openrois.access.loopback import is_loopback
 from openrois.jsonrpc.session import CALL_TIMEOUT
+from openrois.metrics.server import metrics_address
 from openrois.types.references import flaw_of_name
 
 __all__ = ["GROUPS", "SECRET_LENGTH", "GatewaySettings", "SettingsGroup", "setting"]
 
 SECRET_LENGTH = 16
-"""Characters that a secret has at least; who guesses it relays over the server at will."""
+"""Characters that a secret has at least; whoever guesses it has what it keeps."""
 
 _URL_LIMIT = 512
 
@@ -113,7 +114,17 @@ class Operation(SettingsGroup):
     table: ClassVar[str] = "operation"
 
     verbose: bool = setting(False, "log more")
+    metrics: str | None = setting(None, "serve figures for Prometheus there, at /metrics", metavar="HOST:PORT")
+    metrics_token: str = setting("", "what whoever reads the figures shows as a bearer token", secret=True)
     audit_file: Path | None = setting(None, "append who did what and what was refused, as JSON lines", metavar="FILE")
+
+    @model_validator(mode="after")
+    def _check_operation(self) -> Self:
+        if self.metrics is not None and not is_loopback(metrics_address(self.metrics)[0]) and not self.metrics_token:
+            raise ValueError(f"figures at {self.metrics!r}, beyond this machine, need metrics_token_file")
+        if self.metrics_token and len(self.metrics_token) < SECRET_LENGTH:
+            raise ValueError(f"the token of the figures has at least {SECRET_LENGTH} characters")
+        return self
 
 
 class GatewaySettings(Listening, Streams, Adapters, Operation):

@@ -58,6 +58,9 @@ class Calls:
         self._waiters: dict[int, _Waiter] = {}
         self._late: OrderedDict[int, OnResult] = OrderedDict()
 
+    def __len__(self) -> int:
+        return len(self._waiters)
+
     def open(
         self,
         name: str,

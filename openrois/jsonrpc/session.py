@@ -11,6 +11,7 @@ import logging
 from collections.abc import Awaitable, Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
+from time import perf_counter
 from typing import Any, Final, TypeVar
 
 from pydantic import BaseModel, ValidationError
@@ -18,6 +19,7 @@ from pydantic import BaseModel, ValidationError
 from openrois import correlation
 from openrois.jsonrpc import protocol
 from openrois.jsonrpc.calls import Calls, RpcError, SessionClosed
+from openrois.jsonrpc.latencies import Latencies
 from openrois.jsonrpc.outbox import Outbox, OutboxOverflow
 from openrois.jsonrpc.protocol import Peer, RequestId
 from openrois.logs import Tally
@@ -126,6 +128,12 @@ class RpcSession:
         explain: called with the id of a request and a `Reply.reason` that is not empty; what it tells the other side
             stands right before the reply.
         on_refusal: called with the method, the params, the result and the reason of such a reply.
+        latencies: of the requests that are served here; None for not measured.
+        call_latencies: of our own; None for not measured.
+        requests: how many came.
+        refused: how many of them were answered with a reason.
+        failed: how many handlers raised what they must not raise.
+        overflows: 1 if the connection was cut because the other side does not read.
     """
 
     stream: MessageStream
@@ -136,6 +144,12 @@ class RpcSession:
     on_failure: Callable[[str], None] = lambda _what: None
     explain: Callable[[RequestId, str], None] = lambda _request_id, _reason: None
     on_refusal: Callable[[str, Mapping[str, Any], Any, str], None] = lambda _method, _params, _result, _reason: None
+    latencies: Latencies | None = None
+    call_latencies: Latencies | None = None
+    requests: int = field(default=0, init=False)
+    refused: int = field(default=0, init=False)
+    failed: int = field(default=0, init=False)
+    overflows: int = field(default=0, init=False)
 
     def __post_init__(self) -> None:
         self._peer = Peer()
@@ -143,6 +157,22 @@ class RpcSession:
         self._violations = Tally(_log, "protocol violations")
         self._slots = asyncio.Semaphore(MAX_RUNNING_REQUESTS)
         self._closed: StreamClosed | None = None
+        self._answered = 0
+
+    @property
+    def running(self) -> int:
+        """How many requests are being served."""
+        return self.requests - self._answered
+
+    @property
+    def unanswered(self) -> int:
+        """How many of our own requests wait for their answers."""
+        return len(self._calls)
+
+    @property
+    def violations(self) -> int:
+        """How many messages were none, or did not fit."""
+        return self._violations.count
 
     async def run(self) -> StreamClosed:
         """Serve until the connection ends and return why it did.
@@ -205,6 +235,8 @@ class RpcSession:
 
     async def _serve(self, request: protocol.Request) -> None:
         correlation.request.set(request.id)
+        started = perf_counter()
+        self.requests += 1
         reply = Reply(None)
         try:
             result = await self._handle(request)
@@ -221,9 +253,13 @@ class RpcSession:
         finally:
             self._slots.release()
         if reply.reason and isinstance(request.params, dict):
+            self.refused += 1
             self.on_refusal(request.method, request.params, reply.result, reply.reason)
             self.explain(request.id, reply.reason)
         self._put(answer)
+        self._answered += 1
+        if self.latencies is not None and request.method in self.methods:
+            self.latencies.note(request.method, perf_counter() - started)
         if reply.then is not None:
             self._carry_out(request.method, reply.then)
 
@@ -256,6 +292,7 @@ class RpcSession:
     def _failed(self, what: str) -> None:
         """Log the exception that is being handled, and say that there was one."""
         _log.exception("%s failed", what)
+        self.failed += 1
         self.on_failure(what)
 
     def _put(self, text: str, *, droppable: bool = False) -> None:
@@ -266,6 +303,7 @@ class RpcSession:
         except OutboxOverflow as overflow:
             # The other side is not reading, so a closing handshake could not reach it either.
             _log.warning("connection aborted: %s", overflow)
+            self.overflows = 1
             self._closed = StreamClosed(1006, "outbox overflow")
             self.stream.abort()
 
@@ -304,11 +342,14 @@ class RpcSession:
             if self._closed is not None:
                 raise SessionClosed(str(self._closed))
             request_id, text, answer = self._calls.open(name, params, on_result, on_late, on_reason)
+            started = perf_counter()
             try:
                 self._put(text)
                 return await answer
             finally:
                 self._calls.abandon(request_id)
+                if self.call_latencies is not None:
+                    self.call_latencies.note(name, perf_counter() - started)
 
     def take_reason(self, request_id: RequestId, reason: str) -> None:
         """Take why the other side is about to refuse a request of ours; it is forgotten where there is no such one."""

@@ -1,14 +1,14 @@
 """What there is to measure: the name, unit and meaning of every figure, and a snapshot of all of them. Pure."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final, Generic, Literal, TypeVar
+from typing import Final
 
 from openrois_streaming.receiving.receiver import ReceiverFigures
 from openrois_streaming.rendition import RenditionFigures
 from openrois_streaming.state import StreamStatus
 from openrois_streaming.stats import AdaptationStats, StreamStats
 
+from openrois.metrics.figure import Figure
 from openrois.types.codes import ComponentStatus
 from openrois_avatar.health import GRAVITY
 
@@ -22,13 +22,10 @@ __all__ = [
     "SOURCE",
     "STATUSES",
     "STREAM",
-    "Figure",
     "Process",
     "Snapshot",
     "Source",
 ]
-
-OfT = TypeVar("OfT")
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,19 +60,6 @@ class Snapshot:
     streams: tuple[StreamStats, ...]
     guarded: tuple[tuple[str, int], ...] = ()
     """Datagrams that did not get in from the network, by reason (a field of `GuardFigures`)."""
-
-
-@dataclass(frozen=True, slots=True)
-class Figure(Generic[OfT]):
-    """One figure: its name, and how it is read; None is left out.
-
-    A counter's name ends in `_total`; the unit stands before that (Prometheus' conventions: base units).
-    """
-
-    name: str
-    kind: Literal["counter", "gauge"]
-    help: str
-    read: Callable[[OfT], float | None]
 
 
 STREAM_LABELS: Final = ("stream", "component", "kind", "codec")

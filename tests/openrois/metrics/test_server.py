@@ -2,14 +2,12 @@ import asyncio
 
 import aiohttp
 import pytest
-from openrois_avatar.metrics.figures import Snapshot
-from openrois_avatar.metrics.server import MetricsUnavailable, metrics_address, serving_metrics
 
-from tests.avatar.metrics.test_exposition import SNAPSHOT
+from openrois.metrics.server import MetricsUnavailable, metrics_address, serving_metrics
 
 
-async def look() -> Snapshot:
-    return SNAPSHOT
+async def write(accept: str) -> tuple[bytes, str]:
+    return f"openrois_x 1 {accept}\n".encode(), "text/plain; version=0.0.4"
 
 
 @pytest.mark.parametrize(
@@ -33,18 +31,18 @@ def test_what_is_no_address_is_refused(text: str) -> None:
 
 
 async def test_figures_are_at_metrics_and_nothing_else_is_there() -> None:
-    async with serving_metrics("127.0.0.1", 0, look) as url, aiohttp.ClientSession() as http:
+    async with serving_metrics("127.0.0.1", 0, write) as url, aiohttp.ClientSession() as http:
         bodies = await asyncio.gather(*(_get(http, url) for _ in range(3)))
-        assert all(b"openrois_stream_frames_total" in body for body in bodies)
+        assert all(body.startswith(b"openrois_x 1 */*") for body in bodies)
         async with http.get(url.removesuffix("metrics")) as response:
             assert response.status == 404
 
 
 async def test_a_port_that_is_taken_is_said() -> None:
-    async with serving_metrics("127.0.0.1", 0, look) as url:
+    async with serving_metrics("127.0.0.1", 0, write) as url:
         port = int(url.split(":")[2].partition("/")[0])
         with pytest.raises(MetricsUnavailable, match=f"metrics cannot be served at 127.0.0.1:{port}"):
-            async with serving_metrics("127.0.0.1", port, look):
+            async with serving_metrics("127.0.0.1", port, write):
                 pytest.fail("served")
 
 
@@ -52,3 +50,10 @@ async def _get(http: aiohttp.ClientSession, url: str) -> bytes:
     async with http.get(url) as response:
         assert response.headers["Content-Type"].startswith("text/plain")
         return await response.read()
+
+
+async def test_a_token_is_asked_for_where_there_is_one() -> None:
+    async with serving_metrics("127.0.0.1", 0, write, "s" * 16) as url, aiohttp.ClientSession() as http:
+        for shown, status in (("", 401), ("Bearer sss", 401), ("Bearer ü", 401), ("Bearer " + "s" * 16, 200)):
+            async with http.get(url, headers={"Authorization": shown}) as response:
+                assert response.status == status

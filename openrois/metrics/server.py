@@ -1,14 +1,12 @@
-"""`GET /metrics`: a small HTTP server of the adapter, for Prometheus."""
+"""`GET /metrics`: a small HTTP server of its own, for Prometheus."""
 
 import asyncio
+import hmac
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from typing import Final
 
 from aiohttp import web
-
-from openrois_avatar.metrics.exposition import written
-from openrois_avatar.metrics.figures import Snapshot
 
 __all__ = ["LOOPBACK", "MetricsUnavailable", "metrics_address", "serving_metrics"]
 
@@ -35,8 +33,16 @@ def metrics_address(text: str) -> tuple[str, int]:
 
 
 @asynccontextmanager
-async def serving_metrics(host: str, port: int, look: Callable[[], Awaitable[Snapshot]]) -> AsyncIterator[str]:
-    """Serve what `look` sees for as long as the block runs; gives the URL, with the port that was chosen for 0.
+async def serving_metrics(
+    host: str, port: int, write: Callable[[str], Awaitable[tuple[bytes, str]]], token: str = ""
+) -> AsyncIterator[str]:
+    """Serve figures for as long as the block runs; gives the URL, with the port that was chosen for 0.
+
+    Args:
+        host: the address to listen on.
+        port: the TCP port.
+        write: given the header `Accept`, returns all figures and the content type; never called twice at a time.
+        token: what whoever asks has to show, as `Authorization: Bearer`; empty for nothing.
 
     Raises:
         MetricsUnavailable: the port is taken, or the address is not this machine's.
@@ -44,9 +50,11 @@ async def serving_metrics(host: str, port: int, look: Callable[[], Awaitable[Sna
     one_at_a_time = asyncio.Lock()
 
     async def answer(request: web.Request) -> web.Response:
+        shown = request.headers.get("Authorization", "")
+        if token and not hmac.compare_digest(shown.encode(), f"Bearer {token}".encode()):
+            raise web.HTTPUnauthorized(headers={"WWW-Authenticate": "Bearer"})
         async with one_at_a_time:
-            snapshot = await look()
-            text, content_type = await asyncio.to_thread(written, snapshot, request.headers.get("Accept", ""))
+            text, content_type = await write(request.headers.get("Accept", ""))
         return web.Response(body=text, headers={"Content-Type": content_type})
 
     app = web.Application()

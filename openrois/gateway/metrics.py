@@ -1,0 +1,189 @@
+"""The gateway's figures for Prometheus: integers that are kept where things happen, read when somebody scrapes."""
+
+import asyncio
+import threading
+from collections.abc import Iterator
+from itertools import accumulate
+from typing import Any, Final
+
+from prometheus_client.core import HistogramMetricFamily, Metric
+
+from openrois.application import EngineHost
+from openrois.jsonrpc.latencies import BOUNDS, Latencies
+from openrois.loop_lag import LoopLag
+from openrois.metrics.exposition import families, written
+from openrois.metrics.figure import Figure
+from openrois.traffic import Seen
+
+__all__ = ["FIGURES", "HISTOGRAMS", "figures"]
+
+KINDS: Final = ("application", "adapter")
+
+CONNECTION: Final[tuple[Figure[Seen], ...]] = (
+    Figure("openrois_gateway_connections", "gauge", "Connections.", lambda s: s.connections),
+    Figure("openrois_gateway_connections_total", "counter", "Connections that were made.", lambda s: s.opened),
+    Figure("openrois_gateway_requests_total", "counter", "Requests that came.", lambda s: s.requests),
+    Figure("openrois_gateway_running_requests", "gauge", "Requests that are being served.", lambda s: s.running),
+    Figure(
+        "openrois_gateway_refused_requests_total",
+        "counter",
+        "Requests that were refused or failed in RoIS terms.",
+        lambda s: s.refused,
+    ),
+    Figure(
+        "openrois_gateway_violations_total",
+        "counter",
+        "Messages that were none, or did not fit.",
+        lambda s: s.violations,
+    ),
+    Figure(
+        "openrois_gateway_internal_errors_total",
+        "counter",
+        "Requests and notifications that failed inside the gateway.",
+        lambda s: s.failed,
+    ),
+    Figure(
+        "openrois_gateway_unanswered_calls",
+        "gauge",
+        "Requests of the gateway's own that wait for an answer.",
+        lambda s: s.unanswered,
+    ),
+    Figure("openrois_gateway_outbox_messages", "gauge", "Messages that wait to be sent, on all.", lambda s: s.waiting),
+    Figure(
+        "openrois_gateway_outbox_most_messages",
+        "gauge",
+        "Messages that wait to be sent, on the connection where most do.",
+        lambda s: s.most_waiting,
+    ),
+    Figure(
+        "openrois_gateway_dropped_events_total",
+        "counter",
+        "Events dropped because a reader is too slow.",
+        lambda s: s.dropped,
+    ),
+    Figure(
+        "openrois_gateway_outbox_overflows_total",
+        "counter",
+        "Connections cut because the other side does not read.",
+        lambda s: s.overflows,
+    ),
+    Figure("openrois_gateway_subscriptions", "gauge", "Subscriptions to events.", lambda s: s.subscriptions),
+)
+"""Of each kind of connection; the label `kind` is `application` or `adapter`."""
+
+GATEWAY: Final[tuple[Figure[EngineHost], ...]] = (
+    Figure("openrois_gateway_adapters", "gauge", "Engines attached.", lambda h: len(_engines(h))),
+    Figure(
+        "openrois_gateway_components",
+        "gauge",
+        "Components of all engines.",
+        lambda h: len(h.engine.directory.component_profiles),
+    ),
+    Figure(
+        "openrois_gateway_unfinished_commands",
+        "gauge",
+        "Unfinished commands of all applications.",
+        lambda h: h.commands.taken,
+    ),
+    Figure(
+        "openrois_gateway_unfinished_commands_limit",
+        "gauge",
+        "Unfinished commands that there may be.",
+        lambda h: h.commands.most,
+    ),
+    Figure("openrois_gateway_tasks", "gauge", "Tasks of the event loop.", lambda _h: len(asyncio.all_tasks())),
+    Figure("openrois_gateway_threads", "gauge", "Threads of the process.", lambda _h: threading.active_count()),
+    Figure("openrois_gateway_refusals_total", "counter", "Refusals in the audit trail.", lambda h: h.audit.refusals),
+    Figure("openrois_gateway_actions_total", "counter", "Actions in the audit trail.", lambda h: h.audit.actions),
+    Figure(
+        "openrois_gateway_audit_waiting",
+        "gauge",
+        "Audit records that wait to be written.",
+        lambda h: h.audit.waiting,
+    ),
+    Figure(
+        "openrois_gateway_audit_lost_total",
+        "counter",
+        "Audit records that were lost.",
+        lambda h: h.audit.lost,
+    ),
+    Figure(
+        "openrois_gateway_audit_failures_total",
+        "counter",
+        "Attempts to write the audit trail that failed.",
+        lambda h: h.audit.failures,
+    ),
+)
+
+LAG: Final[tuple[Figure[LoopLag], ...]] = (
+    Figure(
+        "openrois_gateway_loop_lag_seconds",
+        "gauge",
+        "By how much the event loop was late, at most since the last scrape.",
+        lambda lag: lag.take_most(),
+    ),
+    Figure(
+        "openrois_gateway_loop_lag_seconds_total",
+        "counter",
+        "By how much the event loop was late, all together.",
+        lambda lag: lag.total,
+    ),
+)
+
+LIMITS: Final[tuple[Figure[int], ...]] = (
+    Figure("openrois_gateway_connections_limit", "gauge", "Connections that there may be.", float),
+)
+
+TURNED_AWAY: Final[tuple[Figure[int], ...]] = (
+    Figure("openrois_gateway_turned_away_total", "counter", "Connections that were refused, by reason.", float),
+)
+"""With the label `reason`."""
+
+ADAPTER: Final[tuple[Figure[int], ...]] = (
+    Figure("openrois_gateway_adapter_up", "gauge", "1 for each engine that is attached.", float),
+)
+"""With the label `engine`."""
+
+FIGURES: Final[tuple[Figure[Any], ...]] = (*CONNECTION, *GATEWAY, *LAG, *LIMITS, *TURNED_AWAY, *ADAPTER)
+
+HISTOGRAMS: Final = {
+    "openrois_gateway_request_seconds": "Time from a request of an application to its reply, by method.",
+    "openrois_gateway_call_seconds": "Time from a request to an adapter to its reply, by method.",
+}
+
+
+async def figures(host: EngineHost, lag: LoopLag, connections_limit: int, accept: str) -> tuple[bytes, str]:
+    """Read all figures, here, and write them in a thread.
+
+    Args:
+        host: the gateway's engine and what its sessions share.
+        lag: watches the event loop.
+        connections_limit: connections that there may be.
+        accept: the HTTP header.
+    """
+    found = tuple(_families(host, lag, connections_limit))
+    return await asyncio.to_thread(written, found, accept)
+
+
+def _families(host: EngineHost, lag: LoopLag, connections_limit: int) -> Iterator[Metric]:
+    traffic = host.traffic
+    yield from families(CONNECTION, ("kind",), [((kind,), traffic.seen(kind)) for kind in KINDS])
+    yield from families(GATEWAY, (), [((), host)])
+    yield from families(LAG, (), [((), lag)])
+    yield from families(LIMITS, (), [((), connections_limit)])
+    yield from families(TURNED_AWAY, ("reason",), [((why,), count) for why, count in traffic.turned_away.items()])
+    yield from families(ADAPTER, ("engine",), [((engine_id,), 1) for engine_id in _engines(host)])
+    for name, latencies in zip(HISTOGRAMS, (traffic.latencies, traffic.call_latencies), strict=True):
+        yield _histogram(name, latencies)
+
+
+def _engines(host: EngineHost) -> list[str]:
+    return [profile.identifier.code for profile in host.engine.directory.profile.sub_profiles]
+
+
+def _histogram(name: str, latencies: Latencies) -> Metric:
+    family = HistogramMetricFamily(name, HISTOGRAMS[name], labels=("method",))
+    bounds = [*(str(bound) for bound in BOUNDS), "+Inf"]
+    for method, counts, seconds in latencies:
+        family.add_metric((method,), buckets=list(zip(bounds, accumulate(counts), strict=True)), sum_value=seconds)
+    return family

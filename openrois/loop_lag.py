@@ -1,0 +1,52 @@
+"""How late the event loop is: what blocks it delays everybody, STOP too."""
+
+import asyncio
+import time
+from collections.abc import Awaitable, Callable
+from typing import Final
+
+__all__ = ["LoopLag"]
+
+PERIOD: Final = 0.25
+"""Seconds between two looks."""
+
+
+class LoopLag:
+    """Sleeps again and again, and sees how much too late it wakes.
+
+    Args:
+        clock: monotonic seconds.
+        sleep: waits for some seconds.
+
+    Attributes:
+        last: seconds by which it was late the last time.
+        total: seconds by which it was ever late.
+        turns: how often it woke: while the loop turns, this grows.
+    """
+
+    def __init__(
+        self,
+        clock: Callable[[], float] = time.monotonic,
+        sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
+    ) -> None:
+        self._clock = clock
+        self._sleep = sleep
+        self._most = 0.0
+        self.last = 0.0
+        self.total = 0.0
+        self.turns = 0
+
+    async def watch(self) -> None:
+        """Watch for ever."""
+        while True:
+            due = self._clock() + PERIOD
+            await self._sleep(PERIOD)
+            self.last = max(0.0, self._clock() - due)
+            self._most = max(self._most, self.last)
+            self.total += self.last
+            self.turns += 1
+
+    def take_most(self) -> float:
+        """Return the most since this was last asked."""
+        most, self._most = self._most, 0.0
+        return most

@@ -1,0 +1,112 @@
+"""The connections of a gateway and what they did: those that live are asked, of those that ended the sums are kept."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+
+from openrois.jsonrpc.latencies import Latencies
+from openrois.jsonrpc.session import RpcSession
+
+__all__ = ["Seen", "Traffic"]
+
+
+@dataclass(slots=True)
+class Seen:
+    """The connections of one kind at one moment, and from `requests` on those that ended, too.
+
+    Attributes:
+        connections: how many live.
+        opened: how many there were.
+        running: requests that are being served.
+        unanswered: our own requests that wait for their answers.
+        waiting: messages that wait to be sent.
+        most_waiting: on the connection where most do.
+        subscriptions: how many there are.
+        requests: how many came.
+        refused: how many of them were answered with a reason: refused, or failed in RoIS terms.
+        failed: how many handlers raised what they must not raise.
+        violations: messages that were none, or did not fit.
+        dropped: events that were dropped because the other side reads too slowly.
+        overflows: connections that were cut because the other side does not read.
+    """
+
+    connections: int = 0
+    opened: int = 0
+    running: int = 0
+    unanswered: int = 0
+    waiting: int = 0
+    most_waiting: int = 0
+    subscriptions: int = 0
+    requests: int = 0
+    refused: int = 0
+    failed: int = 0
+    violations: int = 0
+    dropped: int = 0
+    overflows: int = 0
+
+    def add_sums(self, session: RpcSession) -> None:
+        """Add what a connection did."""
+        self.requests += session.requests
+        self.refused += session.refused
+        self.failed += session.failed
+        self.violations += session.violations
+        self.dropped += session.outbox.dropped
+        self.overflows += session.overflows
+
+    def add_state(self, session: RpcSession, subscriptions: int) -> None:
+        """Add how a connection stands."""
+        self.connections += 1
+        self.running += session.running
+        self.unanswered += session.unanswered
+        self.waiting += len(session.outbox)
+        self.most_waiting = max(self.most_waiting, len(session.outbox))
+        self.subscriptions += subscriptions
+
+
+class Traffic:
+    """The connections of all kinds.
+
+    Attributes:
+        latencies: of the requests of applications.
+        call_latencies: of our calls to adapters.
+        turned_away: how many connections were refused, by reason; the reasons are this program's own words.
+    """
+
+    def __init__(self) -> None:
+        self._living: dict[str, list[tuple[RpcSession, Callable[[], int]]]] = {}
+        self._ended: dict[str, Seen] = {}
+        self.latencies = Latencies()
+        self.call_latencies = Latencies()
+        self.turned_away: dict[str, int] = {}
+
+    @contextmanager
+    def counted(self, kind: str, session: RpcSession, subscriptions: Callable[[], int] = int) -> Iterator[None]:
+        """Count a connection while the block runs, and what it did from then on.
+
+        Args:
+            kind: `application` or `adapter`.
+            session: the connection.
+            subscriptions: tells how many it has.
+        """
+        living = self._living.setdefault(kind, [])
+        ended = self._ended.setdefault(kind, Seen())
+        entry = session, subscriptions
+        ended.opened += 1
+        living.append(entry)
+        try:
+            yield
+        finally:
+            living.remove(entry)
+            ended.add_sums(session)
+
+    def turn_away(self, reason: str) -> None:
+        """Count a connection that was refused."""
+        self.turned_away[reason] = self.turned_away.get(reason, 0) + 1
+
+    def seen(self, kind: str) -> Seen:
+        """Return how the connections of one kind stand."""
+        now = replace(self._ended.get(kind, Seen()))
+        for session, subscriptions in self._living.get(kind, ()):
+            now.add_sums(session)
+            now.add_state(session, subscriptions())
+        return now

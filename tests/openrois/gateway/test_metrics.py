@@ -1,0 +1,94 @@
+"""The gateway's figures: what happened is in them, and the table for operators lists them all."""
+
+import asyncio
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import aiohttp
+import pytest
+from prometheus_client import Metric
+from prometheus_client.parser import text_string_to_metric_families
+
+from openrois.gateway import metrics
+from openrois.gateway.metrics import FIGURES, HISTOGRAMS
+from openrois.gateway.server import Gateway
+from tests.support import deployment
+from tests.support.deployment import Robot
+
+Samples = dict[tuple[str, ...], float]
+
+
+@pytest.fixture
+async def gateway() -> AsyncIterator[Gateway]:
+    async with deployment.gateway(metrics="0") as running:
+        yield running
+
+
+async def scraped(gateway: Gateway) -> dict[str, Samples]:
+    """Values by the name of the sample and the values of its labels, in the order of the labels' names."""
+    async with aiohttp.ClientSession() as http, http.get(gateway.metrics) as answer:
+        families: list[Metric] = list(text_string_to_metric_families(await answer.text()))
+    found: dict[str, Samples] = {}
+    for family in families:
+        for sample in family.samples:
+            found.setdefault(sample.name, {})[tuple(value for _, value in sorted(sample.labels.items()))] = sample.value
+    return found
+
+
+async def test_what_happened_is_counted(gateway: Gateway) -> None:
+    async with deployment.adapter(gateway, *Robot().parts()), deployment.application(gateway) as app:
+        await app.ask("rois.system.connect")
+        await app.ask("rois.command.bind", component_ref="robot/door")
+        await app.ask("rois.command.bind", component_ref="robot/nothing")
+        await app.ask("rois.event.subscribe", event_type="rang")
+        await app.send("no JSON")
+        await app.hear()
+        found = await scraped(gateway)
+        application = ("application",)
+        assert found["openrois_gateway_connections"] == {application: 1, ("adapter",): 1}
+        assert found["openrois_gateway_requests_total"][application] == 4
+        assert found["openrois_gateway_refused_requests_total"][application] == 1
+        assert found["openrois_gateway_violations_total"][application] == 1
+        assert found["openrois_gateway_subscriptions"][application] == 1
+        assert found["openrois_gateway_running_requests"][application] == 0
+        assert found["openrois_gateway_adapter_up"] == {("robot",): 1}
+        assert found["openrois_gateway_adapters"] == {(): 1}
+        assert found["openrois_gateway_refusals_total"] == {(): 1}
+        assert found["openrois_gateway_actions_total"] == {(): 1}
+        assert found["openrois_gateway_request_seconds_count"][("rois.command.bind",)] == 2
+        assert found["openrois_gateway_request_seconds_bucket"][("+Inf", "rois.command.bind")] == 2
+        assert ("rois.system.get_profile",) in found["openrois_gateway_call_seconds_count"]
+        assert found["openrois_gateway_connections_limit"] == {(): 1024}
+        assert found["process_open_fds"][()] > 0
+    async with asyncio.timeout(deployment.PATIENCE):
+        while (found := await scraped(gateway))["openrois_gateway_connections"][application]:
+            pass
+    assert found["openrois_gateway_connections_total"][application] == 1
+    assert found["openrois_gateway_requests_total"][application] == 4
+    assert found["openrois_gateway_subscriptions"][application] == 0
+
+
+async def test_an_unknown_method_makes_no_label(gateway: Gateway) -> None:
+    async with deployment.application(gateway) as app:
+        await app.send({"jsonrpc": "2.0", "id": 1, "method": "x" * 50, "params": {}})
+        await app.hear()
+        found = await scraped(gateway)
+        assert ("x" * 50,) not in found.get("openrois_gateway_request_seconds_count", {})
+
+
+async def test_every_figure_is_there_and_in_the_table_for_operators(gateway: Gateway) -> None:
+    page = (Path(__file__).parents[3] / "docs" / "operating.md").read_text(encoding="utf-8")
+    listed = [line.split("|")[1:4] for line in page.splitlines() if line.startswith("| `openrois_gateway_")]
+    assert [tuple(cell.strip() for cell in cells) for cells in listed] == rows()
+    found = await scraped(gateway)
+    labelled = {figure.name for figure in (*metrics.TURNED_AWAY, *metrics.ADAPTER)}
+    assert {figure.name for figure in FIGURES} - labelled <= set(found)
+    for figure in FIGURES:
+        assert figure.name.endswith("_total") is (figure.kind == "counter")
+
+
+def rows() -> list[tuple[str, str, str]]:
+    return [
+        *((f"`{figure.name}`", figure.kind, figure.help) for figure in FIGURES),
+        *((f"`{name}`", "histogram", meaning) for name, meaning in HISTOGRAMS.items()),
+    ]
