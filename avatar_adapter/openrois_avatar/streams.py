@@ -30,6 +30,7 @@ from openrois.types.references import new_id
 from openrois.types.streams import (
     STREAM_METHODS,
     HolderNotification,
+    ReportPlayoutParams,
     StreamParams,
     StreamStatusNotification,
 )
@@ -186,6 +187,10 @@ class AvatarStreams:
             case "rois.stream.disconnect_stream":
                 session, stream_id = self._stream(params, client)
                 session.disconnect(stream_id)
+            case "rois.stream.report_playout":
+                report = ReportPlayoutParams.model_validate(params)
+                session = self.sessions.with_stream(self._session_name(client), report.stream_id)
+                session.report_playout(report.stream_id, report.milliseconds / 1000)
             case HolderNotification.method:
                 if self._seat is not None:
                     self._seat.take_holder(HolderNotification.model_validate(params), client)

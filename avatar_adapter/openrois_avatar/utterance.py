@@ -150,8 +150,17 @@ class Utterance:
 
     async def _heard(self, playback: Playback, moment: float) -> bool:
         """Wait until a moment of the media clock is heard; False if the speech is stopped before."""
-        self._late = self._sound.lag + await self._audience.lateness()
-        return await playback.reach(moment + self._late)
+        late, self._late = -1.0, await self._lateness()
+        while self._late > late:
+            # Whoever listens may have come to hear it later while this waited.
+            late = self._late
+            if not await playback.reach(moment + late):
+                return False
+            self._late = max(late, await self._lateness())
+        return True
+
+    async def _lateness(self) -> float:
+        return self._sound.lag + await self._audience.lateness()
 
     def _reached(self, moment: Word | NamedMark, playback: Playback) -> None:
         at = wall_at(self._sound.clock, playback.start + moment.offset_ms / 1000 + self._late)

@@ -18,7 +18,7 @@ from openrois.client.values import read
 from openrois.errors import BadParameter, RoISError, Unsupported
 from openrois.types.codes import StreamStatus
 from openrois.types.messages import Parameter
-from openrois.types.streams import StreamStatusResult
+from openrois.types.streams import MAX_PLAYOUT, StreamStatusResult
 
 __all__ = ["Streaming"]
 
@@ -102,6 +102,23 @@ class Streaming(ComponentProxy):
                 return (await self.query("get_stream_status", StreamStatusResults)).status
         given: StreamStatusResults = read(f"get_stream_status of {self.component_ref}", StreamStatusResults, results)
         return given.status
+
+    async def report_playout(self, stream_id: str, seconds: float) -> None:
+        """Say how long what arrives of a stream waits here until it is heard: what plays it knows, its engine cannot.
+
+        Worth saying again when it has changed, every two seconds at most.
+
+        Args:
+            stream_id: a stream that this application receives.
+            seconds: from the arrival of a packet to its being played; at most 60.
+
+        Raises:
+            Unsupported: there is no such stream, or the gateway does not have the extension.
+            OutOfResources: this was said too often.
+        """
+        milliseconds = min(max(round(seconds * 1000), 0), MAX_PLAYOUT)
+        if await self._extended("report_playout", stream_id=stream_id, milliseconds=milliseconds) is None:
+            raise Unsupported(f"{self.component_ref} is not told how late {stream_id} is played")
 
     def notify_stream_status(self, *, buffer: int = BUFFER) -> Subscription[NotifyStreamStatus]:
         """Return what the streams do from now on; a gateway with the extension tells of this application's own."""

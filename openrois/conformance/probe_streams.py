@@ -23,10 +23,12 @@ class ProbeStreams:
     Attributes:
         engine: mints their ids.
         owner: the client_id of the application that connected a stream last.
+        reports: the params of each report of playout.
     """
 
     engine: ProbeEngine
     owner: str = ""
+    reports: list[dict[str, Any]] = field(default_factory=list)
     _streams: dict[str, dict[str, str]] = field(default_factory=dict)
 
     def answer(self, method: str, params: dict[str, Any]) -> Answer | None:
@@ -37,6 +39,9 @@ class ProbeStreams:
             return self._connect(params)
         if method == "rois.stream.query_stream_status":
             return Answer({"return_code": "OK", "status": self._streams[params["stream_id"]]["status"]})
+        if method == "rois.stream.report_playout":
+            self.reports.append(params)
+            return Answer({"return_code": "OK"})
         if method in _VERBS:
             return Answer({"return_code": "OK"}, then=self._move(params["stream_id"], *_VERBS[method]))
         return Answer({"return_code": "OK"}) if method.startswith("signaling.") else None

@@ -4,6 +4,7 @@ Both forms end in the same calls of the engine's extension. A stream belongs to 
 other it looks like one that does not exist.
 """
 
+import time
 from collections.abc import Awaitable, Callable, Mapping
 from typing import Any, Final, TypeVar
 
@@ -22,6 +23,7 @@ from openrois.errors import (
 )
 from openrois.interfaces.operation import operation, reply_first
 from openrois.jsonrpc.session import Handler
+from openrois.rate import RateLimit
 from openrois.stream_parameters import STREAM_PARAMETERS
 from openrois.types.codes import ReturnCode, StreamStatus
 from openrois.types.messages import Argument, CommandUnit, Parameter, Result, ReturnResult
@@ -33,6 +35,7 @@ from openrois.types.streams import (
     ConnectStreamResult,
     HelloParams,
     HelloResult,
+    ReportPlayoutParams,
     StreamParams,
     StreamStatusResult,
     subject_of,
@@ -41,6 +44,11 @@ from openrois.types.streams import (
 __all__ = ["get_parameters", "has_streams", "is_verb", "methods", "query_status", "run_verb"]
 
 MAX_STREAMS: Final = 16
+
+REPORTS_PER_SECOND: Final = 8
+"""Reports of playout that one application may make, for all of its streams."""
+
+REPORTS_AT_ONCE: Final = 16
 
 _SET_PARAMETER: Final = "set_parameter"
 
@@ -59,6 +67,7 @@ def is_verb(command_type: str) -> bool:
 
 def methods(app: ApplicationSession) -> dict[str, Handler]:
     """Return the method table: `openrois.hello` and `rois.stream.*`."""
+    reports = RateLimit(REPORTS_AT_ONCE, REPORTS_PER_SECOND, time.monotonic)
 
     async def hello(_params: HelloParams) -> HelloResult:
         app.extended = True
@@ -81,6 +90,14 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
         app.extended = True
         return StreamStatusResult(status=await query_status(app, params.stream_id))
 
+    async def report(params: ReportPlayoutParams) -> ReturnResult:
+        app.extended = True
+        _require_own(app, params.stream_id)
+        if not reports.admits():
+            raise OutOfResources(f"playout is reported at most {REPORTS_PER_SECOND} times a second")
+        await _call(app, "rois.stream.report_playout", params.model_dump(mode="json"), ReturnResult)
+        return ReturnResult()
+
     verbs = {
         STREAM_METHODS["connect_stream"]: operation(ConnectStreamParams, ConnectStreamResult, connect),
         **{
@@ -91,6 +108,7 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
     }
     return {
         "openrois.hello": operation(HelloParams, HelloResult, hello),
+        "rois.stream.report_playout": operation(ReportPlayoutParams, ReturnResult, report),
         **{name: reply_first(app, handler) for name, handler in verbs.items()},
     }
 

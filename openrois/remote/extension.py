@@ -23,6 +23,7 @@ EXTENSION_METHODS: Final = (
     "rois.stream.suspend_stream",
     "rois.stream.resume_stream",
     "rois.stream.query_stream_status",
+    "rois.stream.report_playout",
     "signaling.answer",
     "signaling.candidate",
     "signaling.restart",

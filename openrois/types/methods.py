@@ -36,6 +36,7 @@ from openrois.types.streams import (
     EventsDroppedNotification,
     HelloParams,
     HelloResult,
+    ReportPlayoutParams,
     StreamParams,
     StreamStatusNotification,
     StreamStatusResult,
@@ -106,6 +107,13 @@ METHODS: Final[tuple[MethodType, ...]] = (
     MethodType("rois.stream.resume_stream", StreamParams, ReturnResult, "Go on with a stream.", "rois.stream"),
     MethodType(
         "rois.stream.query_stream_status", StreamParams, StreamStatusResult, "Ask what a stream does.", "rois.stream"
+    ),
+    MethodType(
+        "rois.stream.report_playout",
+        ReportPlayoutParams,
+        ReturnResult,
+        "Say how long what arrives of a stream waits here until it is played.",
+        "rois.stream",
     ),
 )
 """The base in the order of the standard, then the extensions; `signaling.*` stands in `openrois_signaling`."""

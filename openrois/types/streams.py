@@ -23,6 +23,7 @@ __all__ = [
     "HelloParams",
     "HelloResult",
     "HolderNotification",
+    "ReportPlayoutParams",
     "StreamParams",
     "StreamStatusNotification",
     "StreamStatusResult",
@@ -34,6 +35,9 @@ MAX_EXTENSIONS: Final = 64
 
 MAX_PARAMETERS: Final = 16
 """Parameters of one connect_stream."""
+
+MAX_PLAYOUT: Final = 60_000
+"""Milliseconds that a viewer may say it is late."""
 
 EXTENSION_VERSION = "1"
 EXTENSIONS = ("rois.stream", "signaling")
@@ -78,6 +82,12 @@ class StreamParams(Model):
     """Params of every method that acts on a connected stream."""
 
     stream_id: str
+
+
+class ReportPlayoutParams(StreamParams):
+    """Params of report_playout: milliseconds from the arrival of the stream's media to their being heard or seen."""
+
+    milliseconds: Annotated[int, Field(ge=0, le=MAX_PLAYOUT)]
 
 
 class ConnectStreamResult(ReturnResult):

@@ -179,6 +179,7 @@ class Leg:
             packets_lost=None if report is None else report.packets_lost,
             fraction_lost=None if report is None else report.fraction_lost,
             jitter=None if report is None else report.jitter / _CLOCK_RATES[self.stream.kind],
+            playout_delay=self.stream.playout_delay,
             adaptation=None if self._downlink is None else self._downlink.figures(),
             reception=None if self._uplink is None else self._uplink.figures,
         )

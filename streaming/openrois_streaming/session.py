@@ -81,6 +81,8 @@ class StreamSession:
         self._clock = clock
         self._tasks = OwnedTasks(name, failed)
         self._streams = StreamTable(on_change, clock)
+        self.report_playout = self._streams.report_playout
+        """Notes how late a viewer plays a stream, see `StreamTable.report_playout`."""
 
         def make_peer(replaces: str | None, owner: PeerOwner) -> Peer:
             return Peer(

@@ -63,6 +63,8 @@ class StreamStats:
     """0..1, between the last two reports."""
     jitter: float | None
     """Seconds."""
+    playout_delay: float | None = None
+    """Seconds from the arrival of a packet to its being played, as the viewer said last; None if it never did."""
     adaptation: AdaptationStats | None = None
     """None before the first decision, and where there is nothing to choose."""
     reception: ReceiverFigures | None = None

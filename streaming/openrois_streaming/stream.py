@@ -59,6 +59,8 @@ class Stream:
     stereo: bool = False
     path_bitrate: float | None = None
     """What its viewer's path was seen to carry, in bit/s; None if nothing is known yet."""
+    playout_delay: float | None = None
+    """Seconds from the arrival of its media to their being played, as its viewer said last; None if it never did."""
     phase: StreamPhase = StreamPhase.CONNECTING
     suspended_by: frozenset[Party] = frozenset()
 
@@ -142,6 +144,10 @@ class StreamTable:
             return self._streams[stream_id]
         except KeyError:
             raise UnknownStream("there is no such stream") from None
+
+    def report_playout(self, stream_id: str, seconds: float) -> None:
+        """Note how long what arrives of a stream waits at its viewer until it is played. Raises UnknownStream."""
+        self[stream_id].playout_delay = seconds
 
     def add(self, stream: Stream) -> None:
         """Take in a new stream."""

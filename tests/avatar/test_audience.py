@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import pytest
-from openrois_avatar.audience import LONGEST, PLAYOUT, Audience, way
+from openrois_avatar.audience import DEVICE, LONGEST, PLAYOUT, Audience, way
 from openrois_streaming.errors import UnknownStream
 from openrois_streaming.state import StreamStatus
 
@@ -17,6 +17,7 @@ class Stats:
     jitter: float | None
     component_ref: str = REF
     status: StreamStatus = StreamStatus.RUNNING
+    playout_delay: float | None = None
 
 
 class Session:
@@ -51,6 +52,21 @@ def test_a_way_is_half_a_round_trip_and_a_buffer_that_grows_with_the_jitter() ->
     assert way(None, None) == PLAYOUT
     assert way(0.05, 0.01) == pytest.approx(PLAYOUT + 0.025 + 0.03)
     assert way(5.0, 0.0) == LONGEST
+
+
+def test_what_a_viewer_says_of_its_buffer_counts_instead_of_the_estimate() -> None:
+    assert way(0.05, 0.01, 0.12) == pytest.approx(0.12 + DEVICE + 0.025)
+    assert way(None, None, 0.0) == DEVICE
+    assert way(0.1, 0.5, 60.0) == LONGEST
+
+
+async def test_the_slowest_viewer_counts_whoever_says_so() -> None:
+    slow, near = Stats(0.01, 0.0, playout_delay=0.4), Stats(0.01, 0.0, playout_delay=0.05)
+    silent = Stats(0.01, 0.0)
+    assert await lateness(Session(near=near, silent=silent)) == pytest.approx(PLAYOUT + 0.005)
+    assert await lateness(Session(near=near), Session(slow=slow)) == pytest.approx(0.4 + DEVICE + 0.005)
+    gone = Stats(0.01, 0.0, status=StreamStatus.NOT_RUNNING, playout_delay=0.9)
+    assert await lateness(Session(near=near, gone=gone)) == pytest.approx(0.05 + DEVICE + 0.005)
 
 
 async def test_it_is_waited_for_the_last_of_those_who_listen() -> None:

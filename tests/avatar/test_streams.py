@@ -156,6 +156,16 @@ async def test_every_change_is_told_with_the_names_of_rois(stage: Stage, alice: 
         assert notice["timestamp"].startswith("2027-01-15T08:00:")
 
 
+async def test_a_viewer_says_how_late_it_plays_until_it_says_otherwise(stage: Stage, alice: Caller) -> None:
+    stream_id = await alice.connect()
+    [session] = stage.streams.sessions
+    assert (await session.stats(stream_id)).playout_delay is None
+    for milliseconds in (150, 60_000, 0):
+        about = {"stream_id": stream_id, "milliseconds": milliseconds}
+        assert await alice.ask("rois.stream.report_playout", **about) == OK
+        assert (await session.stats(stream_id)).playout_delay == milliseconds / 1000
+
+
 async def test_an_application_is_sent_no_more_than_it_wants(stage: Stage, alice: Caller) -> None:
     stage.publisher.rung = ladder(320, 180, 30)[0]
     await alice.connect(json.dumps({"width": 640, "height": 360, "fps": 15, "max_bitrate": 100_000}))
@@ -339,6 +349,8 @@ async def test_what_is_not_there_is_not_supported(alice: Caller) -> None:
     [
         ("rois.stream.connect_stream", {"component_ref": VIDEO, "codec": "H264"}),
         ("rois.stream.suspend_stream", {}),
+        ("rois.stream.report_playout", {"stream_id": "avatar/1", "milliseconds": 60_001}),
+        ("rois.stream.report_playout", {"stream_id": "avatar/1"}),
         ("signaling.answer", {"peer_id": "avatar/1", "generation": 0, "sdp": "answer"}),
     ],
 )
@@ -356,6 +368,8 @@ async def test_nobody_reaches_what_another_has(stage: Stage, alice: Caller) -> N
     for verb in ("suspend_stream", "resume_stream", "disconnect_stream", "query_stream_status"):
         with pytest.raises(Unsupported):
             await mallory.ask(f"rois.stream.{verb}", stream_id=stream_id)
+    with pytest.raises(Unsupported):
+        await mallory.ask("rois.stream.report_playout", stream_id=stream_id, milliseconds=1000)
     for method, params in (
         ("signaling.answer", {**about, "sdp": "answer"}),
         ("signaling.candidate", {**about, "candidate": "candidate:1", "sdp_mid": "0"}),

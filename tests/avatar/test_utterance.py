@@ -141,6 +141,20 @@ async def test_words_are_told_in_order_with_the_times_at_which_they_sound(monkey
         assert moments == pytest.approx(viewer.onsets(), abs=0.02)
 
 
+async def test_a_viewer_that_becomes_slower_meanwhile_is_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock, audience = SystemClock(), Audience()
+    sound, waits = AvatarSound(clock), iter((0.05, 0.3, 0.3, 0.02, 0.02))
+
+    async def lateness() -> float:
+        return next(waits)
+
+    monkeypatch.setattr(audience, "lateness", lateness)
+    hum = Speech(bursts(1).samples, (), ())
+    begun = clock.now()
+    await Utterance(sound, Body(lambda _command: None), audience, lambda _told: None).play(hum)
+    assert clock.now() >= begun + hum.duration + 0.3
+
+
 async def test_what_is_cut_is_silent_within_150_ms_and_so_is_the_mouth() -> None:
     async with hearing() as viewer, Synthesizer() as synthesizer:
         speech = await synthesizer.synthesize("a " + "very " * 30 + "long story", volume=100)

@@ -187,6 +187,10 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
             "tests/avatar/test_streams.py::test_the_number_of_applications_and_sections_is_bounded",
         ),
     ),
+    "reports of playout of one application; milliseconds in one": (
+        (stream.REPORTS_PER_SECOND, stream.REPORTS_AT_ONCE, streams.MAX_PLAYOUT, 32602),
+        ("tests/conformance/test_streams.py::test_playout_is_reported_by_the_owner_and_not_too_often",),
+    ),
     "applications that one avatar streams to": (
         (SESSIONS_LIMIT,),
         ("tests/avatar/test_streams.py::test_the_number_of_applications_and_sections_is_bounded",),

@@ -162,6 +162,9 @@ class TestTwoHops:
                 assert (await app.next(STATUS))["stream_id"] == answer["stream_id"]
                 offer = await app.next("signaling.offer")
                 assert await app.ask("signaling.restart", peer_id=offer["peer_id"]) == {"return_code": "OK"}
+            report = {"stream_id": answer["stream_id"], "milliseconds": 180}
+            assert await app.ask("rois.stream.report_playout", **report) == {"return_code": "OK"}
+            assert robot.streams.calls[-1][:2] == ("rois.stream.report_playout", report)
             assert {client_id for _, _, client_id in robot.streams.calls} == {hello["client_id"]}
 
     async def test_the_application_leaves(self, middle: Engine, leg: AsyncExitStack, robot: Robot) -> None:

@@ -4,8 +4,9 @@ from typing import Any
 
 import pytest
 
-from openrois.interfaces.stream import MAX_STREAMS
+from openrois.interfaces.stream import MAX_STREAMS, REPORTS_AT_ONCE
 from openrois.types.codes import StreamStatus
+from openrois.types.streams import MAX_PLAYOUT
 from tests.support import deployment
 from tests.support.deployment import Application, Robot
 from tests.support.viewer import CAMERA, STATUS, VERBS, execute, peer_of, statuses, stream_of
@@ -164,6 +165,27 @@ class TestStreamMethods:
             monkeypatch.setattr(robot.streams, "_connect", lambda *_asked, wrong=wrong: wrong)
             assert await app.code("rois.stream.connect_stream", component_ref=CAMERA) == "ERROR"
             assert await app.code("rois.stream.suspend_stream", stream_id=minted) == "UNSUPPORTED"
+
+    async def test_playout_is_reported_by_the_owner_and_not_too_often(
+        self, app: Application, other: Application, robot: Robot, subtests: pytest.Subtests
+    ) -> None:
+        method, stream_id = "rois.stream.report_playout", await stream_of(app)
+        assert await app.ask(method, stream_id=stream_id, milliseconds=MAX_PLAYOUT) == {"return_code": "OK"}
+        assert await other.code(method, stream_id=stream_id, milliseconds=1) == "UNSUPPORTED"
+        assert await app.code(method, stream_id="robot/nothing", milliseconds=1) == "UNSUPPORTED"
+        for wrong in (-1, MAX_PLAYOUT + 1, 10**30, 1.5, True, "1", None):
+            with subtests.test(str(wrong)):
+                error = await app.refused(method, stream_id=stream_id, milliseconds=wrong)
+                assert error["code"] == -32602
+        asked = [
+            await app.begin(method, stream_id=stream_id, milliseconds=number) for number in range(4 * REPORTS_AT_ONCE)
+        ]
+        codes = [(await app.answer(request_id))["result"]["return_code"] for request_id in asked]
+        assert codes[: REPORTS_AT_ONCE - 1] == ["OK"] * (REPORTS_AT_ONCE - 1)
+        assert "OUT_OF_RESOURCES" in codes
+        told = [params["milliseconds"] for name, params, _ in robot.streams.calls if name == method]
+        assert told == [MAX_PLAYOUT, *(number for number, code in enumerate(codes) if code == "OK")]
+        assert await other.code("rois.stream.query_stream_status", stream_id=await stream_of(other)) == "OK"
 
     async def test_only_so_many_even_at_once(self, app: Application, other: Application) -> None:
         asked = [await app.begin("rois.stream.connect_stream", component_ref=CAMERA) for _ in range(MAX_STREAMS + 4)]

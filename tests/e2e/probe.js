@@ -17,6 +17,8 @@
     watched: {},
     // Sound: when (ms), root mean square, and amplitude at 1 kHz.
     sound: [],
+    // Commands that completed and words that were spoken: when the page was told (ms), and the params.
+    told: [],
   };
   const watchers = new Map();
   globalThis.probe = probe;
@@ -32,6 +34,18 @@
       }
     };
   }
+
+  globalThis.WebSocket = class extends WebSocket {
+    constructor(...options) {
+      super(...options);
+      this.addEventListener("message", ({ data }) => {
+        if (!/"rois\.command\.completed"|"word_spoken"/.test(data)) return;
+        const { method, params } = JSON.parse(data);
+        if (method) probe.told.push({ at: clock(), method, params });
+        if (probe.told.length > KEPT) probe.told.shift();
+      });
+    }
+  };
 
   // Resolves with what `condition` returns once that is true; looks every 25 ms.
   probe.until = (condition, patience) =>

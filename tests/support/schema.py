@@ -82,6 +82,7 @@ RESULTS: dict[str, dict[str, Any]] = {
     "rois.stream.suspend_stream": {},
     "rois.stream.resume_stream": {},
     "rois.stream.query_stream_status": {"status": STREAM_STATUS},
+    "rois.stream.report_playout": {},
     "signaling.answer": {},
     "signaling.candidate": {},
     "signaling.restart": {},

@@ -113,6 +113,8 @@ class FacadeStreams:
             case "rois.stream.disconnect_stream":
                 viewing, stream_id = self._stream(params, client)
                 viewing.disconnect(stream_id)
+            case "rois.stream.report_playout":
+                pass  # what is heard comes from the game engine itself: nothing here waits for it
             case HolderNotification.method:
                 pass  # nothing here depends on who holds what
             case _:

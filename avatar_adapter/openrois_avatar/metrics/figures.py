@@ -126,6 +126,12 @@ STREAM: Final[tuple[Figure[StreamStats], ...]] = (
         lambda s: s.fraction_lost,
     ),
     Figure("openrois_stream_jitter_seconds", "gauge", "Jitter, as the viewer reports.", lambda s: s.jitter),
+    Figure(
+        "openrois_stream_viewer_playout_seconds",
+        "gauge",
+        "How long what arrives waits at the viewer until it is played, as the viewer reports.",
+        lambda s: s.playout_delay,
+    ),
 )
 
 ADAPTATION: Final[tuple[Figure[AdaptationStats], ...]] = (

@@ -19,6 +19,8 @@ BOTH: Final = (Needs.ADAPTER, Needs.EXTENSIONS)
 STATUS: Final = "rois.stream.notify_stream_status"
 OFFER: Final = "signaling.offer"
 VERBS: Final = ("disconnect_stream", "suspend_stream", "resume_stream", "query_stream_status")
+MAX_REPORTS: Final = 64
+"""More reports of playout than may be made at once, and in the second that asking may take."""
 _UNKNOWN: Final = "conformance-nowhere/0"
 
 
@@ -114,6 +116,40 @@ async def _stream_refused(stage: Stage) -> None:
         ("query_stream_status", {}),
     ):
         await app.error(f"rois.stream.{method}", -32602, **params)
+
+
+@CHECKS("stream-playout", *BOTH)
+async def _stream_playout(stage: Stage) -> None:
+    """`report_playout` reaches the engine of the stream, from its owner alone; a delay out of bounds is -32602."""
+    _, streams, camera = await _streaming(stage)
+    app, other = await _greeted(stage), await _greeted(stage)
+    stream_id = await _connected(app, camera)
+    owner = streams.check_owner(stream_id)
+    method = "rois.stream.report_playout"
+    await app.granted(method, stream_id=stream_id, milliseconds=150)
+    told = {"stream_id": stream_id, "milliseconds": 150, "client_id": owner}
+    expect("what the engine is told", streams.reports, [told])
+    foreign = await other.ask(method, stream_id=stream_id, milliseconds=150)
+    expect("that of a foreign stream", foreign, await other.ask(method, stream_id=_UNKNOWN, milliseconds=150))
+    expect("the return_code", foreign["return_code"], "UNSUPPORTED")
+    for wrong in (-1, 60_001, 1.5, "150", None):
+        await app.error(method, -32602, stream_id=stream_id, milliseconds=wrong)
+    expect("what the engine is told", streams.reports, [told])
+    app.told.clear()
+
+
+@CHECKS("stream-playout-often", *BOTH)
+async def _stream_playout_often(stage: Stage) -> None:
+    """Playout that is reported too often is OUT_OF_RESOURCES, and the engine is not asked."""
+    _, streams, camera = await _streaming(stage)
+    app = await _greeted(stage)
+    stream_id = await _connected(app, camera)
+    params = {"stream_id": stream_id, "milliseconds": 150}
+    asked = [await app.begin("rois.stream.report_playout", **params) for _ in range(MAX_REPORTS)]
+    codes = [(await app.result("rois.stream.report_playout", each))["return_code"] for each in asked]
+    expect("whether some were granted and some refused", set(codes), {"OK", "OUT_OF_RESOURCES"})
+    expect("reports that the engine was told", len(streams.reports), codes.count("OK"))
+    app.told.clear()
 
 
 @CHECKS("stream-of-others", *BOTH)

@@ -50,6 +50,7 @@ STREAM_1 = StreamStats(
     packets_lost=4,
     fraction_lost=0.25,
     jitter=0.001,
+    playout_delay=0.15,
     adaptation=AdaptationStats(640, 360, 30.0, 900_000, 1_100_000, 2_000_000, False, 3),
     reception=ReceiverFigures(90, 9000, 6, 2, 1, 1, 30, 8, 0.004, 0.03, 1.5),
 )

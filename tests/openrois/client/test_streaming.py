@@ -79,12 +79,18 @@ async def test_a_stream_over_the_extension(line: Line, streams: FakeStreams) -> 
             await camera.suspend_stream(stream_id)
             await camera.resume_stream(stream_id)
             assert await camera.get_stream_status(stream_id) is StreamStatus.STREAMING_RUNNING
+            await camera.report_playout(stream_id, 0.1504)
+            await camera.report_playout(stream_id, 1e6)
+            told = [params["milliseconds"] for _, params, _ in streams.calls[-2:]]
+            assert told == [150, 60_000]
             await camera.disconnect_stream(stream_id)
         assert [name.rpartition(".")[2] for name, _, _ in streams.calls] == [
             "connect_stream",
             "suspend_stream",
             "resume_stream",
             "query_stream_status",
+            "report_playout",
+            "report_playout",
             "disconnect_stream",
         ]
 
@@ -97,6 +103,8 @@ async def test_a_plain_gateway_turns_strict_rois_into_the_extension_of_its_engin
         camera = client.component(VideoStreaming, "cameras/camera")
         stream_id = await camera.connect_stream()
         assert await camera.get_stream_status(stream_id) is StreamStatus.STREAMING_NOT_RUNNING
+        with pytest.raises(Unsupported, match="is not told how late"):
+            await camera.report_playout(stream_id, 0.1)
         await camera.disconnect_stream(stream_id)
         assert not streams.streams
 

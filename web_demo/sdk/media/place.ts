@@ -24,7 +24,7 @@ export class StreamPlace {
   #next: Attachment | null = null;
   #sample: Sample | null = null;
   #located = false;
-  #bufferDelay: number | null = null;
+  #playoutDelay: number | null = null;
 
   /** @param receives there is a track of the engine's */
   constructor(events: Emitter<StreamEvents>, receives: boolean) {
@@ -44,9 +44,9 @@ export class StreamPlace {
     return this.#next ?? this.#current;
   }
 
-  /** Milliseconds in the jitter buffer, as they were last; null while nothing flows. */
-  get bufferDelay(): number | null {
-    return this.#bufferDelay;
+  /** Milliseconds in the jitter buffer and on the way to the device, as they were last; null while nothing flows. */
+  get playoutDelay(): number | null {
+    return this.#playoutDelay;
   }
 
   /** The present connection of the stream has a place; what is shown may still come from the one before. */
@@ -104,7 +104,8 @@ export class StreamPlace {
     this.#sample = sample;
     if (!figures) return;
     if (figures.rate > 0) this.onFlow();
-    this.#bufferDelay = figures.bufferDelay;
+    const { bufferDelay, deviceDelay } = figures;
+    this.#playoutDelay = bufferDelay === null ? null : bufferDelay + (deviceDelay ?? 0);
     this.#events.emit("figures", figures);
   }
 
@@ -112,7 +113,7 @@ export class StreamPlace {
     if (this.#receives) this.#events.emit("interrupted", undefined);
     this.#current = null;
     this.#sample = null;
-    this.#bufferDelay = null;
+    this.#playoutDelay = null;
     this.#events.emit("change", undefined);
   }
 }

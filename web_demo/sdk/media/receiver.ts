@@ -17,6 +17,7 @@ import type { CandidateMessage, Effect } from "./negotiation.ts";
 import { FIRST_FRAME_WITHIN, PathWatch } from "./path_watch.ts";
 import { sizeWanted, streamParameters } from "./parameters.ts";
 import { MediaPeer } from "./peer.ts";
+import { PlayoutReports } from "./playout_reports.ts";
 import type { MediaLink, ReceiverOptions, SendingOptions } from "./receiver_options.ts";
 import type { Problem, Verb } from "./reconciler.ts";
 import type { Sample } from "./statistics.ts";
@@ -117,9 +118,19 @@ export class MediaReceiver {
 
   #known<Kind extends ControlledStream>(name: string, make: (backoff: BackoffOptions) => Kind): Kind {
     const known = this.#streams.get(name) as Kind | undefined;
-    const stream = known ?? make({ ...BACKOFF, ...this.#options.backoff });
+    if (known) return known;
+    const stream = make({ ...BACKOFF, ...this.#options.backoff });
     this.#streams.set(name, stream);
+    if (stream.kind === "audio" && stream.direction !== "sendonly") this.#reportPlayout(stream);
     return stream;
+  }
+
+  #reportPlayout(stream: ControlledStream): void {
+    const reports = new PlayoutReports((method, ...params) => this.#link.call(method, ...params));
+    stream.on("figures", () => {
+      const { streamId, place } = stream;
+      reports.look({ streamId, delay: place.playoutDelay }, performance.now());
+    });
   }
 
   #operations(): StreamOperations {

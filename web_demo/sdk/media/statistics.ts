@@ -13,6 +13,9 @@ export interface Sample {
   /** Seconds that all units together spent in the jitter buffer. */
   readonly bufferDelay: number;
   readonly bufferCount: number;
+  /** Seconds that all samples together waited for the sound device, and how many these are; 0 where nobody says. */
+  readonly deviceDelay: number;
+  readonly deviceCount: number;
   /** Seconds for which the picture stood still, all together, as the browser judges it. */
   readonly frozen: number;
   /** MIME type; empty while it is not known. */
@@ -42,13 +45,14 @@ export interface Figures {
   readonly codec: string;
   /** Milliseconds in the jitter buffer, mean of the interval; null when nothing left it. */
   readonly bufferDelay: number | null;
+  /** Milliseconds from there to the ear, mean of the interval; null for pictures, and where the browser does not say. */
+  readonly deviceDelay: number | null;
 }
 
 /** Returns what happened between two samples; null when they do not belong together. */
 export function figuresBetween(before: Sample, after: Sample): Figures | null {
   const seconds = (after.at - before.at) / 1000;
   if (seconds <= 0 || after.bytes < before.bytes || after.units < before.units) return null;
-  const left = after.bufferCount - before.bufferCount;
   // A packet that comes after all takes back its loss.
   const lost = Math.max(0, after.packetsLost - before.packetsLost);
   const expected = after.packets - before.packets + lost;
@@ -63,8 +67,14 @@ export function figuresBetween(before: Sample, after: Sample): Figures | null {
     loss: expected > 0 ? lost / expected : 0,
     frozen: Math.max(0, 1000 * (after.frozen - before.frozen)),
     codec: after.codec,
-    bufferDelay: left > 0 ? (1000 * (after.bufferDelay - before.bufferDelay)) / left : null,
+    bufferDelay: mean(after.bufferDelay - before.bufferDelay, after.bufferCount - before.bufferCount),
+    deviceDelay: mean(after.deviceDelay - before.deviceDelay, after.deviceCount - before.deviceCount),
   };
+}
+
+/** Milliseconds of each. */
+function mean(seconds: number, count: number): number | null {
+  return count > 0 ? (1000 * seconds) / count : null;
 }
 
 type Report = Record<string, unknown> & { readonly type: string };
@@ -98,6 +108,8 @@ export function readSample(reports: Iterable<Report>, at: number): Sample | null
     dropped: count(flow, "framesDropped"),
     bufferDelay: count(flow, "jitterBufferDelay"),
     bufferCount: count(flow, "jitterBufferEmittedCount"),
+    deviceDelay: count(found.get("media-playout"), "totalPlayoutDelay"),
+    deviceCount: count(found.get("media-playout"), "totalSamplesCount"),
     frozen: count(flow, "totalFreezesDuration"),
     codec: typeof codec === "string" ? codec : "",
     width: count(flow, "frameWidth"),

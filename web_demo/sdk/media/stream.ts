@@ -214,7 +214,7 @@ export class RemoteStream extends ControlledStream {
 
   /** Milliseconds from the arrival of its media to their being played, lately; null while nothing plays. */
   get playoutDelay(): number | null {
-    return this.place.bufferDelay;
+    return this.place.playoutDelay;
   }
 
   /**

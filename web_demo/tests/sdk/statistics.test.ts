@@ -11,6 +11,8 @@ const sample = (over: Partial<Sample>): Sample => ({
   dropped: 0,
   bufferDelay: 0,
   bufferCount: 0,
+  deviceDelay: 0,
+  deviceCount: 0,
   frozen: 0,
   codec: "",
   width: 640,
@@ -38,6 +40,8 @@ describe("figuresBetween", () => {
       packetsLost: 2,
       bufferDelay: 2.2,
       bufferCount: 70,
+      deviceDelay: 3,
+      deviceCount: 100,
       frozen: 0.25,
       codec: "video/VP8",
       roundTrip: 4,
@@ -54,6 +58,7 @@ describe("figuresBetween", () => {
       frozen: 250,
       codec: "video/VP8",
       bufferDelay: expect.closeTo(20, 6),
+      deviceDelay: expect.closeTo(30, 6),
     });
   });
 
@@ -102,6 +107,8 @@ describe("readSample", () => {
       dropped: 2,
       bufferDelay: 0.5,
       bufferCount: 3,
+      deviceDelay: 0,
+      deviceCount: 0,
       frozen: 1.5,
       codec: "video/H264",
       width: 1280,

@@ -70,6 +70,9 @@ namespace OpenRoIS
         /// <summary>Ask what a stream does.</summary>
         public static readonly Method<StreamParams, StreamStatusResult> StreamQueryStreamStatus =
             new Method<StreamParams, StreamStatusResult>("rois.stream.query_stream_status");
+        /// <summary>Say how long what arrives of a stream waits here until it is played.</summary>
+        public static readonly Method<ReportPlayoutParams, ReturnResult> StreamReportPlayout =
+            new Method<ReportPlayoutParams, ReturnResult>("rois.stream.report_playout");
         /// <summary>Answer an engine's offer.</summary>
         public static readonly Method<Answer, ReturnResult> SignalingAnswer =
             new Method<Answer, ReturnResult>("signaling.answer");

@@ -557,6 +557,19 @@ namespace OpenRoIS
         public string ComponentRef { get; set; } = "";
     }
 
+    /// <summary>
+    /// Params of report_playout: milliseconds from the arrival of the stream's media to their being heard
+    /// or seen.
+    /// </summary>
+    public sealed class ReportPlayoutParams
+    {
+        [JsonProperty("stream_id", Required = Required.Always)]
+        public string StreamId { get; set; }
+
+        [JsonProperty("milliseconds", Required = Required.Always)]
+        public int Milliseconds { get; set; }
+    }
+
     /// <summary>The application's request for a new peer connection in place of <c>peer_id</c>.</summary>
     public sealed class Restart
     {

@@ -240,6 +240,7 @@ export const RESULTS: { readonly [Name in MethodName]: Check } = {
   "rois.stream.suspend_stream": isReturnResult,
   "rois.stream.resume_stream": isReturnResult,
   "rois.stream.query_stream_status": isStreamStatusResult,
+  "rois.stream.report_playout": isReturnResult,
   "signaling.answer": isReturnResult,
   "signaling.candidate": isReturnResult,
   "signaling.restart": isReturnResult,

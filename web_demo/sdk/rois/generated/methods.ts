@@ -26,6 +26,7 @@ import type {
   QueryParams,
   ReasonNotification,
   ReferenceResult,
+  ReportPlayoutParams,
   Restart,
   ResultsResult,
   ReturnResult,
@@ -86,6 +87,8 @@ export interface Methods {
   readonly "rois.stream.resume_stream": { params: StreamParams; result: ReturnResult };
   /** Ask what a stream does. */
   readonly "rois.stream.query_stream_status": { params: StreamParams; result: StreamStatusResult };
+  /** Say how long what arrives of a stream waits here until it is played. */
+  readonly "rois.stream.report_playout": { params: ReportPlayoutParams; result: ReturnResult };
   /** Answer an engine's offer. */
   readonly "signaling.answer": { params: Answer; result: ReturnResult };
   /** Tell an engine of a candidate. */

@@ -287,6 +287,15 @@ export interface ReferenceResult {
   readonly component_ref?: string;
 }
 
+/**
+ * Params of report_playout: milliseconds from the arrival of the stream's media to their being heard
+ * or seen.
+ */
+export interface ReportPlayoutParams {
+  readonly stream_id: string;
+  readonly milliseconds: number;
+}
+
 /** The application's request for a new peer connection in place of `peer_id`. */
 export interface Restart {
   readonly peer_id: string;
