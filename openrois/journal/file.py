@@ -1,0 +1,278 @@
+"""The file of the journal: an SQLite database that holds what runs, and a bounded part of what has ended."""
+
+import json
+import logging
+import os
+import sqlite3
+import time
+from collections.abc import Iterable
+from contextlib import closing, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from pydantic import TypeAdapter, ValidationError
+
+from openrois.journal.former import RESTARTED, FormerCommand, FormerCommands
+from openrois.types.codes import CompletedStatus
+from openrois.types.messages import Result
+
+__all__ = ["Accepted", "Ended", "JournalFile", "JournalUnusable", "Record", "Told"]
+
+_log = logging.getLogger(__name__)
+
+MAX_ENDED: Final = 4096
+"""Commands that have ended and are kept, for those who did not hear it; of more the oldest are forgotten."""
+
+MAX_RESULTS: Final = 2048
+"""Characters of what one command gave that are kept."""
+
+MAX_PAGES: Final = 16_384
+"""Of 4 KiB: a bound that what is kept does not come near to."""
+
+KEPT_FOR: Final = 7 * 86_400.0
+"""Seconds for which what nobody has asked about is kept."""
+
+_OURS: Final = 0x526F4953
+_VERSION: Final = 1
+_MAGIC: Final = b"SQLite format 3\0"
+_SQLITE: Final = (3, 38)
+_LOCKED: Final = 0.5
+_PRUNE_AFTER: Final = 1024
+_INTERRUPTED: Final = "INTERRUPTED"
+_SCHEMA: Final = f"""
+    PRAGMA application_id = {_OURS};
+    PRAGMA user_version = {_VERSION};
+    CREATE TABLE command (
+        number INTEGER PRIMARY KEY,
+        session TEXT NOT NULL, command_id TEXT NOT NULL, subject TEXT NOT NULL, component_ref TEXT NOT NULL,
+        accepted REAL NOT NULL, status TEXT, reason TEXT NOT NULL DEFAULT '', results TEXT
+    );
+    CREATE UNIQUE INDEX by_id ON command (session, command_id);
+    CREATE INDEX by_end ON command (status, number);
+"""
+_PRUNE: Final = """
+    DELETE FROM command WHERE status IS NOT NULL AND number <=
+    (SELECT number FROM command WHERE status IS NOT NULL ORDER BY number DESC LIMIT 1 OFFSET ?)
+"""
+_RESULTS: Final = TypeAdapter(tuple[Result, ...])
+
+
+class JournalUnusable(Exception):
+    """The file cannot be a journal; the text says why, in one line."""
+
+
+@dataclass(frozen=True, slots=True)
+class Accepted:
+    """A command was accepted, at epoch seconds `at`."""
+
+    session: str
+    command_id: str
+    subject: str
+    component_ref: str
+    at: float
+
+
+@dataclass(frozen=True, slots=True)
+class Ended:
+    """A command has ended."""
+
+    session: str
+    command_id: str
+    status: CompletedStatus
+    reason: str
+    results: tuple[Result, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """Who started a command of a former run has been told how it ended."""
+
+    subject: str
+    command_id: str
+
+
+Record = Accepted | Ended | Told
+
+_STATEMENTS: Final[dict[type[Record], str]] = {
+    Accepted: """
+        INSERT OR REPLACE INTO command (session, command_id, subject, component_ref, accepted)
+        SELECT value->>0, value->>1, value->>2, value->>3, value->>4 FROM json_each(?)
+    """,
+    Ended: """
+        UPDATE command SET status = value->>2, reason = value->>3, results = value->>4 FROM json_each(?)
+        WHERE session = value->>0 AND command_id = value->>1
+    """,
+    Told: """
+        DELETE FROM command WHERE status IS NOT NULL AND (subject, command_id) IN
+        (SELECT value->>0, value->>1 FROM json_each(?))
+    """,
+}
+
+
+class JournalFile:
+    """The open file; its methods block, so that they belong into a thread. One process has it at a time.
+
+    What was written survives the end of the process, however it ends. After a loss of power the last moments may be
+    missing, and the file is sound.
+
+    Args:
+        path: the file; it is made with mode 0600.
+
+    Attributes:
+        former: what former runs left.
+
+    Raises:
+        JournalUnusable: it is a file of something else, or another gateway has it, or it cannot be written. One that is
+            damaged or of another version is set aside instead, with a line in the log.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        if sqlite3.sqlite_version_info < _SQLITE:
+            raise JournalUnusable(f"a journal needs SQLite 3.38, and this Python has {sqlite3.sqlite_version}")
+        self.former = FormerCommands()
+        self._unpruned = _PRUNE_AFTER
+        try:
+            self._require_ours()
+            self._database = self._opened() or self._set_aside()
+            self._load(time.time())
+        except (OSError, sqlite3.Error) as error:
+            raise JournalUnusable(f"the journal {path} cannot be used: {_said(error)}") from error
+
+    def close(self) -> None:
+        """Close it."""
+        with suppress(sqlite3.Error):
+            self._database.close()
+
+    def write(self, records: Iterable[Record]) -> None:
+        """Write records, all or none.
+
+        Raises:
+            sqlite3.Error: they could not be written, for the disk is full or gone.
+        """
+        rows: dict[type[Record], list[tuple[object, ...]]] = {Accepted: [], Ended: [], Told: []}
+        for record in records:
+            rows[type(record)].append(_row(record))
+        self._unpruned += len(rows[Ended])
+        try:
+            self._database.execute("BEGIN")
+            for kind, of_kind in rows.items():
+                if of_kind:
+                    # One statement for all of them: each one costs a change of threads.
+                    self._database.execute(_STATEMENTS[kind], (json.dumps(of_kind),))
+            if self._unpruned >= _PRUNE_AFTER:
+                self._database.execute(_PRUNE, (MAX_ENDED,))
+                self._unpruned = 0
+            self._database.execute("COMMIT")
+        except sqlite3.Error:
+            if self._database.in_transaction:
+                self._database.execute("ROLLBACK")
+            raise
+
+    def _require_ours(self) -> None:
+        """Refuse a file that is no database: whoever names the wrong one keeps it."""
+        os.close(os.open(self.path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600))
+        with self.path.open("rb") as file:
+            head = file.read(len(_MAGIC))
+        if head not in (b"", _MAGIC):
+            raise JournalUnusable(f"{self.path} is no journal of a gateway; name another file, or move it away")
+
+    def _opened(self) -> sqlite3.Connection | None:
+        """Open the database; None where it is damaged or of another version."""
+        database = _connected(self.path)
+        try:
+            if database.execute("SELECT count(*) FROM sqlite_master").fetchone() == (0,):
+                database.executescript(_SCHEMA)
+                return database
+            if database.execute("PRAGMA application_id").fetchone() != (_OURS,):
+                raise JournalUnusable(f"{self.path} is the database of something else; name another file")
+            version = database.execute("PRAGMA user_version").fetchone()
+            if version == (_VERSION,) and database.execute("PRAGMA quick_check(1)").fetchone() == ("ok",):
+                return database
+        except sqlite3.OperationalError:
+            # Locked, or a disk that cannot be written: nothing is wrong with the file.
+            database.close()
+            raise
+        except sqlite3.DatabaseError:
+            pass
+        except JournalUnusable:
+            database.close()
+            raise
+        database.close()
+        return None
+
+    def _set_aside(self) -> sqlite3.Connection:
+        aside = self.path.with_name(f"{self.path.name}.{time.strftime('%Y%m%dT%H%M%S', time.gmtime())}")
+        _log.warning(
+            "the journal %s is damaged or of another version; it is %s now, and a new one begins", self.path, aside
+        )
+        self.path.rename(aside)
+        for more in ("-wal", "-shm"):
+            with suppress(FileNotFoundError):
+                Path(f"{self.path}{more}").rename(f"{aside}{more}")
+        self._require_ours()
+        database = _connected(self.path)
+        database.executescript(_SCHEMA)
+        return database
+
+    def _load(self, now: float) -> None:
+        """Read what former runs left; what ran then has ended."""
+        self._database.execute("DELETE FROM command WHERE accepted < ?", (now - KEPT_FOR,))
+        with closing(self._database.execute("SELECT * FROM command ORDER BY number")) as rows:
+            for _, _, command_id, subject, component_ref, _, status, reason, results in rows:
+                ended = None if status in (None, _INTERRUPTED) else CompletedStatus(status)
+                command = FormerCommand(component_ref, ended, reason or RESTARTED, _read(results))
+                self.former.put(subject, command_id, command)
+        self._database.execute(
+            "UPDATE command SET status = ?, reason = ? WHERE status IS NULL", (_INTERRUPTED, RESTARTED)
+        )
+
+
+def _connected(path: Path) -> sqlite3.Connection:
+    database = sqlite3.connect(path, timeout=_LOCKED, isolation_level=None, check_same_thread=False)
+    for pragma in (
+        # One process, and no memory shared with others.
+        "locking_mode = EXCLUSIVE",
+        "journal_mode = WAL",
+        "synchronous = NORMAL",
+        "journal_size_limit = 4194304",
+        f"max_page_count = {MAX_PAGES}",
+    ):
+        with suppress(sqlite3.NotSupportedError):
+            database.execute(f"PRAGMA {pragma}")
+    return database
+
+
+def _said(error: Exception) -> str:
+    if isinstance(error, sqlite3.OperationalError) and "locked" in str(error):
+        return "another gateway has it"
+    return getattr(error, "strerror", None) or str(error)
+
+
+def _row(record: Record) -> tuple[object, ...]:
+    match record:
+        case Accepted(session, command_id, subject, component_ref, at):
+            return session, _storable(command_id), _storable(subject), _storable(component_ref), at
+        case Ended(session, command_id, status, reason, results):
+            return session, _storable(command_id), status.value, _storable(reason), _written(results)
+        case Told(subject, command_id):
+            return _storable(subject), _storable(command_id)
+
+
+def _storable(text: str) -> str:
+    """Return text that a database can hold: JSON can name half a surrogate pair, and UTF-8 cannot carry one."""
+    return text.encode("utf-8", "backslashreplace").decode()
+
+
+def _written(results: tuple[Result, ...]) -> str | None:
+    text = json.dumps([result.model_dump(mode="json") for result in results])
+    return text if len(text) <= MAX_RESULTS else None
+
+
+def _read(text: str | None) -> tuple[Result, ...] | None:
+    if text is None:
+        return None
+    with suppress(ValidationError):
+        return _RESULTS.validate_json(text)
+    return None

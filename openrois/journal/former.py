@@ -1,0 +1,77 @@
+"""Commands of a former run of the gateway: how each ended, for whoever started it and asks."""
+
+from collections import OrderedDict
+from dataclasses import dataclass
+from typing import Final
+
+from openrois.errors import ComponentFailed
+from openrois.types.codes import CompletedStatus
+from openrois.types.messages import Result
+
+__all__ = ["MAX_FORMER", "RESTARTED", "FormerCommand", "FormerCommands"]
+
+MAX_FORMER: Final = 16_384
+"""Commands of former runs that are known; of more the oldest are forgotten."""
+
+RESTARTED: Final = "the gateway was restarted"
+"""Why a command that ran then has ended."""
+
+_NOT_KEPT: Final = "the command ended OK before the gateway was restarted, and what it gave was too long to be kept"
+
+
+@dataclass(slots=True)
+class FormerCommand:
+    """One command.
+
+    Attributes:
+        component_ref: what it was for.
+        status: how it ended; None where the gateway ended first.
+        reason: why not OK, or empty.
+        kept: what it gave; None where that was too long to be kept.
+        is_told: its end has been told, which happens once.
+    """
+
+    component_ref: str
+    status: CompletedStatus | None
+    reason: str
+    kept: tuple[Result, ...] | None
+    is_told: bool = False
+
+    @property
+    def end(self) -> CompletedStatus:
+        """How it ended, as `completed` says it."""
+        return CompletedStatus.ERROR if self.status is None else self.status
+
+    def results(self) -> tuple[Result, ...]:
+        """Return what it gave: empty where it failed.
+
+        Raises:
+            ComponentFailed: nobody can say, because the gateway was restarted while it ran, or it gave too much.
+        """
+        if self.status is None:
+            raise ComponentFailed(RESTARTED)
+        if self.kept is None:
+            raise ComponentFailed(_NOT_KEPT)
+        return self.kept
+
+
+class FormerCommands:
+    """The commands of former runs, by who started them and the id that they gave."""
+
+    def __init__(self, most: int = MAX_FORMER) -> None:
+        self._most = most
+        self._commands: OrderedDict[tuple[str, str], FormerCommand] = OrderedDict()
+
+    def __len__(self) -> int:
+        return len(self._commands)
+
+    def put(self, subject: str, command_id: str, command: FormerCommand) -> None:
+        """Note a command; two of one subject with one id cannot be told apart, and the later stands for both."""
+        self._commands[subject, command_id] = command
+        self._commands.move_to_end((subject, command_id))
+        if len(self._commands) > self._most:
+            self._commands.popitem(last=False)
+
+    def find(self, subject: str, command_id: str) -> FormerCommand | None:
+        """Return the command that `subject` started under this id, if there is one."""
+        return self._commands.get((subject, command_id))
