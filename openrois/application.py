@@ -20,6 +20,7 @@ from openrois.engine import Engine
 from openrois.error_log import ErrorLog
 from openrois.event_log import EventLog
 from openrois.holders import tell_holder
+from openrois.journal.journal import Journal
 from openrois.jsonrpc.protocol import Peer, RequestId
 from openrois.leases.holding import Holding
 from openrois.lost_streams import lost_streams
@@ -64,6 +65,7 @@ class EngineHost:
         ice_ttl: seconds for which that may be kept.
         audit: who did what, and what was refused.
         traffic: the connections, and what they did.
+        journal: what was accepted and how it ended, for whoever asks after a restart.
     """
 
     engine: Engine
@@ -77,6 +79,7 @@ class EngineHost:
     ice_ttl: int = 3600
     audit: Audit = field(default_factory=Audit)
     traffic: Traffic = field(default_factory=Traffic)
+    journal: Journal = field(default_factory=Journal)
 
     def crashed(self, what: str) -> None:
         """Report that something went wrong inside the engine, which is nobody else's fault."""

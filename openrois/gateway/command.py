@@ -11,6 +11,7 @@ import uvloop
 from openrois.gateway.configuration import configure, printed
 from openrois.gateway.server import run_gateway
 from openrois.gateway.settings import GatewaySettings
+from openrois.journal.file import JournalUnusable
 from openrois.logs import set_up_logging
 
 __all__ = ["main"]
@@ -31,6 +32,9 @@ def main(arguments: Sequence[str]) -> int:
     set_up_logging(verbose=settings.verbose)
     try:
         uvloop.run(_run(settings))
+    except JournalUnusable as error:
+        print(f"openrois gateway: {error}", file=sys.stderr)
+        return 1
     except OSError as error:
         where = error.filename or f"{settings.host}:{settings.port}"
         print(f"openrois gateway: {where}: {error.strerror or error}", file=sys.stderr)

@@ -23,6 +23,7 @@ from openrois.gateway.metrics import figures
 from openrois.gateway.page import page_response
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import ADAPTER, APPLICATION, ServerSocket, SocketProfile
+from openrois.journal.journal import Journal
 from openrois.loop_lag import LoopLag
 from openrois.metrics.server import metrics_address, serving_metrics
 from openrois.schema import openrpc
@@ -68,13 +69,19 @@ async def run_gateway(
 
     Raises:
         OSError: the port is taken, or the address is not this machine's.
+        JournalUnusable: the journal's file is that of something else, or of another gateway.
     """
-    async with TaskScope() as tasks, AsyncExitStack() as stack:
+    async with AsyncExitStack() as stack:
         ice = IceServers(settings.ice_servers, settings.turn, settings.turn_secret, settings.turn_ttl, time.time)
         audit = stack.enter_context(Audit(settings.audit_file))
+        journal = stack.enter_context(Journal(settings.journal))
+        # What runs ends before that is written down no more.
+        tasks = await stack.enter_async_context(TaskScope())
         lag = LoopLag()
         tasks.start(lag.watch())
-        host = EngineHost(Engine(settings.engine_id), tasks, ice_servers=ice.servers, ice_ttl=ice.ttl, audit=audit)
+        host = EngineHost(
+            Engine(settings.engine_id), tasks, ice_servers=ice.servers, ice_ttl=ice.ttl, audit=audit, journal=journal
+        )
         server = _Server(host, settings.adapter_timeout, application, adapter)
         runner = web.AppRunner(server.app, access_log=None, shutdown_timeout=_SHUTDOWN_TIMEOUT)
         await runner.setup()

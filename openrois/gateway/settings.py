@@ -116,6 +116,7 @@ class Operation(SettingsGroup):
     verbose: bool = setting(False, "log more")
     metrics: str | None = setting(None, "serve figures for Prometheus there, at /metrics", metavar="HOST:PORT")
     metrics_token: str = setting("", "what whoever reads the figures shows as a bearer token", secret=True)
+    journal: Path | None = setting(None, "keep what runs, for whoever asks after a restart", metavar="FILE")
     audit_file: Path | None = setting(None, "append who did what and what was refused, as JSON lines", metavar="FILE")
 
     @model_validator(mode="after")

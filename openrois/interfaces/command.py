@@ -1,6 +1,8 @@
 """The Command interface (RoIS_HRI::CommandIF): find, reserve, parametrise and run components."""
 
+import asyncio
 import logging
+from collections.abc import Sequence
 
 from openrois.application import ApplicationSession
 from openrois.arguments import check_arguments
@@ -8,6 +10,7 @@ from openrois.command_log import MAX_ID
 from openrois.condition import parse_condition
 from openrois.errors import BadParameter, OutOfResources, RoISError, Unsupported
 from openrois.interfaces import stream
+from openrois.interfaces.former_command import former_command
 from openrois.interfaces.operation import operation
 from openrois.interfaces.selection import COMPONENT_PROPERTIES, matching
 from openrois.jsonrpc.session import Handler, Reply
@@ -107,7 +110,7 @@ class _Commands:
         )
         self._check_operable(unit)
         self._check_arguments(unit)
-        self._app.commands.accept({unit.command_id: unit.component_ref})
+        await self._accept((unit,))
         return Reply(
             SetParameterResult(command_id=unit.command_id),
             lambda: self._start(ExecuteParams(command_unit_list=(unit,))),
@@ -122,8 +125,20 @@ class _Commands:
             self._check_operable(unit)
             self._check_arguments(unit)
             self._check_id(unit.command_id, seen)
-        self._app.commands.accept({unit.command_id: unit.component_ref for unit in units})
+        await self._accept(units)
         return Reply(ReturnResult(), lambda: self._start(params))
+
+    async def _accept(self, units: Sequence[CommandUnit]) -> None:
+        app = self._app
+        commands = {unit.command_id: unit.component_ref for unit in units}
+        app.commands.accept(commands)
+        try:
+            await app.host.journal.accepted(app.client_id, app.principal.subject, commands)
+        except asyncio.CancelledError:
+            # The connection ended before the reply, so that nothing was promised.
+            for unit in units:
+                self._finish(unit, CompletedStatus.ABORT, (), "the application went before the command was accepted")
+            raise
 
     def _check_operable(self, unit: CommandUnit) -> None:
         profile = self._app.engine.require(unit.component_ref)
@@ -200,9 +215,13 @@ class _Commands:
         self, unit: CommandUnit, status: CompletedStatus, results: tuple[Result, ...], reason: str = ""
     ) -> None:
         self._app.commands.finish(unit.command_id, results)
+        self._app.host.journal.ended(self._app.client_id, unit.command_id, status, reason, results)
         self._app.completed(unit.command_id, status, reason)
 
-    async def get_command_result(self, params: CommandResultParams) -> ResultsResult:
+    async def get_command_result(self, params: CommandResultParams) -> ResultsResult | Reply:
         if params.condition:
             raise BadParameter("the condition of get_command_result is empty")
+        former = None if params.command_id in self._app.commands else former_command(self._app, params.command_id)
+        if former is not None:
+            return former
         return ResultsResult(results=self._app.commands.results(params.command_id, self._app.engine.sees))

@@ -13,7 +13,7 @@ from typing import Final
 
 from pydantic import TypeAdapter, ValidationError
 
-from openrois.journal.former import RESTARTED, FormerCommand, FormerCommands
+from openrois.journal.former import RESTARTED, FormerCommand, FormerCommands, storable
 from openrois.types.codes import CompletedStatus
 from openrois.types.messages import Result
 
@@ -222,7 +222,8 @@ class JournalFile:
         with closing(self._database.execute("SELECT * FROM command ORDER BY number")) as rows:
             for _, _, command_id, subject, component_ref, _, status, reason, results in rows:
                 ended = None if status in (None, _INTERRUPTED) else CompletedStatus(status)
-                command = FormerCommand(component_ref, ended, reason or RESTARTED, _read(results))
+                reason = RESTARTED if ended is None else reason
+                command = FormerCommand(component_ref, ended, reason, _read(results))
                 self.former.put(subject, command_id, command)
         self._database.execute(
             "UPDATE command SET status = ?, reason = ? WHERE status IS NULL", (_INTERRUPTED, RESTARTED)
@@ -253,16 +254,11 @@ def _said(error: Exception) -> str:
 def _row(record: Record) -> tuple[object, ...]:
     match record:
         case Accepted(session, command_id, subject, component_ref, at):
-            return session, _storable(command_id), _storable(subject), _storable(component_ref), at
+            return session, storable(command_id), storable(subject), storable(component_ref), at
         case Ended(session, command_id, status, reason, results):
-            return session, _storable(command_id), status.value, _storable(reason), _written(results)
+            return session, storable(command_id), status.value, storable(reason), _written(results)
         case Told(subject, command_id):
-            return _storable(subject), _storable(command_id)
-
-
-def _storable(text: str) -> str:
-    """Return text that a database can hold: JSON can name half a surrogate pair, and UTF-8 cannot carry one."""
-    return text.encode("utf-8", "backslashreplace").decode()
+            return storable(subject), storable(command_id)
 
 
 def _written(results: tuple[Result, ...]) -> str | None:

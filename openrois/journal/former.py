@@ -8,7 +8,7 @@ from openrois.errors import ComponentFailed
 from openrois.types.codes import CompletedStatus
 from openrois.types.messages import Result
 
-__all__ = ["MAX_FORMER", "RESTARTED", "FormerCommand", "FormerCommands"]
+__all__ = ["MAX_FORMER", "RESTARTED", "FormerCommand", "FormerCommands", "storable"]
 
 MAX_FORMER: Final = 16_384
 """Commands of former runs that are known; of more the oldest are forgotten."""
@@ -74,4 +74,9 @@ class FormerCommands:
 
     def find(self, subject: str, command_id: str) -> FormerCommand | None:
         """Return the command that `subject` started under this id, if there is one."""
-        return self._commands.get((subject, command_id))
+        return self._commands.get((storable(subject), storable(command_id)))
+
+
+def storable(text: str) -> str:
+    """Return a text that a file can hold in the place of one that it cannot: with half a surrogate pair, or a NUL."""
+    return text.encode("utf-8", "backslashreplace").decode().replace("\0", "\\x00")
