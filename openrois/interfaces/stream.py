@@ -22,6 +22,7 @@ from openrois.errors import (
     error_for,
 )
 from openrois.interfaces.operation import operation, reply_first
+from openrois.interfaces.uplinks import may_be_uplink, require_may_send
 from openrois.jsonrpc.session import Handler
 from openrois.rate import RateLimit
 from openrois.stream_parameters import STREAM_PARAMETERS
@@ -40,6 +41,7 @@ from openrois.types.streams import (
     StreamStatusResult,
     subject_of,
 )
+from openrois.withdrawal import Claims, end_streams
 
 __all__ = ["get_parameters", "has_streams", "is_verb", "methods", "query_status", "run_verb"]
 
@@ -127,6 +129,8 @@ async def connect_stream(app: ApplicationSession, component_ref: str, parameters
         raise Aborted("the application is gone")
     if len(app.streams) + app.connecting >= MAX_STREAMS:
         raise OutOfResources(f"one application has at most {MAX_STREAMS} streams")
+    if may_be_uplink(parameters):
+        require_may_send(app, component_ref)
     params: dict[str, Any] = {
         "component_ref": component_ref,
         "parameters": [p.model_dump(mode="json") for p in parameters],
@@ -144,6 +148,9 @@ async def connect_stream(app: ApplicationSession, component_ref: str, parameters
         # It left while the stream was made, and has been forgotten already: that has to be said again.
         await app.engine.extension.forget(client)
         raise Aborted("the application has left")
+    if Claims(app.principal).lost_streams({result.stream_id: component_ref}):
+        await end_streams(app.host.engine, (result.stream_id,), client)
+        raise Unsupported(f"there is no component {component_ref[:200]!r}")
     if not app.engine.leads_to(component_ref, bus):
         # Whatever the engine says of the stream goes where nobody listens any more; it ends it after a while.
         raise EngineUnreachable("the connection to the engine ended while the stream was made")

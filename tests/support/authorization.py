@@ -1,0 +1,167 @@
+"""Applications of several principals at one gateway: what they send and are sent, as texts, and what it reaches."""
+
+import asyncio
+import json
+from collections.abc import AsyncIterator, Callable, Mapping
+from contextlib import AsyncExitStack, asynccontextmanager
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from openrois.access.principal import Principal, Role
+from openrois.application import EngineHost
+from openrois.contract import Client, Sink
+from openrois.engine import Engine
+from openrois.gateway.applications import serve_application
+from openrois.transport.memory import MemoryStream, memory_pair
+from openrois.types.messages import Argument, Result
+from openrois.types.streams import HolderNotification
+from tests.support.fleet import everything
+from tests.support.streams import FakeStreams
+from tests.support.wire import hosted
+
+__all__ = ["Place", "Watched", "Wire", "place", "principal"]
+
+PATIENCE: Final = 5.0
+
+
+def principal(role: Role | str | None, *scope: str, subject: str = "somebody") -> Principal:
+    """Return somebody with one role, or with none, and a scope."""
+    return Principal(subject, frozenset() if role is None else frozenset({Role(role)}), scope)
+
+
+class Watched:
+    """A robot with all seventeen components as a bus that notes what is reached.
+
+    Attributes:
+        reached: what was called here, and of which component.
+    """
+
+    def __init__(self, engine_id: str) -> None:
+        self.robot = everything(engine_id)
+        self.streams = FakeStreams(engine_id)
+        self.reached: list[tuple[str, str]] = []
+        self.extension = self
+
+    async def discover(self) -> Any:
+        return await self.robot.registry.discover()
+
+    async def query(self, component_ref: str, query_type: str) -> tuple[Result, ...]:
+        self.reached.append(("query", component_ref))
+        return await self.robot.registry.query(component_ref, query_type)
+
+    async def invoke(
+        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = ()
+    ) -> tuple[Result, ...]:
+        self.reached.append(("invoke", component_ref))
+        return await self.robot.registry.invoke(component_ref, command_type, arguments)
+
+    async def subscribe(self, component_ref: str, event_type: str, sink: Sink) -> str:
+        self.reached.append(("subscribe", component_ref))
+        return await self.robot.registry.subscribe(component_ref, event_type, sink)
+
+    async def unsubscribe(self, subscribe_id: str) -> None:
+        await self.robot.registry.unsubscribe(subscribe_id)
+
+    def engines(self) -> frozenset[str]:
+        return self.streams.engines()
+
+    async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
+        if "component_ref" in params and method != HolderNotification.method:
+            self.reached.append((method, params["component_ref"]))
+        return await self.streams.call(method, params, client)
+
+    async def forget(self, client: Client) -> None:
+        await self.streams.forget(client)
+
+
+@dataclass
+class Wire:
+    """An application that is nothing but texts.
+
+    Attributes:
+        frames: everything that came and was not looked at yet.
+    """
+
+    stream: MemoryStream
+    frames: list[str] = field(default_factory=list)
+    _numbers: int = 0
+
+    async def ask(self, method: str, params: Any) -> list[str]:
+        """Ask, and return everything that comes until the answer, which is the last; every request has the same id."""
+        await self.stream.send(json.dumps({"jsonrpc": "2.0", "id": 1, "method": method, "params": params}))
+        frames = []
+        async with asyncio.timeout(PATIENCE):
+            while True:
+                frames.append(await self.stream.receive())
+                if "id" in json.loads(frames[-1]):
+                    return frames
+
+    async def result(self, method: str, params: Any) -> dict[str, Any]:
+        """Ask, and return the result, or the error as `{"error": code}`."""
+        frames = await self.ask(method, params)
+        self.frames += frames[:-1]
+        answer = json.loads(frames[-1])
+        result: dict[str, Any] = answer.get("result") or {"error": answer["error"]["code"]}
+        return result
+
+    async def code(self, method: str, params: Any) -> str | int:
+        """Ask, and return the return_code, or the code of the error."""
+        result = await self.result(method, params)
+        code: str | int = result["error"] if "error" in result else result["return_code"]
+        return code
+
+    async def until(self, method: str, fits: Callable[[dict[str, Any]], bool] = lambda _params: True) -> dict[str, Any]:
+        """Return the params of the next notification of a method that fits; others are passed over."""
+        async with asyncio.timeout(PATIENCE):
+            while True:
+                frame = json.loads(self.frames.pop(0) if self.frames else await self.stream.receive())
+                params: dict[str, Any] = frame.get("params", {})
+                if frame.get("method") == method and fits(params):
+                    return params
+
+    async def completed(self, command_id: str) -> str:
+        """Return how a command ended."""
+        told = await self.until("rois.command.completed", lambda params: params["command_id"] == command_id)
+        return str(told["status"])
+
+
+@dataclass
+class Place:
+    """A gateway and what stands behind it.
+
+    Attributes:
+        host: the gateway's engine.
+        robots: by engine id.
+    """
+
+    host: EngineHost
+    robots: dict[str, Watched]
+
+    @asynccontextmanager
+    async def application(self, who: Principal) -> AsyncIterator[Wire]:
+        """Connect an application of a principal."""
+        near, far = memory_pair(capacity=4096)
+        serving = asyncio.ensure_future(serve_application(self.host, far, who))
+        try:
+            yield Wire(near)
+        finally:
+            await near.close()
+            await asyncio.wait({serving}, timeout=PATIENCE)
+
+    def reached(self) -> set[tuple[str, str]]:
+        """Return what was called, and of which components, since this was asked last."""
+        found = {call for robot in self.robots.values() for call in robot.reached}
+        for robot in self.robots.values():
+            robot.reached.clear()
+        return found
+
+
+@asynccontextmanager
+async def place(*engine_ids: str) -> AsyncIterator[Place]:
+    """Run a gateway with a robot for each id."""
+    robots = {engine_id: Watched(engine_id) for engine_id in engine_ids}
+    engine = Engine("gateway")
+    for robot in robots.values():
+        await engine.attach(robot)
+    async with AsyncExitStack() as stack:
+        yield Place(await stack.enter_async_context(hosted(engine)), robots)
