@@ -3,11 +3,10 @@
 import asyncio
 import logging
 from collections import OrderedDict
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import Any, Final
+from collections.abc import Callable
+from typing import Any, Final, NamedTuple
 
-from openrois.jsonrpc.protocol import ErrorResponse, Peer, RequestId, Response
+from openrois.jsonrpc.protocol import ErrorResponse, Params, Peer, RequestId, Response
 
 __all__ = ["Calls", "RpcError", "SessionClosed"]
 
@@ -19,7 +18,8 @@ MAX_LATE: Final = 1024
 _SHOWN: Final = 3
 _LONGEST: Final = 300
 
-OnResult = Callable[[Any], None]
+OnResult = Callable[[Any], Any]
+OnLate = Callable[[Any], None]
 OnReason = Callable[[str], None]
 
 
@@ -41,12 +41,11 @@ class SessionClosed(Exception):
     """The connection ended before the answer came, or had ended before the question was asked."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Waiter:
+class _Waiter(NamedTuple):
     method: str
     answer: asyncio.Future[Any]
     on_result: OnResult | None
-    on_late: OnResult | None
+    on_late: OnLate | None
     on_reason: OnReason | None
 
 
@@ -56,7 +55,7 @@ class Calls:
     def __init__(self, peer: Peer) -> None:
         self._peer = peer
         self._waiters: dict[int, _Waiter] = {}
-        self._late: OrderedDict[int, OnResult] = OrderedDict()
+        self._late: OrderedDict[int, OnLate] = OrderedDict()
 
     def __len__(self) -> int:
         return len(self._waiters)
@@ -64,9 +63,9 @@ class Calls:
     def open(
         self,
         name: str,
-        params: Mapping[str, Any],
+        params: Params,
         on_result: OnResult | None,
-        on_late: OnResult | None,
+        on_late: OnLate | None,
         on_reason: OnReason | None = None,
     ) -> tuple[int, str, asyncio.Future[Any]]:
         """Return a new request's id, its text, and the future that its answer settles."""
@@ -82,21 +81,20 @@ class Calls:
             waiter.on_reason(reason)
 
     def settle(self, response: Response) -> None:
-        """Take an answer: `on_result` sees it at once, or `on_late` where nobody waits any more."""
+        """Take an answer: `on_result` makes of it what is returned, or `on_late` sees it that nobody waits for."""
         waiter = self._waiters.pop(response.id, None)
         if waiter is None or waiter.answer.done():
             on_late = waiter.on_late if waiter is not None else self._late.pop(response.id, None)
             self._take_late(on_late, response.result)
             return
         try:
-            if waiter.on_result is not None:
-                waiter.on_result(response.result)
+            result = response.result if waiter.on_result is None else waiter.on_result(response.result)
         except Exception as error:
             waiter.answer.set_exception(error)
         else:
-            waiter.answer.set_result(response.result)
+            waiter.answer.set_result(result)
 
-    def _take_late(self, on_late: OnResult | None, result: Any) -> None:
+    def _take_late(self, on_late: OnLate | None, result: Any) -> None:
         if on_late is None:
             return
         try:

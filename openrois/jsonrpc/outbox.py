@@ -117,10 +117,27 @@ class Outbox:
 
     async def get(self) -> str:
         """Wait for the next message to send and take it."""
+        await self._something()
+        return self._take()
+
+    async def get_some(self, most_text: int) -> list[str]:
+        """Wait for the next message to send and take it with all that wait behind it, up to `most_text` characters."""
+        await self._something()
+        texts = [self._take()]
+        room = most_text - len(texts[0])
+        while room > 0 and len(self):
+            text = self._take()
+            texts.append(text)
+            room -= len(text)
+        return texts
+
+    async def _something(self) -> None:
         while not len(self):
             self._empty.set()
             self._ready.clear()
             await self._ready.wait()
+
+    def _take(self) -> str:
         control, events = self._control.entries, self._events.entries
         if not events or (control and control[0] < events[0]):
             text = self._control.take()

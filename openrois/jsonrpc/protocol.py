@@ -7,8 +7,12 @@ numbers that JSON does not have (NaN, Infinity) are refused like any other text 
 
 import json
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any, Final, NoReturn
+from typing import Any, Final, NamedTuple, NoReturn
+
+from pydantic import BaseModel
+from pydantic_core import PydanticSerializationError, from_json, to_json
 
 __all__ = [
     "INTERNAL_ERROR",
@@ -19,11 +23,13 @@ __all__ = [
     "ErrorResponse",
     "Incoming",
     "Notification",
+    "Params",
     "Peer",
     "Request",
     "RequestId",
     "Response",
     "Violation",
+    "decode",
     "encode",
 ]
 
@@ -33,12 +39,14 @@ METHOD_NOT_FOUND: Final = -32601
 INVALID_PARAMS: Final = -32602
 INTERNAL_ERROR: Final = -32603
 
+Params = BaseModel | Mapping[str, Any]
+"""What stands in `params` of a message of ours."""
+
 RequestId = str | int | float | None
 """What may stand in `id`. `bool` is excluded although Python counts it as an `int`."""
 
 
-@dataclass(frozen=True, slots=True)
-class Request:
+class Request(NamedTuple):
     """The other side asks and wants an answer.
 
     `params` may be any JSON value: only whoever knows the method can say what is wrong with one that is no object.
@@ -49,16 +57,14 @@ class Request:
     params: Any
 
 
-@dataclass(frozen=True, slots=True)
-class Notification:
+class Notification(NamedTuple):
     """The other side tells; no answer is allowed."""
 
     method: str
     params: dict[str, Any]
 
 
-@dataclass(frozen=True, slots=True)
-class Response:
+class Response(NamedTuple):
     """The answer to our request `id`; `id` is no longer outstanding."""
 
     id: int
@@ -91,17 +97,34 @@ class Violation:
 Incoming = Request | Notification | Response | ErrorResponse | Violation
 
 
+def _as_json(value: Any) -> Any:
+    """Write what `json` does not know: models."""
+    if isinstance(value, BaseModel):
+        return value.model_dump(mode="json")
+    raise TypeError(f"{type(value).__name__} cannot be written as JSON")
+
+
 # Made once: `json.dumps` and `json.loads` make a new one for each message where they are told anything.
-_ENCODER: Final = json.JSONEncoder(ensure_ascii=False, separators=(",", ":"), allow_nan=False)
-_ASCII_ENCODER: Final = json.JSONEncoder(separators=(",", ":"), allow_nan=False)
+_ENCODER: Final = json.JSONEncoder(ensure_ascii=False, separators=(",", ":"), allow_nan=False, default=_as_json)
+_ASCII_ENCODER: Final = json.JSONEncoder(separators=(",", ":"), allow_nan=False, default=_as_json)
 
 
-def encode(message: Mapping[str, Any]) -> str:
+def encode(message: dict[str, Any]) -> str:
     """Write one JSON-RPC object without superfluous blanks, as text that UTF-8 can carry.
+
+    Args:
+        message: JSON values, and Pydantic models in the place of objects.
 
     Raises:
         ValueError: a number in it is NaN or infinite.
+        TypeError: something in it has no place in JSON.
     """
+    # Pydantic's writer takes a quarter of the time. It has words for numbers that JSON does not have, and none for half
+    # a surrogate pair: such texts are written, or refused, by the other one.
+    with suppress(PydanticSerializationError):
+        text = to_json(message).decode()
+        if "NaN" not in text and "Infinity" not in text:
+            return text
     text = _ENCODER.encode(message)
     try:
         text.encode()
@@ -118,6 +141,21 @@ def _refuse_constant(name: str) -> NoReturn:
 _DECODER: Final = json.JSONDecoder(parse_constant=_refuse_constant)
 
 
+def decode(text: str) -> Any:
+    """Read one JSON value.
+
+    Raises:
+        ValueError: it is none; that covers syntax, lone constants and integers of more digits than Python converts.
+        RecursionError: it is too deep.
+    """
+    try:
+        # It takes a third of the time, reads whatever it reads as the other one does, and gives up earlier: at lone
+        # surrogates and at 200 levels.
+        return from_json(text, allow_inf_nan=False)
+    except (ValueError, TypeError):
+        return _DECODER.decode(text)
+
+
 class Peer:
     """One end of a JSON-RPC 2.0 connection.
 
@@ -129,7 +167,7 @@ class Peer:
         self._next_id = 1
         self._outstanding: set[int] = set()
 
-    def request(self, method: str, params: Mapping[str, Any]) -> tuple[int, str]:
+    def request(self, method: str, params: Params) -> tuple[int, str]:
         """Return a new id and the text that asks `method`."""
         request_id = self._next_id
         text = encode({"jsonrpc": "2.0", "id": request_id, "method": method, "params": params})
@@ -142,7 +180,7 @@ class Peer:
         self._outstanding.discard(request_id)
 
     @staticmethod
-    def notification(method: str, params: Mapping[str, Any]) -> str:
+    def notification(method: str, params: Params) -> str:
         """Return the text that tells `method`."""
         return encode({"jsonrpc": "2.0", "method": method, "params": params})
 
@@ -162,9 +200,8 @@ class Peer:
     def receive(self, text: str) -> Incoming:
         """Read one message. Never raises, whatever the text holds."""
         try:
-            message = _DECODER.decode(text)
+            message = decode(text)
         except (ValueError, RecursionError):
-            # ValueError covers syntax, lone constants and integers of more digits than Python converts.
             return self._violation("the message is not JSON", PARSE_ERROR)
         if not isinstance(message, dict):
             return self._violation("a message is one JSON object; batches are not supported", INVALID_REQUEST)
@@ -210,10 +247,10 @@ class Peer:
         return Violation(reason, self.error(request_id, code, name))
 
 
-def _is_request_id(value: object) -> bool:
-    if isinstance(value, bool):
-        return False
-    if isinstance(value, float):
+def _is_request_id(value: Any) -> bool:
+    kind = type(value)
+    if kind is float:
         # 1e999 parses to infinity, which could not be written back.
-        return value - value == 0
-    return value is None or isinstance(value, str | int)
+        return bool(value - value == 0)
+    # `isinstance` would take a bool for an int.
+    return kind is int or kind is str or value is None

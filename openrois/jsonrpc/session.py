@@ -23,7 +23,7 @@ from openrois.jsonrpc.latencies import Latencies
 from openrois.jsonrpc.outbox import Outbox, OutboxOverflow
 from openrois.jsonrpc.protocol import Peer, RequestId
 from openrois.logs import Tally
-from openrois.transport.stream import MessageStream, StreamClosed
+from openrois.transport.stream import BatchStream, MessageStream, StreamClosed
 
 __all__ = [
     "Handler",
@@ -43,6 +43,9 @@ MAX_RUNNING_REQUESTS: Final = 256
 
 CALL_TIMEOUT: Final = 10.0
 """Seconds that a call of ours waits for its answer."""
+
+BATCH_TEXT: Final = 64 * 1024
+"""Characters that are handed over at once; what comes behind them may still be dropped."""
 
 MAX_PROBLEMS: Final = 16
 """Problems that one -32602 lists; whoever sent the params chose how many there are."""
@@ -98,10 +101,11 @@ Params = TypeVar("Params", bound=BaseModel)
 
 def method(model: type[Params], function: Callable[[Params], Awaitable[Any]]) -> Handler:
     """Return a handler that reads its params with `model` and writes a model it gets back as a JSON object."""
+    read = model.__pydantic_validator__.validate_python
 
     async def handle(params: dict[str, Any]) -> Any:
         try:
-            checked = model.model_validate(params)
+            checked: Params = read(params)
         except ValidationError as error:
             entries = error.errors(include_url=False, include_context=False, include_input=False)
             raise InvalidParams([_problem(entry) for entry in entries[:MAX_PROBLEMS]]) from None
@@ -226,12 +230,12 @@ class RpcSession:
                         self._put(answer)
 
     async def _write(self) -> None:
-        while True:
-            text = await self.outbox.get()
-            try:
-                await self.stream.send(text)
-            except StreamClosed:
-                return
+        with suppress(StreamClosed):
+            if isinstance(self.stream, BatchStream):
+                while True:
+                    await self.stream.send_many(await self.outbox.get_some(BATCH_TEXT))
+            while True:
+                await self.stream.send(await self.outbox.get())
 
     async def _serve(self, request: protocol.Request) -> None:
         correlation.request.set(request.id)
@@ -241,8 +245,7 @@ class RpcSession:
         try:
             result = await self._handle(request)
             reply = result if isinstance(result, Reply) else Reply(result)
-            written = reply.result.model_dump(mode="json") if isinstance(reply.result, BaseModel) else reply.result
-            answer = Peer.response(request.id, written)
+            answer = Peer.response(request.id, reply.result)
         except InvalidParams as error:
             answer = Peer.error(request.id, protocol.INVALID_PARAMS, "Invalid params", error.problems)
         except _MethodNotFound:
@@ -310,10 +313,10 @@ class RpcSession:
     async def call(
         self,
         name: str,
-        params: Mapping[str, Any],
+        params: protocol.Params,
         *,
         timeout: float | None = None,
-        on_result: Callable[[Any], None] | None = None,
+        on_result: Callable[[Any], Any] | None = None,
         on_late: Callable[[Any], None] | None = None,
         on_reason: Callable[[str], None] | None = None,
     ) -> Any:
@@ -323,7 +326,8 @@ class RpcSession:
             name: the method.
             params: its params.
             timeout: seconds to wait at most, for room to ask as for the answer; `call_timeout` unless given.
-            on_result: called with the result before any later message of the other side is looked at.
+            on_result: called with the result before any later message of the other side is looked at; what it returns
+                is returned in the result's place.
             on_late: called with a result that comes after the caller gave up, by timeout or cancellation; without it
                 such a result is dropped.
             on_reason: called with what `take_reason` is told of this request, before its result comes.
@@ -336,35 +340,39 @@ class RpcSession:
             SessionClosed: the connection ended first.
             TimeoutError: no answer in time.
         """
-        async with asyncio.timeout(self.call_timeout if timeout is None else timeout):
+        loop = asyncio.get_running_loop()
+        deadline = loop.time() + (self.call_timeout if timeout is None else timeout)
+        if not self.outbox.is_roomy:
             # A question can wait: many at once may not end the connection, as answers that nobody reads do.
-            await self.outbox.room()
-            if self._closed is not None:
-                raise SessionClosed(str(self._closed))
-            request_id, text, answer = self._calls.open(name, params, on_result, on_late, on_reason)
-            started = perf_counter()
-            try:
-                self._put(text)
-                return await answer
-            finally:
-                self._calls.abandon(request_id)
-                if self.call_latencies is not None:
-                    self.call_latencies.note(name, perf_counter() - started)
+            async with asyncio.timeout_at(deadline):
+                await self.outbox.room()
+        if self._closed is not None:
+            raise SessionClosed(str(self._closed))
+        request_id, text, answer = self._calls.open(name, params, on_result, on_late, on_reason)
+        # `asyncio.timeout` takes as long as all the rest of a call.
+        expiry = loop.call_at(deadline, _expire, answer)
+        started = perf_counter()
+        try:
+            self._put(text)
+            return await answer
+        finally:
+            expiry.cancel()
+            self._calls.abandon(request_id)
+            if self.call_latencies is not None:
+                self.call_latencies.note(name, perf_counter() - started)
 
     def take_reason(self, request_id: RequestId, reason: str) -> None:
         """Take why the other side is about to refuse a request of ours; it is forgotten where there is no such one."""
         self._calls.explain(request_id, reason)
 
-    def post(self, name: str, params: Mapping[str, Any]) -> None:
+    def post(self, name: str, params: protocol.Params) -> None:
         """Ask and let the answer be dropped; nothing happens when the connection has ended."""
         if self._closed is None:
             request_id, text, _ = self._calls.open(name, params, None, _ignore)
             self._calls.abandon(request_id)
             self._put(text)
 
-    def notify(
-        self, name: str, params: Mapping[str, Any], *, droppable: bool = False, dispensable: bool = False
-    ) -> None:
+    def notify(self, name: str, params: protocol.Params, *, droppable: bool = False, dispensable: bool = False) -> None:
         """Tell the other side; nothing happens when the connection has ended.
 
         Args:
@@ -375,6 +383,11 @@ class RpcSession:
         """
         if self._closed is None and (self.outbox.is_roomy or not dispensable):
             self._put(Peer.notification(name, params), droppable=droppable)
+
+
+def _expire(answer: asyncio.Future[Any]) -> None:
+    if not answer.done():
+        answer.set_exception(TimeoutError())
 
 
 def _ignore(_result: Any) -> None:

@@ -1,7 +1,6 @@
 """Questions to a remote engine: the wire's answers become values or `RoISError`."""
 
 import logging
-from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any, Final, TypeVar
 
@@ -21,15 +20,20 @@ _REFUSALS: Final = frozenset(code.value for code in ReturnCode if code is not Re
 Outcome = TypeVar("Outcome", bound=ReturnResult)
 
 
-class _Latest(deque[str]):
+class _Latest:
     """Why a request was refused: the other side may say so any number of times, and the last time counts."""
 
+    __slots__ = ("line",)
+
     def __init__(self) -> None:
-        super().__init__(maxlen=1)
+        self.line = ""
+
+    def take(self, line: str) -> None:
+        self.line = line
 
 
 def _refusal(name: str, code: ReturnCode, reason: _Latest) -> RoISError:
-    return error_for(code, reason[0] if reason else f"the engine answered {name} with {code}")
+    return error_for(code, reason.line or f"the engine answered {name} with {code}")
 
 
 class Asking:
@@ -65,13 +69,14 @@ class Asking:
             RoISError: the other side refused, did not answer in time or properly, or is gone.
         """
 
-        def on_result(result: Any) -> None:
+        def on_result(result: Any) -> Outcome:
             checked = read_result(name, result, model)
             if accepted is not None and checked.return_code is ReturnCode.OK:
                 accepted(checked)
+            return checked
 
         reason = _Latest()
-        checked = read_result(name, await self._ask(name, params, on_result, too_late, reason), model)
+        checked: Outcome = await self._ask(name, params, on_result, too_late, reason)
         if checked.return_code is not ReturnCode.OK:
             raise _refusal(name, checked.return_code, reason)
         return checked
@@ -93,15 +98,13 @@ class Asking:
         self,
         name: str,
         params: Mapping[str, Any],
-        on_result: Callable[[Any], None] | None,
+        on_result: Callable[[Any], Any] | None,
         too_late: Callable[[Any], None] | None,
-        reason: "_Latest",
+        reason: _Latest,
     ) -> Any:
         self.require_connected()
         try:
-            return await self._session.call(
-                name, params, on_result=on_result, on_late=too_late, on_reason=reason.append
-            )
+            return await self._session.call(name, params, on_result=on_result, on_late=too_late, on_reason=reason.take)
         except TimeoutError:
             raise NotResponding(f"the engine did not answer {name} in time") from None
         except SessionClosed as closed:

@@ -1,8 +1,9 @@
 """The contract of a message stream: what a session needs of a connection."""
 
-from typing import Final, Protocol
+from collections.abc import Sequence
+from typing import Final, Protocol, runtime_checkable
 
-__all__ = ["POLICY_VIOLATION", "MessageStream", "StreamClosed", "close_reason"]
+__all__ = ["POLICY_VIOLATION", "BatchStream", "MessageStream", "StreamClosed", "close_reason"]
 
 POLICY_VIOLATION: Final = 1008
 """The close code (RFC 6455, 7.4.1) of who does not take what the other side is."""
@@ -52,6 +53,19 @@ class MessageStream(Protocol):
 
     def abort(self) -> None:
         """End the stream at once, without a word: the other side may not be reading. Idempotent."""
+        ...
+
+
+@runtime_checkable
+class BatchStream(Protocol):
+    """What a message stream has that hands over several messages for little more than one."""
+
+    async def send_many(self, texts: Sequence[str]) -> None:
+        """Hand over messages in this order; waits while the other side is slow.
+
+        Raises:
+            StreamClosed: some of them were not sent and never will be.
+        """
         ...
 
 

@@ -1,13 +1,15 @@
 """The dialling side of a WebSocket as a message stream, on the `websockets` library."""
 
 import asyncio
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import asynccontextmanager
 from types import MappingProxyType
 from typing import Final
 
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed
+from websockets.frames import Frame, Opcode
+from websockets.protocol import State
 
 from openrois.transport.stream import StreamClosed, close_reason
 
@@ -48,6 +50,16 @@ class WebSocketStream:
             await self._connection.send(text)
         except ConnectionClosed as closed:
             raise _closed(closed) from closed
+
+    async def send_many(self, texts: Sequence[str]) -> None:
+        """Send text messages with one write; waits while the kernel's buffer is full."""
+        connection = self._connection
+        transport = connection.transport
+        if connection.state is not State.OPEN or len(texts) == 1 or transport.get_write_buffer_size() > 0:
+            for text in texts:
+                await self.send(text)
+        else:
+            transport.write(b"".join([Frame(Opcode.TEXT, text.encode()).serialize(mask=True) for text in texts]))
 
     async def close(self, code: int = 1000, reason: str = "") -> None:
         """Close with the closing handshake, for at most a second."""

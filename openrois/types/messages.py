@@ -191,8 +191,10 @@ class ReturnResult(Model):
         Raises:
             ValidationError: it does not fit, or has no return code.
         """
-        without = isinstance(result, Mapping) and "return_code" not in result
-        return cls.model_validate({**result, "return_code": None} if without else result)
+        if isinstance(result, Mapping) and "return_code" not in result:
+            result = {**result, "return_code": None}
+        checked: Self = cls.__pydantic_validator__.validate_python(result)
+        return checked
 
 
 class ProfileResult(ReturnResult):

@@ -139,3 +139,14 @@ async def test_a_closed_one_keeps_nobody_waiting() -> None:
     async with asyncio.timeout(1):
         await waiting
         await outbox.room()
+
+
+async def test_some_are_as_many_as_fit_and_one_at_least() -> None:
+    outbox = Outbox()
+    taking = asyncio.ensure_future(outbox.get_some(4))
+    await asyncio.sleep(0)
+    for text in ("too long", "a", "b" * 2, "c", "d"):
+        outbox.put(text)
+    assert await taking == ["too long"]
+    assert await outbox.get_some(4) == ["a", "bb", "c"]
+    assert await outbox.get_some(4) == ["d"]

@@ -4,6 +4,9 @@ import json
 from typing import Any
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pydantic import BaseModel
 
 from openrois.jsonrpc.protocol import (
     INVALID_PARAMS,
@@ -15,6 +18,7 @@ from openrois.jsonrpc.protocol import (
     Request,
     Response,
     Violation,
+    decode,
     encode,
 )
 
@@ -183,3 +187,42 @@ def test_half_a_surrogate_pair_is_echoed_in_a_form_that_utf_8_can_carry() -> Non
     text = Peer.response(request.id, {})
     text.encode()
     assert json.loads(text)["id"] == "\ud800é"
+
+
+class Told(BaseModel):
+    text: str
+    number: float = 1
+
+
+def test_a_model_is_written_where_an_object_stands() -> None:
+    assert json.loads(Peer.notification("m", Told(text="é")))["params"] == {"text": "é", "number": 1}
+    assert json.loads(Peer.response(1, Told(text="\ud800")))["result"] == {"text": "\ud800", "number": 1}
+    assert json.loads(Peer.response(1, {"a": Told(text="NaN, Infinity")}))["result"]["a"]["text"] == "NaN, Infinity"
+    with pytest.raises(TypeError, match="object"):
+        encode({"a": object()})
+
+
+@given(
+    st.recursive(
+        st.none() | st.booleans() | st.integers() | st.floats() | st.text(),
+        lambda inner: st.lists(inner) | st.dictionaries(st.text(), inner),
+        max_leaves=20,
+    ),
+    st.integers(0, 200),
+    st.text(max_size=2),
+)
+def test_the_quick_reader_reads_as_the_exact_one(value: Any, at: int, noise: str) -> None:
+    """Whatever Python's own reader takes for JSON is that, and nothing else is: also where somebody scribbled in it."""
+    text = json.dumps(value)
+    for candidate in (text, text[:at] + noise + text[at:]):
+        try:
+            expected = json.dumps(json.loads(candidate, parse_constant=_refuse), allow_nan=True)
+        except (ValueError, RecursionError):
+            with pytest.raises((ValueError, RecursionError)):
+                decode(candidate)
+        else:
+            assert json.dumps(decode(candidate), allow_nan=True) == expected
+
+
+def _refuse(name: str) -> None:
+    raise ValueError(name)

@@ -56,12 +56,17 @@ async def test_an_error_answer_says_which_params_are_wrong(data: Any, shown: str
 
 async def test_on_result_sees_the_result_before_the_next_message_is_looked_at() -> None:
     seen: list[str] = []
+
+    def take(result: str) -> str:
+        seen.append(result)
+        return f"{result} and taken"
+
     async with connected(notifications={"told": lambda _params: seen.append("told")}) as other:
-        call = asyncio.ensure_future(other.session.call("m", {}, on_result=lambda result: seen.append(result)))
+        call = asyncio.ensure_future(other.session.call("m", {}, on_result=take))
         question = await other.hear()
         await other.say(id=question["id"], result="answered")
         await other.say(method="told")
-        assert await call == "answered"
+        assert await call == "answered and taken"
         await settle()
     assert seen == ["answered", "told"]
 

@@ -123,3 +123,14 @@ async def test_a_message_may_be_so_long(size: int) -> None:
             with pytest.raises(StreamClosed) as raised:
                 await near.receive()
             assert raised.value.code == 1009
+
+
+async def test_many_at_once_arrive_in_order_and_none_after_the_end() -> None:
+    texts = ["a", "日本", *("x" * length for length in (125, 126, 65_535, 65_536, 500_000)), ""]
+    async with serving(echo) as url, dial(url) as near:
+        for batch in (texts, ["alone"], texts):
+            await near.send_many(batch)
+        assert [await near.receive() for _ in range(2 * len(texts) + 1)] == [*texts, "alone", *texts]
+        await near.close()
+        with pytest.raises(StreamClosed):
+            await near.send_many(["a", "b"])
