@@ -67,14 +67,14 @@ def pipes(process: Process) -> tuple[asyncio.StreamWriter, asyncio.StreamReader]
 
 @pytest.mark.engine
 async def test_a_conversation_has_pipes_and_its_errors_are_logged(caplog: pytest.LogCaptureFixture) -> None:
-    async with asyncio.timeout(20), child_process("json.tool", output=output(), conversation=True) as process:
+    async with asyncio.timeout(60), child_process("json.tool", output=output(), conversation=True) as process:
         into, out = pipes(process)
         into.write(b"[1]")
         into.close()
         assert await out.read() == b"[\n    1\n]\n"
         assert await ended_within(process, 5)
         assert process.returncode == 0
-    async with asyncio.timeout(20), child_process("json.tool", output=output(), conversation=True) as process:
+    async with asyncio.timeout(60), child_process("json.tool", output=output(), conversation=True) as process:
         into, _ = pipes(process)
         into.write(b"[")
         into.close()
@@ -86,14 +86,14 @@ async def test_a_conversation_has_pipes_and_its_errors_are_logged(caplog: pytest
 async def test_a_child_gets_its_arguments_and_variables(caplog: pytest.LogCaptureFixture) -> None:
     arguments = ("-n1", "-r1", "import os; print(os.environ['X'])")
     running = child_process("timeit", *arguments, output=output(), environment={"X": "y"})
-    async with asyncio.timeout(20), running as process:
+    async with asyncio.timeout(60), running as process:
         assert await ended_within(process, 5)
     assert caplog.messages[0] == "child: y"
 
 
 @pytest.mark.engine
 async def test_a_child_that_runs_on_is_ended() -> None:
-    async with asyncio.timeout(20), child_process("http.server", "0", output=output()) as process:
+    async with asyncio.timeout(60), child_process("http.server", "0", output=output()) as process:
         assert not await ended_within(process, 0)
     assert process.returncode == -15
 
@@ -103,6 +103,6 @@ async def test_a_child_whose_parent_is_gone_already_does_not_start() -> None:
     process = await asyncio.create_subprocess_exec(
         sys.executable, "-m", "openrois_avatar.launch", str(os.getppid()), "this", stdout=PIPE, stderr=PIPE
     )
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(60):
         assert await process.communicate() == (b"", b"the parent has ended already\n")
     assert process.returncode == 1

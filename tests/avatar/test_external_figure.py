@@ -19,7 +19,7 @@ from tests.support.streaming import VirtualClock, settle
 
 
 async def until(happened: Callable[[], bool]) -> None:
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(60):
         while not happened():
             await settle()
 

@@ -26,7 +26,7 @@ def reaction_of(scene: Scene) -> Reaction:
 
 
 async def until(happened: Callable[[], bool]) -> None:
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(60):
         while not happened():
             await settle()
 

@@ -65,7 +65,7 @@ async def test_a_program_that_cannot_start_is_not_tried_again() -> None:
 
 async def test_a_program_that_ends_is_started_again_after_growing_pauses() -> None:
     program, pauses = Program(("--version",), announces="openrois "), Pauses()
-    async with running(program, pauses), asyncio.timeout(10):
+    async with running(program, pauses), asyncio.timeout(60):
         await pauses.begun.wait()
         assert program.ready.is_set()
         pauses.begun.clear()
@@ -79,7 +79,7 @@ async def test_a_program_that_is_killed_is_started_again_and_ends_when_it_is_tol
     children: Children, caplog: pytest.LogCaptureFixture
 ) -> None:
     program, pauses = Program(GATEWAY, announces="listening "), Pauses()
-    async with running(program, pauses), asyncio.timeout(10):
+    async with running(program, pauses), asyncio.timeout(60):
         await program.ready.wait()
         [first] = children.now()
         assert first.cmdline()[-3:] == list(GATEWAY)
@@ -102,7 +102,7 @@ async def test_a_program_that_does_not_end_by_itself_is_killed(
     monkeypatch.setattr(process, "STOP_TIMEOUT", 0.05)
     program = Program(GATEWAY, announces="listening ")
     with caplog.at_level(logging.WARNING):
-        async with running(program, Pauses()), asyncio.timeout(10):
+        async with running(program, Pauses()), asyncio.timeout(60):
             await program.ready.wait()
             children.now()[0].send_signal(signal.SIGSTOP)
     assert "gateway did not end within 0.1 s and is killed" in caplog.messages

@@ -72,7 +72,7 @@ async def websocket_hop(robot: Robot) -> AsyncIterator[ComponentBus]:
         gateway.engine.on_change(attached.set)
         dialling = asyncio.ensure_future(serve_parent(host, gateway.url.replace("http", "ws") + "adapter"))
         try:
-            async with asyncio.timeout(5):
+            async with asyncio.timeout(60):
                 await attached.wait()
             yield gateway.engine
         finally:
@@ -110,7 +110,7 @@ class Heard:
         self.items.put_nowait(item)
 
     async def next(self) -> Event | SubscriptionLost:
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             return await self.items.get()
 
 
@@ -168,7 +168,7 @@ async def test_invoke_of_the_unknown_is_unsupported(bus: ComponentBus) -> None:
 
 async def test_stop_aborts_a_running_start(bus: ComponentBus, robot: Robot) -> None:
     running = asyncio.ensure_future(bus.invoke(LAMP, "start"))
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(60):
         await robot.lamp.glowing.wait()
     (status,) = await bus.query(LAMP, "component_status")
     assert status.value == "BUSY"
@@ -179,7 +179,7 @@ async def test_stop_aborts_a_running_start(bus: ComponentBus, robot: Robot) -> N
 
 async def test_a_new_start_aborts_the_former(bus: ComponentBus, robot: Robot) -> None:
     first = asyncio.ensure_future(bus.invoke(LAMP, "start"))
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(60):
         await robot.lamp.glowing.wait()
     second = asyncio.ensure_future(bus.invoke(LAMP, "start"))
     with pytest.raises(Aborted):
@@ -235,7 +235,7 @@ async def test_a_fault_of_a_component_is_told_with_what_is_known_of_it(bus: Comp
     with pytest.raises(ComponentFailed):
         await bus.invoke(LAMP, "crash")
     robot.bell.report(ErrorType.USER_DEFINED_ERROR, "cracked")
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(60):
         faults = [await told.get(), await told.get()]
     assert [(fault.error_type, fault.component_ref, fault.description) for fault in faults] == [
         (ErrorType.COMPONENT_INTERNAL_ERROR, LAMP, "lamp: crash failed: a bug"),

@@ -188,14 +188,14 @@ async def _drive(visit: Visit) -> None:
     await visit.press("control-toggle")
     await visit.until("document.querySelector('[data-testid=control-toggle]').ariaPressed === 'true'")
     await visit.page.keyboard.down("KeyA")
-    async with asyncio.timeout(15):
+    async with asyncio.timeout(60):
         while (await asked(where))["position_data"] == before:
             pass
     driven = await asked(operation)
     assert (driven["operated"], driven["active"]) == ("true", "true")
     assert float(driven["turn"]) > 0
     await visit.page.keyboard.up("KeyA")
-    async with asyncio.timeout(15):
+    async with asyncio.timeout(60):
         while (await asked(operation))["active"] == "true":
             pass
     assert float((await asked(operation))["turn"]) == 0

@@ -1,5 +1,6 @@
 """The floor map of the page: a click or the keyboard sends the avatar there, and it arrives; a person is followed."""
 
+import asyncio
 import math
 import re
 from typing import Final
@@ -72,7 +73,10 @@ async def test_it_is_stopped_and_what_is_out_of_reach_is_named(guest: Visit) -> 
 async def test_somebody_is_followed_until_stop(guest: Visit) -> None:
     await _figure(guest)
     await guest.until("document.querySelector('.map-thing.person')")
-    await guest.page.mouse.click(*await guest.read(_VISITOR))
+    # The visitor walks: where it was seen it may be no more.
+    async with asyncio.timeout(PATIENCE):
+        while not await guest.item("map-follow").is_visible():
+            await guest.page.mouse.click(*await guest.read(_VISITOR))
     await guest.press("map-follow")
     await _says(guest, "^Following visitor$")
     await guest.press("map-stop")

@@ -75,7 +75,7 @@ CODES = {-32700, -32600, -32601, -32602}
 
 
 async def hear(stream: MemoryStream) -> dict[str, Any]:
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(60):
         heard: dict[str, Any] = json.loads(await stream.receive())
     return heard
 
@@ -102,7 +102,7 @@ async def converse(messages: list[str]) -> None:
         check_result("rois.system.connect", heard["result"])
         assert heard["result"] == {"return_code": "OK"}
         await far.close()
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             await serving
 
 
@@ -150,7 +150,7 @@ async def adapt(messages: list[str]) -> None:
         )
         assert await asking == ()
         await far.close()
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             await serving
 
 

@@ -109,7 +109,7 @@ async def test_a_broken_message_is_answered_with_the_error_of_the_standard(
 async def test_a_message_that_cannot_be_taken_ends_its_own_connection_only(
     demo: Demo, message: str | bytes, code: int
 ) -> None:
-    async with connect(demo.url, compression=None) as connection, asyncio.timeout(5):
+    async with connect(demo.url, compression=None) as connection, asyncio.timeout(60):
         with suppress(ConnectionClosed):  # it may end before all is sent
             await connection.send(message)
         await connection.wait_closed()
@@ -338,7 +338,7 @@ async def first_offer(app: Application) -> Message:
 async def served(connection: ClientConnection, answer: Message) -> ConnectionClosed:
     """Answer `get_profile` with `answer` and all else with -32601, until the connection ends; returns why it did."""
     try:
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             while True:
                 asked = json.loads(await connection.recv())
                 if "id" not in asked or "method" not in asked:

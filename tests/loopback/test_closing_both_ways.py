@@ -31,7 +31,7 @@ def session_ends_meanwhile(turns: int) -> Callable[[Engine, Viewer], Awaitable[N
 
 async def both_sides_close_at_once(engine: Engine, viewer: Viewer) -> None:
     (connection,) = viewer.connections.values()
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(60):
         await asyncio.gather(connection.close(), engine.session.close("the application is gone"))
 
 

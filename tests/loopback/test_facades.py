@@ -47,7 +47,7 @@ async def answered(app: Application, sink: MeasuringSink) -> Offer:
 async def usable(app: Application, ref: str) -> None:
     """Wait until a component is READY."""
     asked = {"query_type": "component_status", "condition": f"component_ref = '{ref}'"}
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(60):
         while not any(each["value"] == "READY" for each in (await app.ask("rois.query.query", **asked))["results"]):
             pass
 

@@ -33,7 +33,7 @@ class Ears:
         self.news.set()
 
     async def hear(self, count: int) -> None:
-        async with asyncio.timeout(10):
+        async with asyncio.timeout(60):
             while len(self.came) < count:
                 self.news.clear()
                 await self.news.wait()
@@ -90,7 +90,7 @@ async def test_the_end_of_the_other_side_is_heard() -> None:
     async with MeasuringSink() as sink, playing(sink, video=bars(), inputs=ears):
         await hands_of(sink)
         await sink.__aexit__()
-        async with asyncio.timeout(10):
+        async with asyncio.timeout(60):
             while not ears.lost:
                 ears.news.clear()
                 await ears.news.wait()

@@ -70,7 +70,7 @@ async def thing() -> Thing:
 
 
 async def began(thing: Thing) -> None:
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(60):
         await thing.begun.wait()
 
 
@@ -235,7 +235,7 @@ class TestLife:
         device = self.Device(None)
         await device.bring_up()
         running = asyncio.ensure_future(device.run("start", ()))
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             await device.started.wait()
         await device.take_down()
         with pytest.raises(Aborted):
@@ -263,7 +263,7 @@ class TestLife:
         monkeypatch.setattr("openrois.component.DISCONNECT_TIMEOUT", 0.001)
         clinging = Clinging(None)
         await clinging.bring_up()
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             await clinging.take_down()
         assert ("it took too long" if stuck else "it clings") in caplog.text
 
@@ -499,7 +499,7 @@ class TestEvents:
         bell.emit = lambda _kind, results: heard.put_nowait((results[0].value, threading.get_ident()))
         await bell.bring_up()
         await asyncio.to_thread(bell.ring, "ding")
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             assert await heard.get() == ("ding", threading.get_ident())
 
     async def test_so_does_a_report(self) -> None:
@@ -508,7 +508,7 @@ class TestEvents:
         bell.report = lambda kind, what: heard.put_nowait((kind, what, threading.get_ident()))
         await bell.bring_up()
         await asyncio.to_thread(bell.report, ErrorType.USER_DEFINED_ERROR, "cracked")
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             assert await heard.get() == (ErrorType.USER_DEFINED_ERROR, "cracked", threading.get_ident())
 
     def test_one_of_another_thread_after_the_loop_has_ended_is_dropped(self) -> None:
@@ -555,7 +555,7 @@ async def test_an_author_may_use_any_private_name() -> None:
     assert (await own.run("switch", (argument("times", "2"),)))[0].value == "2"
     await own.run("set_parameter", (argument("level", "1"),))
     running = asyncio.ensure_future(own.run("start", ()))
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(60):
         await own.glowing.wait()
     await own.take_down()
     with pytest.raises(Aborted):

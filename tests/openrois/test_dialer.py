@@ -40,7 +40,7 @@ class Time:
 async def dialling(host: EngineHost, url: str, time: Time) -> AsyncIterator[None]:
     running = asyncio.ensure_future(serve_parent(host, url, sleep=time.sleep, clock=time.clock))
     try:
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             await time.enough.wait()
         yield
     finally:

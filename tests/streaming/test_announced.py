@@ -51,7 +51,7 @@ async def ends() -> AsyncIterator[Ends]:
 
 
 async def test_it_is_open_when_the_other_end_has_agreed_and_messages_pass_both_ways() -> None:
-    async with asyncio.timeout(20), ends() as both:
+    async with asyncio.timeout(60), ends() as both:
         assert not both.channel.are_open
         assert not both.channel.tell("nobody hears this")
         await both.connect()

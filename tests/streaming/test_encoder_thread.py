@@ -25,7 +25,7 @@ async def made(encoders: FakeEncoders, thread: EncoderThread[RawVideo]) -> FakeE
 
 
 async def taken(thread: EncoderThread[RawVideo]) -> bytes | None:
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(60):
         chunk = await thread.get()
     return chunk.data if chunk else None
 

@@ -173,7 +173,7 @@ async def test_it_leaves_the_rendition_when_it_is_closed_while_it_enters() -> No
 
     feeding = Feeding()
     feeding.feed.play(Slow("video/VP8"))
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(60):
         await entered.wait()
     feeding.feed.close()
     await feeding.tasks.aclose()

@@ -43,7 +43,7 @@ class Stage:
 
 
 async def got(subscription: Subscription[EncodedFrame]) -> EncodedFrame:
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(60):
         return await subscription.get()
 
 

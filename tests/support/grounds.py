@@ -112,7 +112,7 @@ def ground(name: str) -> Any:
 
 async def eventually(client: Client, condition: Callable[[], bool]) -> None:
     """Wait until something holds that comes of what the client has sent."""
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(60):
         while not condition():
             await client.search()
 
@@ -144,7 +144,7 @@ class Clock:
 
     async def asleep(self) -> None:
         """Wait until somebody sleeps."""
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             while not self._sleepers:
                 self._fell_asleep.clear()
                 await self._fell_asleep.wait()

@@ -62,7 +62,7 @@ class NotingEngine:
         return [str(command.message["event"]) for _, command in self.heard if isinstance(command, Input)]
 
     async def until(self, so: Callable[[], object]) -> None:
-        async with asyncio.timeout(10):
+        async with asyncio.timeout(60):
             while not so():
                 self._news.clear()
                 await self._news.wait()

@@ -24,13 +24,13 @@ class Other:
         await self.stream.send(json.dumps({"jsonrpc": "2.0", **message}))
 
     async def hear(self) -> dict[str, Any]:
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             message: dict[str, Any] = json.loads(await self.stream.receive())
         assert message.pop("jsonrpc") == "2.0"
         return message
 
     async def ended(self) -> StreamClosed:
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             return await asyncio.shield(self.running)
 
 
@@ -49,7 +49,7 @@ async def connected(
         yield Other(session, far, running)
     finally:
         far.abort()
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             await running
 
 

@@ -51,7 +51,7 @@ class FakeStreamer:
 
     async def until(self, condition: Callable[[], object]) -> None:
         """Wait until it holds, which is looked at whenever something was said."""
-        async with asyncio.timeout(15):
+        async with asyncio.timeout(60):
             while not condition():
                 self._changed.clear()
                 await self._changed.wait()

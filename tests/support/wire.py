@@ -75,7 +75,7 @@ class Application:
 
     async def next(self, method: str) -> dict[str, Any]:
         """Return the next notification of `method`, passing over others."""
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             while True:
                 name, params = await self.told.get()
                 if name == method:
@@ -123,7 +123,7 @@ async def adapter_leg(host: EngineHost, below: Engine | EngineHost) -> AsyncIter
         serving = tasks.create_task(serve_adapter(host, near))
         served = tasks.create_task(serve_engine(adapter_host, far))
         try:
-            async with asyncio.timeout(5):
+            async with asyncio.timeout(60):
                 await changed.wait()
             stop()
             yield far

@@ -66,7 +66,7 @@ def browser(folder: Path, seen: str, then: str = "exec sleep 100") -> str:
 @pytest.mark.engine
 async def test_the_page_is_loaded_with_its_order_and_what_it_posts_is_read(tmp_path: Path) -> None:
     path = browser(tmp_path, SIGHTINGS.model_dump_json())
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(60):
         assert await watch_in_chromium(path, ORDER, patience=15) == SIGHTINGS
 
 
@@ -80,7 +80,7 @@ async def test_the_page_is_loaded_with_its_order_and_what_it_posts_is_read(tmp_p
     ],
 )
 async def test_a_page_that_saw_nothing_says_why(tmp_path: Path, seen: str, reason: str) -> None:
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(60):
         with pytest.raises(BenchFailed, match=reason):
             await watch_in_chromium(browser(tmp_path, seen), ORDER, patience=15)
 
@@ -89,7 +89,7 @@ async def test_a_page_that_saw_nothing_says_why(tmp_path: Path, seen: str, reaso
 async def test_a_browser_that_ends_has_shown_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("TMPDIR", str(tmp_path))
     path = program(tmp_path, "broken", "echo no display; exit 1")
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(60):
         with pytest.raises(BenchFailed, match=r"Chromium ended: .*no display"):
             await watch_in_chromium(path, ORDER, patience=15)
     assert await asyncio.to_thread(os.listdir, tmp_path) == ["broken"]
@@ -98,6 +98,6 @@ async def test_a_browser_that_ends_has_shown_nothing(tmp_path: Path, monkeypatch
 @pytest.mark.engine
 async def test_a_browser_that_shows_nothing_is_ended(tmp_path: Path) -> None:
     path = program(tmp_path, "idle", "exec sleep 100")
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(60):
         with pytest.raises(BenchFailed, match="Chromium showed nothing within 0 s"):
             await watch_in_chromium(path, ORDER, patience=0.2)

@@ -21,7 +21,7 @@ def check(seen: Observation, viewer: str) -> None:
 @pytest.mark.media
 async def test_a_viewer_without_a_browser_measures_the_whole_path() -> None:
     told: list[str] = []
-    async with asyncio.timeout(28):
+    async with asyncio.timeout(60):
         report = await run_latency(SHORT, told.append)
     assert told == ["640x360: sink"]
     assert (report.seconds, report.runs) == (0.5, 1)
@@ -35,7 +35,7 @@ async def test_a_viewer_without_a_browser_measures_the_whole_path() -> None:
 
 @pytest.mark.browser
 async def test_a_viewer_in_chromium_measures_the_whole_path(chromium: Path) -> None:
-    settings = LatencySettings(seconds=0.5, runs=2, sizes=((640, 360),), chromium=str(chromium))
+    settings = LatencySettings(seconds=0.5, runs=1, sizes=((640, 360),), chromium=str(chromium))
     async with asyncio.timeout(58):
         report = await run_latency(settings, lambda _text: None)
     assert "Chromium" in report.conditions.versions
@@ -43,11 +43,11 @@ async def test_a_viewer_in_chromium_measures_the_whole_path(chromium: Path) -> N
     check(seen, "Chromium")
     assert list(seen.milliseconds) == ["received", "presented", "connect", "resume"]
     assert seen.milliseconds["received"].median < seen.milliseconds["presented"].median
-    assert seen.milliseconds["resume"].count == seen.milliseconds["connect"].count == 2
+    assert seen.milliseconds["resume"].count == seen.milliseconds["connect"].count == 1
 
 
 @pytest.mark.media
 async def test_an_adapter_that_does_not_start_ends_the_bench() -> None:
-    async with asyncio.timeout(28):
+    async with asyncio.timeout(60):
         with pytest.raises(BenchFailed, match=r"the adapter does not start: .*no colour bars of 3x3"):
             await run_latency(LatencySettings(sizes=((3, 3),)), lambda _text: None)

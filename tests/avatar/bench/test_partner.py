@@ -21,7 +21,7 @@ async def ends() -> AsyncIterator[tuple[asyncio.StreamWriter, PipeStream, asynci
     reader, writer = await asyncio.open_connection(*server.sockets[0].getsockname())
     far_reader, far_writer = await accepted.get()
     try:
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             yield far_writer, PipeStream(reader, writer), far_reader
     finally:
         for each in (writer, far_writer):
@@ -108,7 +108,7 @@ def child(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
 
 @pytest.mark.engine
 async def test_a_child_answers_and_its_failures_are_told_in_its_own_words(child: str) -> None:
-    async with asyncio.timeout(20), partner(child) as asked:
+    async with asyncio.timeout(60), partner(child) as asked:
         assert await asked.ask("double", {"of": "x" * 200_000}, within=15) == ["x" * 200_000] * 2
         with pytest.raises(BenchFailed, match=r"some_child: fail: .*ValueError: it is too much"):
             await asked.ask("fail", {}, within=15)
@@ -123,7 +123,7 @@ async def test_a_child_ends_when_nobody_is_there_to_ask_it(child: str) -> None:
     process = await asyncio.create_subprocess_exec(
         sys.executable, "-m", child, stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE
     )
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(60):
         assert process.stdin is not None
         assert process.stdout is not None
         session = RpcSession(PipeStream(process.stdout, process.stdin))

@@ -45,7 +45,7 @@ class Stage:
 
     async def react(self) -> tuple["asyncio.Future[tuple[Result, ...]]", str]:
         running = asyncio.ensure_future(self.registry.invoke("avatar/Reaction", "start"))
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             told = await self.reacting.get()
         return running, told.id
 

@@ -25,7 +25,7 @@ class Application:
         self.notified: list[tuple[str, dict[str, Any]]] = []
 
     async def hear(self) -> dict[str, Any]:
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             message: dict[str, Any] = json.loads(await self._stream.receive())
         if "method" in message:
             self.notified.append((message["method"].rpartition(".")[2], message["params"]))

@@ -275,7 +275,7 @@ POSTS = tuple(rectangle(x, -2, x + 0.1, -1) for x in range(-5, 5))
 
 
 async def until_it_walks(stage: Stage, running: "asyncio.Future[Any]") -> None:
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(60):
         while not stage.engine.moves:
             await asyncio.wait({running}, timeout=0.001)
 

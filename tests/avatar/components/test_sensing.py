@@ -55,7 +55,7 @@ async def test_an_application_that_leaves_lets_its_senses_rest() -> None:
     sense = Detection()
     works: asyncio.Queue[bool] = asyncio.Queue()
     sense.activity.changed.add(works.put_nowait)
-    async with memory_gateway(sense) as gateway, asyncio.timeout(10):
+    async with memory_gateway(sense) as gateway, asyncio.timeout(60):
         for _ in range(2):
             async with gateway.client() as client, client.component("robot/FaceDetection").event("face_detected"):
                 assert await works.get()

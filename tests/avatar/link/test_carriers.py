@@ -54,7 +54,7 @@ async def world(request: pytest.FixtureRequest) -> AsyncIterator[World]:
 
 @pytest.fixture
 async def pictures(world: World) -> AsyncIterator[AsyncIterator[RawVideo]]:
-    async with asyncio.timeout(10), world.server.video.open() as pictures:
+    async with asyncio.timeout(60), world.server.video.open() as pictures:
         yield pictures
 
 
@@ -68,7 +68,7 @@ def send(link: LinkClient, data: NDArray[np.uint8], at: int = 0) -> None:
 
 
 async def until(happened: Callable[[], bool]) -> None:
-    async with asyncio.timeout(10):
+    async with asyncio.timeout(60):
         while not happened():
             await settle()
 

@@ -64,7 +64,7 @@ def is_gone(pid: int, timeout: float = 0.0) -> bool:
 async def test_an_engine_runs_and_is_ended_with_the_context(caplog: pytest.LogCaptureFixture) -> None:
     witness = Witness()
     with caplog.at_level(logging.INFO):
-        async with asyncio.timeout(20), witness.engine("good") as engine:
+        async with asyncio.timeout(60), witness.engine("good") as engine:
             async with engine.video.open() as pictures:
                 assert (await anext(pictures)).sequence < (await anext(pictures)).sequence
             assert (await witness.audio.get()).samples.shape == (960, 2)
@@ -81,7 +81,7 @@ async def test_an_engine_runs_and_is_ended_with_the_context(caplog: pytest.LogCa
 
 async def test_an_engine_that_crashes_is_started_again_after_a_while() -> None:
     witness, clock = Witness(), VirtualClock()
-    async with asyncio.timeout(20), witness.engine("good", clock=clock) as engine, engine.video.open() as pictures:
+    async with asyncio.timeout(60), witness.engine("good", clock=clock) as engine, engine.video.open() as pictures:
         last = await anext(pictures)
         for delay in (0.5, 1.0):
             pid = pid_of(engine)
@@ -102,7 +102,7 @@ async def test_an_engine_that_crashes_is_started_again_after_a_while() -> None:
 
 async def test_an_engine_that_hangs_up_is_replaced() -> None:
     witness, clock = Witness(), VirtualClock()
-    async with asyncio.timeout(20), witness.engine("stubborn", clock=clock) as engine:
+    async with asyncio.timeout(60), witness.engine("stubborn", clock=clock) as engine:
         pid = pid_of(engine)
         engine.send(React("1", "hang up"))
         assert await witness.lost.get() == "hanging up"
@@ -113,7 +113,7 @@ async def test_an_engine_that_hangs_up_is_replaced() -> None:
 
 async def test_an_engine_that_hangs_is_replaced() -> None:
     witness, clock = Witness(), VirtualClock()
-    async with asyncio.timeout(20), witness.engine("good", clock=clock) as engine:
+    async with asyncio.timeout(60), witness.engine("good", clock=clock) as engine:
         pid = pid_of(engine)
         async with engine.video.open() as pictures:
             for _ in range(4):
@@ -133,7 +133,7 @@ async def test_an_engine_that_hangs_is_replaced() -> None:
 
 async def test_an_engine_that_pauses_is_not_taken_for_one_that_hangs() -> None:
     witness, clock = Witness(), VirtualClock()
-    async with asyncio.timeout(20), witness.engine("good", clock=clock) as engine:
+    async with asyncio.timeout(60), witness.engine("good", clock=clock) as engine:
         async with engine.video.open() as pictures:
             await anext(pictures)
         engine.send(React("1", "pause"))
@@ -151,7 +151,7 @@ async def test_an_engine_that_pauses_is_not_taken_for_one_that_hangs() -> None:
 async def test_an_engine_hears_the_operator() -> None:
     witness = Witness()
     sound = RawAudio(np.array([[100, 200], [-3, -5]], np.int16), 1.0)
-    async with asyncio.timeout(20), witness.engine("good") as engine:
+    async with asyncio.timeout(60), witness.engine("good") as engine:
         engine.hear(sound)
         assert await witness.events.get() == Log("heard (2, 1) 150")
     engine.hear(sound)
@@ -159,7 +159,7 @@ async def test_an_engine_hears_the_operator() -> None:
 
 async def test_an_engine_that_refuses_to_end_is_killed_in_time() -> None:
     loop = asyncio.get_running_loop()
-    async with asyncio.timeout(20), Witness().engine("stubborn") as engine:
+    async with asyncio.timeout(60), Witness().engine("stubborn") as engine:
         pid = pid_of(engine)
         leaving = loop.time()
     assert is_gone(pid)
@@ -173,7 +173,7 @@ async def test_a_fault_of_our_own_is_not_swallowed(
         raise ZeroDivisionError
 
     witness, clock = Witness(), VirtualClock()
-    async with asyncio.timeout(20), witness.engine("good", clock=clock) as engine:
+    async with asyncio.timeout(60), witness.engine("good", clock=clock) as engine:
         monkeypatch.setattr(embedded, "child_process", fail)
         engine.send(React("1", "crash"))
         await witness.lost.get()
@@ -187,14 +187,14 @@ async def test_a_fault_of_our_own_is_not_swallowed(
 async def test_an_engine_that_cannot_start_says_why() -> None:
     expected = f"{FAKE} did not greet (status 1): first line / no graphics pipe is available"
     with pytest.raises(LinkError) as refused:
-        async with asyncio.timeout(20), Witness().engine("broken"):
+        async with asyncio.timeout(60), Witness().engine("broken"):
             pass
     assert str(refused.value) == expected
 
 
 async def test_an_engine_that_never_greets_is_not_waited_for() -> None:
     with pytest.raises(LinkError, match=r"did not greet \(status -15\)"):
-        async with asyncio.timeout(20), Witness().engine("mute", start_timeout=0.5):
+        async with asyncio.timeout(60), Witness().engine("mute", start_timeout=0.5):
             pass
 
 
@@ -220,7 +220,7 @@ async def test_nothing_is_left_behind_when_the_adapter_is_killed() -> None:
     adapter = await asyncio.create_subprocess_exec(sys.executable, "-c", ADAPTER, stdout=PIPE)
     try:
         assert adapter.stdout is not None
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(60):
             pid = int(await adapter.stdout.readline())
     finally:
         adapter.send_signal(signal.SIGKILL)
@@ -230,7 +230,7 @@ async def test_nothing_is_left_behind_when_the_adapter_is_killed() -> None:
 
 def test_it_works_under_uvloop() -> None:
     async def run() -> int:
-        async with asyncio.timeout(20), EmbeddedEngine(FAKE, "good") as engine, engine.video.open() as pictures:
+        async with asyncio.timeout(60), EmbeddedEngine(FAKE, "good") as engine, engine.video.open() as pictures:
             await anext(pictures)
             return pid_of(engine)
 

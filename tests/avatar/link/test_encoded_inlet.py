@@ -44,7 +44,7 @@ def inlet(asked: Asked) -> EngineEncoded:
 
 
 async def next_of(pictures: AsyncIterator[EncodedVideo]) -> EncodedVideo:
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(60):
         return await anext(pictures)
 
 

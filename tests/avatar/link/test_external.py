@@ -40,7 +40,7 @@ class World:
         return link
 
     async def told_of(self, count: int) -> None:
-        async with asyncio.timeout(10):
+        async with asyncio.timeout(60):
             while len(self.told) < count:
                 await settle()
 
@@ -58,7 +58,7 @@ async def world() -> AsyncIterator[World]:
     engine = ExternalEngine(
         ADDRESS, "secret", on_event=told.append, on_lost=told.append, on_back=told.append, clock=clock
     )
-    async with asyncio.timeout(20), AsyncExitStack() as stack, engine:
+    async with asyncio.timeout(60), AsyncExitStack() as stack, engine:
         yield World(engine, clock, stack, told)
 
 
@@ -189,7 +189,7 @@ async def test_an_engine_that_connects_again_outlives_its_adapter(tmp_path: Path
 
     living = asyncio.create_task(asyncio.to_thread(live))
     for _ in range(2):
-        async with asyncio.timeout(10), ExternalEngine(path) as engine:
+        async with asyncio.timeout(60), ExternalEngine(path) as engine:
             while engine.hello is None:
                 await settle()
     await living

@@ -90,7 +90,7 @@ async def pid_of(synthesizer: Synthesizer) -> int:
 @pytest.mark.engine
 @pytest.mark.usefixtures("_fake")
 async def test_the_process_is_kept_and_ended_with_the_context() -> None:
-    async with asyncio.timeout(20), Synthesizer() as synthesizer:
+    async with asyncio.timeout(60), Synthesizer() as synthesizer:
         pid = await pid_of(synthesizer)
         assert await pid_of(synthesizer) == pid
     with pytest.raises(ProcessLookupError):
@@ -100,7 +100,7 @@ async def test_the_process_is_kept_and_ended_with_the_context() -> None:
 @pytest.mark.engine
 @pytest.mark.usefixtures("_fake")
 async def test_a_process_that_died_in_the_meantime_is_replaced() -> None:
-    async with asyncio.timeout(20), Synthesizer() as synthesizer:
+    async with asyncio.timeout(60), Synthesizer() as synthesizer:
         pid = await pid_of(synthesizer)
         os.kill(pid, signal.SIGKILL)
         assert await pid_of(synthesizer) != pid
@@ -110,7 +110,7 @@ async def test_a_process_that_died_in_the_meantime_is_replaced() -> None:
 @pytest.mark.usefixtures("_fake")
 @pytest.mark.parametrize("text", ["die", "babble", "flood"])
 async def test_a_text_that_breaks_the_process_fails_alone(text: str) -> None:
-    async with asyncio.timeout(20), Synthesizer() as synthesizer:
+    async with asyncio.timeout(60), Synthesizer() as synthesizer:
         with pytest.raises(SpeechUnavailable, match="the speech process died over this text") as failed:
             await synthesizer.synthesize(text)
         assert ("out of memory" in str(failed.value)) is (text == "die")
@@ -120,7 +120,7 @@ async def test_a_text_that_breaks_the_process_fails_alone(text: str) -> None:
 @pytest.mark.engine
 @pytest.mark.usefixtures("_fake")
 async def test_a_process_that_hangs_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
-    async with asyncio.timeout(20), Synthesizer() as synthesizer:
+    async with asyncio.timeout(60), Synthesizer() as synthesizer:
         pid = await pid_of(synthesizer)
         monkeypatch.setattr(module, "ANSWER_TIMEOUT", 0.02)
         with pytest.raises(SpeechUnavailable, match=r"did not answer within 0\.02 seconds"):
@@ -143,7 +143,7 @@ async def test_a_request_that_is_given_up_does_not_disturb_the_next() -> None:
 
 @pytest.mark.engine
 async def test_a_sentence_becomes_sound_words_and_movement() -> None:
-    async with asyncio.timeout(20), Synthesizer() as synthesizer:
+    async with asyncio.timeout(60), Synthesizer() as synthesizer:
         spoken = await synthesizer.synthesize("Hello world, I am your avatar.", volume=100)
         quiet = await synthesizer.synthesize("Hello world, I am your avatar.", volume=25)
         silent = await synthesizer.synthesize("Hello world, I am your avatar.", volume=0)
@@ -165,7 +165,7 @@ async def test_a_sentence_becomes_sound_words_and_movement() -> None:
 
 @pytest.mark.engine
 async def test_the_mouth_moves_when_there_is_sound() -> None:
-    async with asyncio.timeout(20), Synthesizer() as synthesizer:
+    async with asyncio.timeout(60), Synthesizer() as synthesizer:
         spoken = await synthesizer.synthesize("Papa ... mama.", volume=100)
     loudness = [
         float(np.abs(spoken.samples[round(viseme.offset_ms * 48) :][:1920].astype(float)).mean())
@@ -178,7 +178,7 @@ async def test_the_mouth_moves_when_there_is_sound() -> None:
 
 @pytest.mark.engine
 async def test_it_says_what_it_can_speak() -> None:
-    async with asyncio.timeout(20), Synthesizer() as synthesizer:
+    async with asyncio.timeout(60), Synthesizer() as synthesizer:
         languages, voices = await synthesizer.languages(), await synthesizer.voices()
         assert {"en", "en-us", "de", "ja", "es", "fr"} <= set(languages)
         assert {"f3", "m1"} <= set(voices)

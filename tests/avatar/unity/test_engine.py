@@ -109,7 +109,7 @@ class Engine:
     async def said(self, text: str) -> str:
         """The next line with this text."""
         assert self.process.stdout is not None
-        async with asyncio.timeout(20):
+        async with asyncio.timeout(60):
             while text not in (line := (await self.process.stdout.readline()).decode()):
                 assert line, f"it ended without saying {text}"
         return line.strip()

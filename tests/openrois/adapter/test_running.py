@@ -47,7 +47,7 @@ async def said(process: asyncio.subprocess.Process, pattern: str) -> str:
     """Wait until the program has logged a line with `pattern`; return that line."""
     assert process.stderr is not None
     heard = ""
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(60):
         while not re.search(pattern, heard):
             line = await process.stderr.readline()
             assert line, f"the program ended: {heard}"
@@ -56,7 +56,7 @@ async def said(process: asyncio.subprocess.Process, pattern: str) -> str:
 
 
 async def ended(process: asyncio.subprocess.Process) -> int:
-    async with asyncio.timeout(20):
+    async with asyncio.timeout(60):
         return await process.wait()
 
 
@@ -98,7 +98,7 @@ class TestExample:
         async with (
             launched(sys.executable, str(EXAMPLE)) as running,
             Client(running.url) as client,
-            asyncio.timeout(10),
+            asyncio.timeout(60),
         ):
             (lamp_ref,) = await client.search("component_type = 'urn:x-rois:def:component:Example::Lamp'")
             assert lamp_ref == "lamp_1/lamp"
@@ -145,7 +145,7 @@ class TestRun:
             await until(running.engine, lambda ids: "robot" in ids)
             process.send_signal(signal.SIGTERM)
             assert process.stdout is not None
-            async with asyncio.timeout(20):
+            async with asyncio.timeout(60):
                 assert await process.stdout.readline() == b"clinging\n"
             process.send_signal(signal.SIGTERM)
             assert await ended(process) == -signal.SIGTERM

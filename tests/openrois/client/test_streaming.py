@@ -160,7 +160,7 @@ async def test_the_streams_of_an_application_end_with_it(line: Line, streams: Fa
     async with Client(dial=line.dial) as client:
         await client.component(VideoStreaming, "cameras/camera").connect_stream()
         assert not streams.forgotten
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(60):
         await streams.gone.wait()
 
 

@@ -248,7 +248,7 @@ class TestEnding:
         async with connected(capacity=1) as other:
             for _ in range(5):
                 other.session.notify("told", {})
-            async with asyncio.timeout(5):
+            async with asyncio.timeout(60):
                 await other.session.close()
             assert (await other.ended()).code == 1000
 
@@ -352,7 +352,7 @@ async def test_who_is_cancelled_while_a_session_ends_is_cancelled() -> None:
     await far.send('{"jsonrpc": "2.0", "id": 1, "method": "linger"}')
     await settle()
     await far.close(1001, "the gateway stops")
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(60):
         await ending.wait()
         running.cancel()
         await settle()

@@ -36,7 +36,7 @@ class Parent:
         return self.last_id
 
     async def hear(self) -> dict[str, Any]:
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             message: dict[str, Any] = json.loads(await self.stream.receive())
         return message
 

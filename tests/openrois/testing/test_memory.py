@@ -34,7 +34,7 @@ async def test_it_may_be_a_fixture(client: Client) -> None:
 
 
 async def test_a_typed_proxy_finds_its_component() -> None:
-    async with harness(basics.Navigation()) as client, asyncio.timeout(5):
+    async with harness(basics.Navigation()) as client, asyncio.timeout(60):
         navigation = await client.find(Navigation)
         async with navigation.bound(), navigation.reached_target() as reached:
             await navigation.set(target_positions=("door", "lobby"))

@@ -31,7 +31,7 @@ class End:
         self.socket.sendto(data, self.other)
 
     async def receive(self) -> bytes:
-        async with asyncio.timeout(5):
+        async with asyncio.timeout(60):
             return (await asyncio.get_running_loop().sock_recvfrom(self.socket, 2000))[0]
 
     def __enter__(self) -> Self:
@@ -43,7 +43,7 @@ class End:
 
 async def entered(direction: Direction, datagrams: int) -> None:
     """Wait until so many have come in."""
-    async with asyncio.timeout(5):
+    async with asyncio.timeout(60):
         while direction.figures().entered < datagrams:  # noqa: ASYNC110 - sockets are what is waited for
             await asyncio.sleep(0)
 
