@@ -49,6 +49,7 @@ ALLOWED: Final[Mapping[str, frozenset[Role]]] = MappingProxyType(
         "rois.stream.suspend_stream": _WATCHERS,
         "rois.stream.resume_stream": _WATCHERS,
         "rois.stream.query_stream_status": _WATCHERS,
+        "rois.stream.report_playout": _WATCHERS,
         "signaling.answer": _WATCHERS,
         "signaling.bye": _WATCHERS,
         "signaling.candidate": _WATCHERS,

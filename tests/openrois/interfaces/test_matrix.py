@@ -49,6 +49,7 @@ ORACLE: Final = """
     rois.stream.suspend_stream          v . o a .   UNSUPPORTED     UNSUPPORTED
     rois.stream.resume_stream           v . o a .   UNSUPPORTED     UNSUPPORTED
     rois.stream.query_stream_status     v . o a .   UNSUPPORTED     UNSUPPORTED
+    rois.stream.report_playout          v . o a .   UNSUPPORTED     UNSUPPORTED
     signaling.answer                    v . o a .   UNSUPPORTED     UNSUPPORTED
     signaling.candidate                 v . o a .   UNSUPPORTED     UNSUPPORTED
     signaling.restart                   v . o a .   UNSUPPORTED     UNSUPPORTED
@@ -145,6 +146,7 @@ def general() -> Iterator[Shape]:
     yield "rois.stream.connect_stream", lambda ref: {"component_ref": ref}
     for verb in ("disconnect_stream", "suspend_stream", "resume_stream", "query_stream_status"):
         yield f"rois.stream.{verb}", lambda ref: {"stream_id": ref}
+    yield "rois.stream.report_playout", lambda ref: {"stream_id": ref, "milliseconds": 40}
     yield "signaling.answer", lambda ref: {"peer_id": ref or "x", "generation": 1, "sdp": "v=0"}
     yield "signaling.candidate", lambda ref: {"peer_id": ref or "x", "generation": 1, "candidate": None}
     yield "signaling.restart", lambda ref: {"peer_id": ref or "x"}

@@ -1,0 +1,148 @@
+"""The gate before every method: what has no rule is refused, and whatever could name a component is looked up."""
+
+from collections.abc import Iterator
+from typing import Any, Final, get_args
+
+import pytest
+from openrois_signaling.messages import Answer, Candidate, Restart
+from openrois_signaling.methods import signaling_methods
+from openrois_signaling.relay import Relay
+from pydantic import BaseModel
+
+from openrois.access.principal import ALLOWED, LOCAL, Principal, Role
+from openrois.application import ApplicationSession
+from openrois.gateway import applications
+from openrois.interfaces.enforcement import enforced
+from openrois.jsonrpc.session import Handler, Reply
+from openrois.types.messages import ReturnResult, SearchResult
+from openrois.types.methods import METHODS
+from tests.openrois.interfaces.test_matrix import RULES
+from tests.support.authorization import Place, place, principal
+
+SIGNALING: Final = set(signaling_methods(Relay(None, lambda: 0.0), "somebody", None))  # type: ignore[arg-type]
+
+# Every field of every method's params that is a text: what it names, and so which test proves that it is looked up.
+# `component`: a reference; `condition`: comparisons with references; `own`: an id of this session alone; `name`: of a
+# message or value, judged by the profile of a component that was looked up; `free`: the application's own text.
+FIELDS: Final = {
+    "component_ref": "component",
+    "condition": "condition",
+    "stream_id": "own",
+    "peer_id": "own",
+    "command_id": "own",
+    "subscribe_id": "own",
+    "event_id": "own",
+    "error_id": "own",
+    "command_type": "name",
+    "query_type": "name",
+    "event_type": "name",
+    "name": "name",
+    "data_type_ref": "name",
+    "value": "free",
+    "version": "free",
+    "extensions": "free",
+    "sdp": "free",
+    "candidate": "free",
+    "sdp_mid": "free",
+}
+
+
+def texts_of(model: type[BaseModel]) -> Iterator[str]:
+    """Return the names of a model's fields that hold texts, and of those of all models in it."""
+    for name, field in model.model_fields.items():
+        kinds = list(kinds_of(field.annotation))
+        if str in kinds:
+            yield name
+        for kind in kinds:
+            if isinstance(kind, type) and issubclass(kind, BaseModel):
+                yield from texts_of(kind)
+
+
+def kinds_of(annotation: Any) -> Iterator[Any]:
+    """Return every type that an annotation is made of."""
+    inner = get_args(annotation)
+    if not inner:
+        yield annotation
+    for each in inner:
+        yield from kinds_of(each)
+
+
+PARAMS: Final[dict[str, type[BaseModel]]] = {
+    **{method.params.__name__: method.params for method in METHODS},
+    **{model.__name__: model for model in (Answer, Candidate, Restart)},
+}
+
+
+@pytest.mark.parametrize("model", PARAMS.values(), ids=PARAMS)
+def test_every_text_of_every_method_is_known(model: type[BaseModel]) -> None:
+    unknown = set(texts_of(model)) - FIELDS.keys()
+    assert not unknown, f"say in FIELDS what {unknown} names, and try it in test_hidden and test_ownership"
+
+
+def test_the_walk_finds_what_is_nested() -> None:
+    execute = next(method.params for method in METHODS if method.name == "rois.command.execute")
+    assert {"component_ref", "command_type", "command_id", "value"} <= set(texts_of(execute))
+
+
+@pytest.fixture
+async def served(monkeypatch: pytest.MonkeyPatch) -> dict[str, Handler]:
+    """What a gateway serves to an application, whoever added it."""
+    tables: list[dict[str, Handler]] = []
+
+    def noting(app: ApplicationSession, methods: dict[str, Handler]) -> dict[str, Handler]:
+        tables.append(dict(methods))
+        return enforced(app, methods)
+
+    monkeypatch.setattr(applications, "enforced", noting)
+    async with place("fleet") as where, where.application(LOCAL):
+        pass
+    (table,) = tables
+    return table
+
+
+async def test_every_method_that_is_served_has_a_rule(served: dict[str, Handler]) -> None:
+    assert served.keys() <= ALLOWED.keys(), "a method without a rule is refused to everybody"
+    assert served.keys() <= RULES.keys(), "say in the table of test_matrix what every role gets"
+    assert {method.name for method in METHODS} | SIGNALING <= served.keys()
+
+
+async def test_every_method_passes_the_gate(served: dict[str, Handler]) -> None:
+    async with place("fleet") as where, where.application(principal(None, "*")) as wire:
+        for method in served:
+            assert await wire.code(method, {}) == "UNSUPPORTED"
+
+
+async def empty_search(_params: dict[str, Any]) -> Any:
+    return SearchResult(component_ref_list=("fleet/secret",))
+
+
+def session(where: Place, who: Principal) -> ApplicationSession:
+    return ApplicationSession(where.host, lambda *_told, **_how: None, principal=who)
+
+
+async def test_a_method_without_a_rule_is_refused_to_everybody() -> None:
+    async with place("fleet") as where:
+        for who in (LOCAL, *(principal(role, "*") for role in Role)):
+            methods = enforced(session(where, who), {"openrois.later": empty_search})
+            reply = await methods["openrois.later"]({})
+            assert isinstance(reply, Reply)
+            assert reply.result == ReturnResult.model_validate({"return_code": "UNSUPPORTED"})
+            assert reply.reason == "openrois.later is not for the roles of this application"
+
+
+async def test_a_refusal_has_the_shape_of_the_methods_result_and_reads_no_params() -> None:
+    async with place("fleet") as where:
+        app = session(where, principal("adapter", "*"))
+        methods = enforced(app, {"rois.command.search": empty_search})
+        reply = await methods["rois.command.search"]({"condition": object()})
+        assert reply.result == SearchResult.model_validate({"return_code": "UNSUPPORTED"})
+
+
+async def test_what_is_allowed_is_asked_at_every_call() -> None:
+    async with place("fleet") as where:
+        app = session(where, principal("adapter", "*"))
+        methods = enforced(app, {"rois.command.search": empty_search})
+        app.principal = principal("viewer", "*")
+        assert (await methods["rois.command.search"]({})).component_ref_list == ("fleet/secret",)
+        app.principal = principal(None)
+        assert isinstance(await methods["rois.command.search"]({}), Reply)
