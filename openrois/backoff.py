@@ -1,6 +1,11 @@
 """How long to wait before trying again."""
 
-__all__ = ["Backoff"]
+import re
+from typing import Final
+
+__all__ = ["Backoff", "asked_to_wait"]
+
+_RETRY_AFTER: Final = re.compile(r"retry_after=(\d{1,4}(?:\.\d{1,6})?)", re.ASCII)
 
 
 class Backoff:
@@ -26,3 +31,13 @@ class Backoff:
             self._next = self._first
         delay, self._next = self._next, min(self._next * self._factor, self._limit)
         return delay
+
+
+def asked_to_wait(reason: str) -> float:
+    """Return the seconds that a gateway which is about to restart asks for when it closes, else 0.
+
+    Args:
+        reason: of its close frame; such a gateway says `retry_after=<seconds>`.
+    """
+    asked = _RETRY_AFTER.fullmatch(reason)
+    return float(asked[1]) if asked else 0.0

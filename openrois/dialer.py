@@ -2,13 +2,14 @@
 
 import asyncio
 import logging
+import random
 import time
 from collections.abc import Awaitable, Callable
 
 from websockets.exceptions import InvalidHandshake
 
 from openrois.application import EngineHost
-from openrois.backoff import Backoff
+from openrois.backoff import Backoff, asked_to_wait
 from openrois.remote.serve import serve_engine
 from openrois.transport.stream import POLICY_VIOLATION
 from openrois.transport.websocket import dial
@@ -24,27 +25,30 @@ async def serve_parent(
     *,
     sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
     clock: Callable[[], float] = time.monotonic,
+    chance: Callable[[], float] = random.random,
 ) -> None:
     """Serve an engine to the gateway at `url` until cancelled; a connection that ends is made again.
 
     Args:
         host: the engine.
         url: `ws://host:port/adapter` of the gateway.
-        sleep: waits for some seconds between attempts: 1 s, then half as long again each time, at most 30 s.
+        sleep: waits for some seconds between attempts: up to 1 s, then half as long again each time, at most 5 s, and
+            by chance less, so that a fleet does not come at once; longer by what a gateway that restarts asks for.
         clock: monotonic seconds, to tell a connection that lasted from one that was refused.
+        chance: a number from 0 up to 1.
 
     Raises:
         websockets.exceptions.InvalidURI: `url` is no WebSocket address.
     """
-    backoff = Backoff()
+    backoff = Backoff(limit=5.0)
     while True:
-        lasted = 0.0
+        lasted, asked = 0.0, 0.0
         try:
             async with dial(url) as stream:
                 _log.info("connected to %s", url)
                 connected = clock()
                 closed = await serve_engine(host, stream)
-                lasted = clock() - connected
+                lasted, asked = clock() - connected, asked_to_wait(closed.reason)
                 if closed.code == POLICY_VIOLATION:
                     _log.warning("the gateway refuses this adapter: %s", closed.reason)
                 else:
@@ -53,6 +57,6 @@ async def serve_parent(
             _log.warning("what answers at %s takes no adapters: %s", url, error)
         except (OSError, TimeoutError) as error:
             _log.info("no gateway at %s (`openrois gateway` starts one here): %s", url, error)
-        delay = backoff.after(lasted)
+        delay = backoff.after(lasted) * chance() + asked
         _log.info("trying again in %.1f s", delay)
         await sleep(delay)

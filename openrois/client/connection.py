@@ -7,11 +7,12 @@ from contextlib import AsyncExitStack, suppress
 from enum import Enum
 from typing import Final, Protocol
 
+from openrois.backoff import asked_to_wait
 from openrois.client.asking import Outcome, ask
 from openrois.client.dialling import Dial
 from openrois.client.errors import ConnectionFailed, ConnectionLost
 from openrois.client.notices import Connected, Disconnected, Notice
-from openrois.client.reconnect import Reconnect, asked_to_wait
+from openrois.client.reconnect import Reconnect
 from openrois.errors import RoISError
 from openrois.jsonrpc.protocol import METHOD_NOT_FOUND
 from openrois.jsonrpc.session import NotificationHandler, RpcError, RpcSession
@@ -237,7 +238,7 @@ class Connection:
                 raise ConnectionFailed(f"the connection ended: {closed}")
             if closed.code == _TOKEN_ENDED:
                 raise ConnectionFailed(f"the gateway does not let this application in any more: {closed.reason}")
-            delay = again.spread(backoff.after(lasted)) + asked_to_wait(closed)
+            delay = again.spread(backoff.after(lasted)) + asked_to_wait(closed.reason)
             self.state = ConnectionState.WAITING
             # Of an attempt that failed the code is ours, and says nothing.
             reason = closed.reason if closed.code == _NO_HANDSHAKE and closed.reason else str(closed)

@@ -2,18 +2,13 @@
 
 import asyncio
 import random
-import re
 import time
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
-from typing import Final
 
 from openrois.backoff import Backoff
-from openrois.transport.stream import StreamClosed
 
-__all__ = ["Reconnect", "asked_to_wait"]
-
-_RETRY_AFTER: Final = re.compile(r"retry_after=(\d{1,4}(?:\.\d{1,6})?)", re.ASCII)
+__all__ = ["Reconnect"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,7 +19,7 @@ class Reconnect:
         first: the longest first wait, seconds.
         factor: by how much each wait is longer than the one before.
         limit: the longest wait, seconds.
-        random: a number from 0 up to 1; a wait is between half of what it could be and all of it.
+        random: a number from 0 up to 1; a wait is up to what it could be.
         sleep: waits for some seconds.
         clock: monotonic seconds.
     """
@@ -42,10 +37,4 @@ class Reconnect:
 
     def spread(self, delay: float) -> float:
         """Return `delay` or less, by chance."""
-        return delay * (0.5 + self.random() / 2)
-
-
-def asked_to_wait(closed: StreamClosed) -> float:
-    """Return the seconds that a gateway which is about to restart asks for (`retry_after=<seconds>`), else 0."""
-    asked = _RETRY_AFTER.fullmatch(closed.reason)
-    return float(asked[1]) if asked else 0.0
+        return delay * self.random()

@@ -38,7 +38,7 @@ class Time:
 
 @asynccontextmanager
 async def dialling(host: EngineHost, url: str, time: Time) -> AsyncIterator[None]:
-    running = asyncio.ensure_future(serve_parent(host, url, sleep=time.sleep, clock=time.clock))
+    running = asyncio.ensure_future(serve_parent(host, url, sleep=time.sleep, clock=time.clock, chance=lambda: 1.0))
     try:
         async with asyncio.timeout(60):
             await time.enough.wait()
@@ -97,6 +97,18 @@ async def test_a_refusal_counts_as_a_failure_and_a_lasting_connection_as_success
         async with dialling(host, url, time):
             assert time.delays == [1, 1.5, 1, 1.5]
     assert caplog.messages.count("the gateway refuses this adapter: the engine id is taken") == 4
+
+
+async def test_a_gateway_that_restarts_says_when_to_come_back(host: EngineHost) -> None:
+    time = Time(enough=2)
+
+    async def restart(far: ServerConnection) -> None:
+        await far.close(1012, "retry_after=0.75")
+
+    async with serve(restart, "127.0.0.1", 0) as server:
+        url = f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}/adapter"
+        async with dialling(host, url, time):
+            assert time.delays == [1.75, 2.25]
 
 
 async def test_an_attempt_that_takes_long_is_no_lasting_connection(host: EngineHost) -> None:

@@ -10,7 +10,7 @@ export interface BackoffOptions {
   readonly random?: () => number;
 }
 
-/** The waits between attempts: the upper end grows by `factor`, the wait lies in its upper half. */
+/** The waits between attempts: the upper end grows by `factor`, the wait is anything up to it. */
 export class Backoff {
   readonly #options: Required<BackoffOptions>;
   #failures = 0;
@@ -29,7 +29,7 @@ export class Backoff {
     const { first, factor, max, random } = this.#options;
     const ceiling = Math.min(max, first * factor ** this.#failures);
     this.#failures += 1;
-    return Math.round(ceiling * (0.5 + random() / 2));
+    return Math.round(ceiling * random());
   }
 
   reset(): void {

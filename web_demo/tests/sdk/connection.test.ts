@@ -221,9 +221,10 @@ describe("gatewayUrl", () => {
 });
 
 describe("Backoff", () => {
-  it("stays in the upper half of each wait", () => {
-    const backoff = new Backoff({ random: () => 0 });
-    expect([backoff.next(), backoff.next()]).toEqual([250, 375]);
+  it("waits up to the end of each wait, by chance", () => {
+    const chances = [0, 0.5, 0.999];
+    const backoff = new Backoff({ random: () => chances.shift() ?? 0 });
+    expect([backoff.next(), backoff.next(), backoff.next()]).toEqual([0, 375, 1124]);
     backoff.reset();
     expect(backoff.failures).toBe(0);
   });
