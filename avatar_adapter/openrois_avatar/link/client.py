@@ -6,8 +6,9 @@
                 ...
             link.send_video(pixels, 640, 360, 640 * 4, PixelFormat.BGRA, time.monotonic_ns())
 
-Nothing here waits for the adapter: pictures go to a mailbox that holds the newest one, sound and events to short
-queues, and a thread writes them out. It needs the standard library and NumPy only.
+Nothing here waits for the adapter: pictures are sent as far as the socket has room, or else go to a mailbox that holds
+the newest one; sound and events go to short queues; and a thread writes them out. It needs the standard library and
+NumPy only.
 """
 
 from __future__ import annotations
@@ -123,8 +124,8 @@ class LinkClient:
         If HELLO asked for a ring and the adapter has given one, the pixels go there, but for pictures that are larger
         than its slots.
 
-        `pixels` is any C-contiguous buffer. `bytes` are kept as they are, anything else is copied, so that the caller
-        may draw the next picture into the same buffer at once.
+        `pixels` is any C-contiguous buffer. What the socket has no room for now is copied, if it is not `bytes`, so
+        that the caller may draw the next picture into the same buffer at once.
 
         Raises:
             LinkError: the numbers do not describe the pixels.
@@ -135,10 +136,9 @@ class LinkClient:
         shape = sequence, timestamp_ns, width, height, stride, format
         slot = None if self._ring is None else self._ring.write(sequence, view)
         if slot is not None:
-            self._writer.ring(Doorbell(*shape, slot, bottom_up))
+            self._writer.show(Doorbell(*shape, slot, bottom_up))
         else:
-            own = pixels if isinstance(pixels, bytes) else bytes(view)
-            self._outbox.put_video(Video(*shape, own, bottom_up))
+            self._writer.show(Video(*shape, pixels if isinstance(pixels, bytes) else view, bottom_up))
 
     def send_encoded(self, data: bytes, width: int, height: int, timestamp_ns: int, *, keyframe: bool) -> bool:
         """Send a picture that was encoded here: an H.264 access unit in Annex B form, constrained baseline.

@@ -8,7 +8,6 @@ import logging
 from collections.abc import Callable
 from typing import Final, Protocol, cast
 
-import numpy as np
 from openrois_streaming.source import RawAudio
 
 from openrois_avatar.link.messages import Bye, Command, Event, Hello, LinkError, Welcome
@@ -53,7 +52,7 @@ class EngineConnection(asyncio.BufferedProtocol):
         self._secret = secret
         self._clock = receivers.clock
         self._arrivals = Arrivals(receivers)
-        self._parser = Parser(Sender.ENGINE, _uninitialised)
+        self._parser = Parser(Sender.ENGINE, receivers.video.memory.take)
         self._hello: Hello | None = None
         self._reason: str | None = None
         self._unheard = Unheard(lambda block: self._send(encode(block)))
@@ -130,9 +129,9 @@ class EngineConnection(asyncio.BufferedProtocol):
     def buffer_updated(self, nbytes: int) -> None:
         """Called by the event loop."""
         try:
-            message = self._parser.buffer_updated(nbytes)
-            if message is not None:
-                self._take(message)
+            for message in self._parser.buffer_updated(nbytes):
+                if self.connected:  # after a goodbye nothing counts
+                    self._take(message)
         except LinkError as error:
             _log.warning("engine link: closed: %s", error)
             self.close(str(error))
@@ -196,8 +195,3 @@ class EngineConnection(asyncio.BufferedProtocol):
     def _stop_waiting(self) -> None:
         if self._timer is not None:
             self._timer.cancel()
-
-
-def _uninitialised(size: int) -> memoryview:
-    """Memory for a payload; clearing it first would cost as much as receiving it."""
-    return np.empty(size, dtype=np.uint8).data

@@ -10,6 +10,7 @@ from typing import Final, NamedTuple
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.source import RawVideo
 
+from openrois_avatar.link.memory import PictureMemory
 from openrois_avatar.link.picture import raw_video
 from openrois_avatar.link.protocol import Video
 
@@ -61,12 +62,14 @@ class EngineVideo:
     `received` counts the pictures that arrived, `dropped` those that a newer one replaced before they were read, and
     those of a ring that were overwritten before, or while they were.
     `last_at` is when the last one came from the engine that is connected now, in seconds of the media clock.
+    `memory` is what pictures are received into.
     """
 
     def __init__(self, clock: MediaClock) -> None:
         self.received = 0
         self.dropped = 0
         self.last_at: float | None = None
+        self.memory = PictureMemory()
         self._clock = clock
         self._timestamps = Timestamps(clock)
         self._first_sequence = 0
@@ -79,6 +82,10 @@ class EngineVideo:
         """A new engine counts its pictures from zero; ours go on where the last engine's ended."""
         self._first_sequence = self._next_sequence
         self.last_at = None
+
+    def end(self) -> None:
+        """No engine is there any more, and no memory is kept for its pictures."""
+        self.memory.clear()
 
     def lost(self) -> None:
         """A picture has come that is not there any more: a later one has its place in the ring."""
@@ -118,10 +125,19 @@ class EngineVideo:
         while True:
             await self._arrived.wait()
             self._arrived.clear()
-            if self._waiting is not None:
-                (video, sequence, captured_at, is_whole), self._waiting = self._waiting, None
-                picture = raw_video(video, sequence, captured_at, lent=is_whole is not None)
-                if is_whole is None or is_whole():
-                    yield picture
-                else:
-                    self.dropped += 1
+            picture = self._next()
+            if picture is not None:
+                yield picture
+            # The one who waits for the next picture does not keep the memory of this one.
+            del picture
+
+    def _next(self) -> RawVideo | None:
+        """The picture that waits, in memory of its own."""
+        if self._waiting is None:
+            return None
+        (video, sequence, captured_at, is_whole), self._waiting = self._waiting, None
+        picture = raw_video(video, sequence, captured_at, self.memory.take, lent=is_whole is not None)
+        if is_whole is None or is_whole():
+            return picture
+        self.dropped += 1
+        return None

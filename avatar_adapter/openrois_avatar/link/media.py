@@ -45,9 +45,15 @@ class PixelFormat(IntEnum):
     NV12 = 3
 
 
+_FORMATS: Final = {int(pixel_format): pixel_format for pixel_format in PixelFormat}
+
+
 @dataclass(frozen=True, slots=True)
 class Video:
-    """One picture. `pixels` may be a view into the buffer it was received in; the view keeps that buffer alive."""
+    """One picture. `pixels` may be a view into the buffer it was received in; the view keeps that buffer alive.
+
+    They can be written to where they are nobody else's.
+    """
 
     sequence: int
     timestamp_ns: int
@@ -184,9 +190,10 @@ def _picture(payload: memoryview) -> tuple[int, int, int, int, int, PixelFormat,
     sequence, timestamp_ns, width, height, stride, number, flags, reserved = VIDEO_HEADER.unpack_from(payload)
     if flags & ~_BOTTOM_UP or reserved:
         raise LinkError("VIDEO: unknown flags")
-    if number not in PixelFormat.__members__.values():
+    pixel_format = _FORMATS.get(number)
+    if pixel_format is None:
         raise LinkError("VIDEO: unknown pixel format")
-    return sequence, timestamp_ns, width, height, stride, PixelFormat(number), bool(flags)
+    return sequence, timestamp_ns, width, height, stride, pixel_format, bool(flags)
 
 
 def read_audio(payload: memoryview) -> Audio:

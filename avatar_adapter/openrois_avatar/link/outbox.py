@@ -35,6 +35,8 @@ class Outbox:
         self._dropped_video = 0
         self._open = True
         self._aborted = False
+        self._begun = b""
+        """What is left of a picture whose beginning has been sent."""
         self._writing = False
         """Whether somebody is at the socket: the writer with what it took, or who has claimed it."""
 
@@ -85,8 +87,8 @@ class Outbox:
             self._changed.notify()
             return True
 
-    def take(self) -> Message | None:
-        """The next message, as soon as there is one; None when there will be none any more."""
+    def take(self) -> Message | bytes | None:
+        """The next message, or what is left of one, as soon as there is one; None when there will be none any more."""
         with self._changed:
             self._writing = False
             while True:
@@ -99,16 +101,17 @@ class Outbox:
     def claim(self) -> bool:
         """Have the socket, if nothing waits and nobody else has it; `unclaim` gives it back."""
         with self._changed:
-            waiting = self._events or self._audio.queue or self._video or self._encoded
+            waiting = self._begun or self._events or self._audio.queue or self._video or self._encoded
             if self._writing or waiting or not self._open:
                 return False
             self._writing = True
             return True
 
-    def unclaim(self) -> None:
-        """Give the socket back."""
+    def unclaim(self, rest: bytes = b"") -> None:
+        """Give the socket back; what is left of a message that has begun goes before everything else."""
         with self._changed:
             self._writing = False
+            self._begun = rest
             self._changed.notify()
 
     def finish(self, farewell: Bye) -> None:
@@ -129,7 +132,10 @@ class Outbox:
             self._aborted = True
             self._changed.notify()
 
-    def _next(self) -> Message | None:
+    def _next(self) -> Message | bytes | None:
+        if self._begun:
+            rest, self._begun = self._begun, b""
+            return rest
         if self._events:
             return self._events.popleft()
         if self._audio.queue:

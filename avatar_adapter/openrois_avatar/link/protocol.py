@@ -11,9 +11,9 @@ from __future__ import annotations
 
 import json
 import struct
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from enum import Enum, IntEnum
-from typing import Any, Final, NamedTuple, TypeAlias
+from typing import Any, Final, TypeAlias
 
 from openrois_avatar.link.media import (
     AUDIO_HEADER,
@@ -95,6 +95,9 @@ class Sender(Enum):
 
 Message: TypeAlias = Hello | Welcome | Video | Encoded | Doorbell | Audio | Command | Event | Bye
 
+_SMALL: Final = 4096
+"""Bytes of a message that are received without knowing yet what it is."""
+_KINDS: Final = {int(kind): kind for kind in MessageType}
 _LIMITS: Final[Mapping[MessageType, int]] = {
     **dict.fromkeys(MessageType, MAX_JSON),
     MessageType.AUDIO: MAX_AUDIO,
@@ -139,51 +142,44 @@ _READERS: Final[Mapping[MessageType, Callable[[memoryview], Message]]] = {
 }
 
 
-class _Found(NamedTuple):
-    message: Message | None
-    used: int
-
-
 class Parser:
     """Turns the bytes of one sender into messages; after a `LinkError` the connection is beyond repair.
 
     Two ways in, which may be mixed. `feed` takes what was received; payloads that lie whole in it are not copied, so
     it must not change as long as a `Video` or `Audio` of it is in use. `get_buffer` and `buffer_updated` let a socket
-    write straight to where the payload stays.
+    write: what is small to one place, several messages at once, and what is not straight to where it stays.
     """
 
     def __init__(self, sender: Sender, allocate: Callable[[int], Any] = bytearray) -> None:
-        """`allocate` makes the writable buffer of a payload; its content need not be zero."""
+        """`allocate` makes the writable buffer of a picture; its content need not be zero."""
         self._allowed = _FIRST[sender]
         self._later = _LATER[sender]
         self._allocate = allocate
-        self._header = memoryview(bytearray(HEADER.size))
+        self._small = memoryview(bytearray(_SMALL))
         self._type: MessageType | None = None
-        self._target = self._header
+        """The type of the message whose payload is in `_target`; None while that is `_small`."""
+        self._target = self._small
         self._filled = 0
 
     def get_buffer(self) -> memoryview:
-        """Where the next bytes belong; never empty, and never longer than what the current message still lacks."""
+        """Where the next bytes belong; never empty."""
         return self._target[self._filled :]
 
-    def buffer_updated(self, count: int) -> Message | None:
-        """Note that `count` bytes were written to `get_buffer()`; give the message they complete, if they do.
+    def buffer_updated(self, count: int) -> Iterator[Message]:
+        """Note that `count` bytes were written to `get_buffer()`; give the messages that they complete.
+
+        All have to be taken before more is written.
 
         Raises:
-            LinkError: the bytes break the protocol.
+            LinkError: the bytes break the protocol; what was complete before the fault has been given.
         """
         self._filled += count
-        if self._filled < len(self._target):
-            return None
         if self._type is None:
-            self._type, length = self._read_header(self._header)
-            if length:
-                self._target, self._filled = memoryview(self._allocate(length)).cast("B"), 0
-                return None
-            self._target = self._header[:0]
-        kind, payload = self._type, self._target
-        self._type, self._target, self._filled = None, self._header, 0
-        return self._complete(kind, payload.toreadonly())
+            yield from self._begun()
+        elif self._filled == len(self._target):
+            kind, payload = self._type, self._target
+            self._type, self._target, self._filled = None, self._small, 0
+            yield self._complete(kind, payload)
 
     def feed(self, data: Bytes) -> list[Message]:
         """The messages that `data` completes, in order.
@@ -194,27 +190,53 @@ class Parser:
         rest = memoryview(data).cast("B")
         messages: list[Message] = []
         while rest:
-            found = self._whole(rest) or self._copy(rest)
-            rest = rest[found.used :]
-            if found.message is not None:
-                messages.append(found.message)
+            used = self._whole(rest, messages) or self._copy(rest, messages)
+            rest = rest[used:]
         return messages
 
-    def _whole(self, data: memoryview) -> _Found | None:
-        """The message at the start of `data` without a copy, if it begins and ends there."""
-        if self._type is not None or self._filled or len(data) < HEADER.size:
-            return None
+    def _begun(self) -> Iterator[Message]:
+        """The messages that are whole in `_small`; what follows them moves to its beginning, or to where it stays."""
+        start, end = 0, self._filled
+        while end - start >= HEADER.size:
+            kind, length = self._read_header(self._small[start:])
+            payload = start + HEADER.size
+            if payload + length <= end:
+                start = payload + length
+                # A copy: what comes next is written over it.
+                yield self._complete(kind, memoryview(self._small[payload:start].tobytes()))
+            elif length > _SMALL - HEADER.size:
+                self._type, self._filled = kind, end - payload
+                self._target = memoryview(self._allocate(length) if kind is MessageType.VIDEO else bytearray(length))
+                self._target[: self._filled] = self._small[payload:end]
+                return
+            else:
+                break
+        self._filled = end - start
+        if start:
+            self._small[: self._filled] = self._small[start:end].tobytes()
+
+    def _whole(self, data: memoryview, messages: list[Message]) -> int:
+        """Take the message at the start of `data` without a copy, if it begins and ends there; gives its length."""
+        if self._filled or self._type is not None or len(data) < HEADER.size:
+            return 0
         kind, length = self._read_header(data)
         end = HEADER.size + length
         if len(data) < end:
-            return None
-        return _Found(self._complete(kind, data[HEADER.size : end].toreadonly()), end)
+            return 0
+        messages.append(self._complete(kind, data[HEADER.size : end].toreadonly()))
+        return end
 
-    def _copy(self, data: memoryview) -> _Found:
-        target = self.get_buffer()
-        used = min(len(target), len(data))
-        target[:used] = data[:used]
-        return _Found(self.buffer_updated(used), used)
+    def _copy(self, data: memoryview, messages: list[Message]) -> int:
+        """Copy what the message that has begun still lacks, as far as `data` has it; gives how much that was."""
+        lacking = len(self._target) - self._filled
+        if self._type is None:
+            lacking = HEADER.size - self._filled
+            if lacking <= 0:
+                lacking += self._read_header(self._small)[1]
+        used = min(lacking, len(data), len(self._target) - self._filled)
+        self.get_buffer()[:used] = data[:used]
+        messages.extend(self.buffer_updated(used))
+        return used
 
     def _read_header(self, data: memoryview) -> tuple[MessageType, int]:
         magic, number, version, flags, length, reserved = HEADER.unpack_from(data)
@@ -224,9 +246,9 @@ class Parser:
             raise LinkError(f"version {version} is not spoken here, only {VERSION}")
         if flags or reserved:
             raise LinkError("unknown flags in the header")
-        if number not in MessageType.__members__.values():
+        kind = _KINDS.get(number)
+        if kind is None:
             raise LinkError(f"unknown message type {number}")
-        kind = MessageType(number)
         if kind not in self._allowed:
             raise LinkError(f"{kind.name} is not expected here")
         if length > _LIMITS[kind]:

@@ -64,6 +64,7 @@ class Arrivals:
     def end(self, reason: str) -> None:
         """Nothing more arrives, for this reason."""
         if self._hello is not None:
+            self._receivers.video.end()
             self._receivers.encoded.end()
             tell(self._receivers.on_gone, reason)
         if self._ring is not None:

@@ -6,8 +6,9 @@ import os
 import socket
 import threading
 from collections.abc import Callable
+from dataclasses import replace
 
-from openrois_avatar.link.media import Doorbell
+from openrois_avatar.link.media import Doorbell, Video
 from openrois_avatar.link.messages import LinkError
 from openrois_avatar.link.outbox import Outbox
 from openrois_avatar.link.protocol import Message, encode
@@ -22,32 +23,47 @@ class Writer:
         self._fail = fail
         self.thread = threading.Thread(target=self._write, name="engine-link", daemon=True)
 
-    def ring(self, bell: Doorbell) -> None:
-        """Send a doorbell at once if the socket is free; else it waits, and the next picture may replace it."""
+    def show(self, picture: Video | Doorbell) -> None:
+        """Send a picture at once, as far as the socket has room for it; never waits.
+
+        If the socket is busy or full it waits, pixels in a copy, and the next picture may replace it; the rest of one
+        that has begun is sent before anything else.
+        """
         if not self._outbox.claim():
-            self._outbox.put_video(bell)
+            self._outbox.put_video(_kept(picture))
             return
-        data = b"".join(encode(bell))
+        header, payload = encode(picture)
+        rest = b""
         try:
-            # Not `send`, which would wait for room. Less than all of so few bytes is hardly ever taken.
-            sent = os.write(self._stream.fileno(), data)
-            if sent < len(data):
-                self._stream.sendall(data[sent:])
+            # Not `send`, which would wait for room.
+            sent = os.writev(self._stream.fileno(), [header, payload])
+            if sent < len(header) + len(payload):
+                rest = header[sent:] + bytes(memoryview(payload)[max(0, sent - len(header)) :])
         except BlockingIOError:
-            self._outbox.put_video(bell)
+            self._outbox.put_video(_kept(picture))
         except OSError as error:
             self._fail(str(error))
         finally:
-            self._outbox.unclaim()
+            self._outbox.unclaim(rest)
 
     def _write(self) -> None:
         try:
             while (message := self._outbox.take()) is not None:
-                send(self._stream, message)
+                if isinstance(message, bytes):
+                    self._stream.sendall(message)
+                else:
+                    send(self._stream, message)
         except TimeoutError:
             self._fail("the adapter does not read")
         except (OSError, LinkError) as error:
             self._fail(str(error))
+
+
+def _kept(picture: Video | Doorbell) -> Video | Doorbell:
+    """The picture with pixels that nobody will change."""
+    if isinstance(picture, Doorbell) or isinstance(picture.pixels, bytes):
+        return picture
+    return replace(picture, pixels=bytes(picture.pixels))
 
 
 def send(stream: socket.socket, message: Message) -> None:

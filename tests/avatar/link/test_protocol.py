@@ -186,10 +186,21 @@ def test_a_socket_may_write_straight_to_where_the_payload_stays(side: tuple[Send
         assert count
         target[:count] = data[:count]
         data = data[count:]
-        message = parser.buffer_updated(count)
-        if message is not None:
-            found.append(message)
+        found += parser.buffer_updated(count)
     assert plain(found) == messages
+
+
+def test_several_small_messages_come_with_one_read_and_are_given_until_one_is_broken() -> None:
+    parser = greeted()
+    data = wire(Log("a"), BELL, SOUND)[:-1]
+    parser.get_buffer()[: len(data)] = data
+    assert list(parser.buffer_updated(len(data))) == [Log("a"), BELL]
+    data = wire(SOUND)[-1:] + wire(Log("b")) + raw(9)
+    parser.get_buffer()[: len(data)] = data
+    messages = parser.buffer_updated(len(data))
+    assert plain([next(messages), next(messages)]) == [SOUND, Log("b")]
+    with pytest.raises(LinkError, match="unknown message type 9"):
+        next(messages)
 
 
 def test_a_whole_picture_is_not_copied() -> None:
@@ -198,6 +209,8 @@ def test_a_whole_picture_is_not_copied() -> None:
     assert isinstance(message, Video)
     data[-1] = 99
     assert message.pixels[-1] == 99
+    with pytest.raises(TypeError):
+        message.pixels[0] = 1  # type: ignore[index]
 
 
 def test_payloads_that_arrive_in_pieces_are_put_where_the_caller_says() -> None:
@@ -208,14 +221,15 @@ def test_payloads_that_arrive_in_pieces_are_put_where_the_caller_says() -> None:
         return given_out[-1]
 
     parser = Parser(Sender.ENGINE, allocate)
-    data = wire(HELLO, BGRA)
+    large = Video(1, 2, 64, 32, 256, PixelFormat.BGRA, bytes(range(256)) * 32)
+    data = wire(HELLO, Log("x" * 4000), large)
     parser.feed(data[:-5])
     (message,) = parser.feed(data[-5:])
     assert isinstance(message, Video)
-    assert [len(buffer) for buffer in given_out] == [72]
-    assert bytes(message.pixels) == bytes(given_out[0][40:])
-    with pytest.raises(TypeError):
-        message.pixels[0] = 1  # type: ignore[index]
+    assert [len(buffer) for buffer in given_out] == [40 + 8192]
+    assert plain([message]) == [large]
+    message.pixels[0] = 99  # type: ignore[index]
+    assert given_out[0][40] == 99
 
 
 def test_the_header_is_not_overwritten_by_what_follows_an_empty_payload() -> None:
