@@ -38,7 +38,7 @@ class Writer:
             # Not `send`, which would wait for room.
             sent = os.writev(self._stream.fileno(), [header, payload])
             if sent < len(header) + len(payload):
-                rest = header[sent:] + bytes(memoryview(payload)[max(0, sent - len(header)) :])
+                rest = b"".join((header[sent:], memoryview(payload)[max(0, sent - len(header)) :]))
         except BlockingIOError:
             self._outbox.put_video(_kept(picture))
         except OSError as error:

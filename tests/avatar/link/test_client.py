@@ -182,6 +182,25 @@ def stuff(link: LinkClient) -> None:
     link.send_video(LARGE, 2048, 2048, 8192, PixelFormat.BGRA, 0)
 
 
+def test_a_picture_that_the_socket_had_no_room_for_is_drawn_over_without_harm() -> None:
+    pixels = np.arange(2048 * 2048, dtype="<u4").view(np.uint8)
+    with FakeAdapter() as adapter, connect(adapter) as link:
+        first = pixels.tobytes()
+        for _ in range(2):
+            link.send_video(pixels, 2048, 2048, 8192, PixelFormat.BGRA, 0)
+            pixels += 1
+        link.send_event(Log("behind what has begun"))
+        adapter.read()
+        found = adapter.read()
+        assert isinstance(found, Video)
+        assert found.pixels == first
+        assert adapter.read() == Log("behind what has begun")
+        found = adapter.read()
+        assert isinstance(found, Video)
+        assert found.sequence == 1
+        assert found.pixels[:4] == b"\1\1\1\1"
+
+
 def test_a_slow_adapter_costs_pictures_and_sound_but_no_time() -> None:
     with FakeAdapter() as adapter, connect(adapter) as link:
         pictures = blocks = 0

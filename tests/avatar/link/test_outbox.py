@@ -64,6 +64,16 @@ def test_the_socket_can_be_claimed_only_while_nothing_else_wants_it() -> None:
     assert not outbox.claim()
 
 
+def test_the_rest_of_what_has_begun_goes_before_everything_else() -> None:
+    outbox = Outbox()
+    assert outbox.claim()
+    outbox.put_event(Log("later"))
+    outbox.unclaim(b"rest")
+    assert not outbox.claim()
+    outbox.finish(Bye("end"))
+    assert [outbox.take() for _ in range(4)] == [b"rest", Log("later"), Bye("end"), None]
+
+
 def test_sound_is_bounded_and_loses_its_oldest_block() -> None:
     outbox = Outbox()
     for _ in range(MAX_AUDIO_BLOCKS + 3):
@@ -98,7 +108,7 @@ def test_aborting_sends_nothing_more() -> None:
 
 def test_the_writer_wakes_for_work_and_for_the_end() -> None:
     outbox = Outbox()
-    taken: list[Message] = []
+    taken: list[Message | bytes] = []
     half_way = threading.Event()
 
     def write() -> None:

@@ -54,3 +54,23 @@ def test_nv12_becomes_i420(stride: int, bottom_up: bool) -> None:
     picture = raw_video(Video(1, 0, WIDTH, HEIGHT, stride, PixelFormat.NV12, pixels, bottom_up), 0, 0)
     np.testing.assert_array_equal(picture.data, I420)
     assert picture.format == "i420"
+
+
+def test_nv12_that_can_be_written_to_becomes_i420_where_it_is() -> None:
+    pixels = bytearray(PLANES[0].tobytes() + interleaved(PLANES[1:]).tobytes())
+    picture = raw_video(Video(1, 0, WIDTH, HEIGHT, WIDTH, PixelFormat.NV12, pixels), 0, 0)
+    np.testing.assert_array_equal(picture.data, I420)
+    assert np.shares_memory(picture.data, np.frombuffer(pixels, np.uint8))
+
+
+@pytest.mark.parametrize("pixel_format", PixelFormat)
+def test_what_is_lent_is_copied_into_the_room_that_is_given(pixel_format: PixelFormat) -> None:
+    stride = WIDTH * (4 if pixel_format is PixelFormat.BGRA else 1)
+    colours = interleaved(PLANES[1:]).tobytes() if pixel_format is PixelFormat.NV12 else I420[HEIGHT:].tobytes()
+    pixels = bytearray(BGRA.tobytes() if pixel_format is PixelFormat.BGRA else PLANES[0].tobytes() + colours)
+    before, room = bytes(pixels), np.zeros(4 * WIDTH * HEIGHT, np.uint8)
+    video = Video(1, 0, WIDTH, HEIGHT, stride, pixel_format, pixels)
+    picture = raw_video(video, 0, 0, lambda size: room[:size], lent=True)
+    np.testing.assert_array_equal(picture.data, BGRA if pixel_format is PixelFormat.BGRA else I420)
+    assert np.shares_memory(picture.data, room)
+    assert pixels == before

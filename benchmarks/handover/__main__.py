@@ -1,8 +1,9 @@
 """What it takes to hand a picture over from a game engine to the adapter: through a ring, a Unix socket, and TCP.
 
 `python -m benchmarks.handover`, in the repository. An engine in a process of its own, made with the Python client,
-sends pictures at a steady pace; a picture is handed over when the adapter has it in memory of its own, as the encoders
-take it. The ways take turns.
+sends pictures at a steady pace; what counts is the time from before `send_video` until the adapter has the picture in
+memory of its own, as the encoders take it (NV12 is I420 by then). The ways take turns, and with them what the machine
+itself takes for the like (`floor`).
 """
 
 import argparse
@@ -25,24 +26,29 @@ from openrois_avatar.link.protocol import PixelFormat
 from openrois_avatar.link.server import LinkServer
 from openrois_streaming.testing.delays import percentile
 
+from benchmarks.handover.floor import KINDS, floor
 from openrois.bench.conditions import conditions, load
 
 WAYS: Final = {"ring": "unix", "ring, TCP": "tcp", "Unix": "unix", "TCP": "tcp"}
 """What is compared, and the socket of each."""
+FLOORS: Final = {"floor of ring": "ring", "floor of Unix": "Unix", "floor of TCP": "TCP"}
+"""What no engine and no adapter on this machine would be faster than, by much."""
 WARM: Final = 30
 """Pictures at the beginning that are not counted."""
 PATIENCE: Final = 20.0
-KINDS: Final = 4
-"""Different pictures that an engine sends in turn: more than a processor keeps of one."""
+
+
+def size(chosen: argparse.Namespace) -> int:
+    """Bytes of a picture."""
+    return int(chosen.width * chosen.height * (8 if chosen.format == "bgra" else 3) // 2)
 
 
 def engine(chosen: argparse.Namespace) -> None:
     """Be the engine: send pictures at the pace, then tell what they cost, and end."""
     shape = VideoShape(chosen.width, chosen.height, chosen.fps, chosen.format)
     pixel_format = PixelFormat[chosen.format.upper()]
-    size = chosen.width * chosen.height * (8 if pixel_format is PixelFormat.BGRA else 3) // 2
     stride = chosen.width * (4 if pixel_format is PixelFormat.BGRA else 1)
-    pictures = [np.random.default_rng(seed).integers(0, 256, size, np.uint8) for seed in range(KINDS)]
+    pictures = [np.random.default_rng(seed).integers(0, 256, size(chosen), np.uint8) for seed in range(KINDS)]
     with connect_from_environment(Hello("benchmark", "1", shape, ring=chosen.engine == "ring")) as link:
         start, cpu = time.monotonic(), 0.0
         for number in range(WARM + chosen.frames):
@@ -112,7 +118,11 @@ async def measure(chosen: argparse.Namespace) -> list[dict[str, Any]]:
     runs = []
     for number in range(chosen.rounds):
         for way in chosen.ways:
-            runs.append({"round": number, **await handed_over(chosen, way)})
+            if way in FLOORS:
+                run = floor(FLOORS[way], size(chosen), chosen.frames, WARM, chosen.fps) | {"load": load()}
+            else:
+                run = await handed_over(chosen, way)
+            runs.append({"round": number, **run})
             print(f"round {number}, {way}: {runs[-1]['p50_ms']:.2f} ms", file=sys.stderr)
     return runs
 
@@ -137,7 +147,7 @@ def main() -> None:
     parser.add_argument("--width", type=int, default=1280)
     parser.add_argument("--height", type=int, default=720)
     parser.add_argument("--format", choices=("bgra", "i420", "nv12"), default="nv12")
-    parser.add_argument("--ways", nargs="*", choices=WAYS, default=list(WAYS))
+    parser.add_argument("--ways", nargs="*", choices=(*WAYS, *FLOORS), default=[*WAYS, *FLOORS])
     parser.add_argument("--json", type=Path, help="where the results go")
     parser.add_argument("--engine", help=argparse.SUPPRESS)
     chosen = parser.parse_args()

@@ -1,0 +1,1 @@
+"""From a game engine to the adapter: see `__main__`."""
