@@ -85,6 +85,11 @@ class LineWriter(Generic[RecordT]):
         return len(self._queue)
 
     @property
+    def is_running(self) -> bool:
+        """Whether the thread runs."""
+        return self._thread.is_alive()
+
+    @property
     def limit(self) -> int:
         """How many records may wait."""
         return self._limit

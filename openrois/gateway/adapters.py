@@ -60,7 +60,8 @@ async def serve_adapter(host: EngineHost, stream: MessageStream, answer_timeout:
 async def _keep_attached(host: EngineHost, session: RpcSession, proxy: RemoteProxy, changed: asyncio.Event) -> None:
     try:
         await host.engine.attach(proxy, own=False)
-        _log.info("attached %s", ", ".join(proxy.engine_ids))
+        session.peer = ", ".join(proxy.engine_ids)
+        _log.info("attached %s", session.peer)
         while True:
             await changed.wait()
             changed.clear()

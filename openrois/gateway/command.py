@@ -1,6 +1,7 @@
 """`openrois gateway`: run a gateway until it is told to stop."""
 
 import asyncio
+import logging
 import os
 import signal
 import sys
@@ -16,10 +17,11 @@ from openrois.logs import set_up_logging
 
 __all__ = ["main"]
 
+_log = logging.getLogger(__name__)
+
 
 def main(arguments: Sequence[str]) -> int:
     """Run the command and return its exit status: 0 when stopped, 1 when it could not start, 2 for wrong usage."""
-    set_up_logging(verbose=False)
     try:
         configured = configure(arguments, os.environ)
     except ValueError as error:
@@ -29,8 +31,12 @@ def main(arguments: Sequence[str]) -> int:
     if configured.print_only:
         print(printed(configured), end="")
         return 0
-    set_up_logging(verbose=settings.verbose)
     try:
+        set_up_logging(
+            verbose=settings.verbose, form=settings.log_format, file=settings.log_file, secrets=configured.secrets()
+        )
+        for warning in configured.warnings:
+            _log.warning("%s", warning)
         uvloop.run(_run(settings))
     except JournalUnusable as error:
         print(f"openrois gateway: {error}", file=sys.stderr)

@@ -3,7 +3,6 @@
 import argparse
 import difflib
 import json
-import logging
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -17,12 +16,11 @@ from openrois.gateway.settings import GROUPS, GatewaySettings
 
 __all__ = ["Configured", "Setting", "configure", "printed", "settings_of"]
 
-_log = logging.getLogger(__name__)
-
 PREFIX: Final = "OPENROIS_GATEWAY_"
 """Of the environment's variables: `OPENROIS_GATEWAY_PORT`."""
 
 _CONFIG: Final = f"{PREFIX}CONFIG"
+_WARNING: Final = "{} can be read by others on this machine; chmod 600 keeps the secret"
 _LARGEST: Final = 1 << 20
 """Bytes of a configuration file or of a secret."""
 
@@ -96,13 +94,19 @@ class Configured:
         settings: all of them, secrets included.
         sources: of those that are set, where: an option, a variable, or a file.
         given: of those that are set, the value as it was given; of a secret the name of its file.
+        warnings: what their owner should know, for whoever sets up the log.
         print_only: they are to be shown, and nothing is to be run.
     """
 
     settings: GatewaySettings
     sources: Mapping[str, str]
     given: Mapping[str, Any]
+    warnings: tuple[str, ...]
     print_only: bool
+
+    def secrets(self) -> tuple[str, ...]:
+        """Return the secrets themselves, so that whoever writes can keep them out."""
+        return tuple(str(getattr(self.settings, each.field)) for each in settings_of() if each.is_secret)
 
 
 def settings_of() -> tuple[Setting, ...]:
@@ -134,7 +138,10 @@ def configure(arguments: Sequence[str], environment: Mapping[str, str]) -> Confi
         settings = GatewaySettings(**values)
     except ValidationError as error:
         raise ValueError("; ".join(_problems(error, sources))) from None
-    return Configured(settings, sources, {name: value for name, (value, _) in found.items()}, print_only)
+    given = {name: value for name, (value, _) in found.items()}
+    files = [str(value) for name, value in given.items() if known[name].is_secret]
+    warnings = tuple(_WARNING.format(file) for file in files if Path(file).stat().st_mode & 0o077)
+    return Configured(settings, sources, given, warnings, print_only)
 
 
 def printed(configured: Configured) -> str:
@@ -261,8 +268,6 @@ def _secret(file: Any, source: str) -> str:
         text = _text(Path(file))
     except ValueError as error:
         raise ValueError(f"{source}: the secret in {error}") from None
-    if Path(file).stat().st_mode & 0o077:
-        _log.warning("%s can be read by others on this machine; chmod 600 keeps the secret", file)
     return text.partition("\n")[0].strip()
 
 

@@ -34,6 +34,10 @@ __all__ = ["Gateway", "run_gateway"]
 
 _log = logging.getLogger(__name__)
 
+_http = logging.getLogger(f"{__name__}.http")
+# At DEBUG the library logs requests that cannot be read, with their headers, tokens too.
+_http.setLevel(logging.INFO)
+
 MAX_CONNECTIONS: Final = 1024
 """Applications and adapters at a time; one more is answered 503."""
 
@@ -83,7 +87,7 @@ async def run_gateway(
             Engine(settings.engine_id), tasks, ice_servers=ice.servers, ice_ttl=ice.ttl, audit=audit, journal=journal
         )
         server = _Server(host, settings.adapter_timeout, application, adapter)
-        runner = web.AppRunner(server.app, access_log=None, shutdown_timeout=_SHUTDOWN_TIMEOUT)
+        runner = web.AppRunner(server.app, access_log=None, logger=_http, shutdown_timeout=_SHUTDOWN_TIMEOUT)
         await runner.setup()
         stack.push_async_callback(runner.cleanup)
         site = web.TCPSite(runner, settings.host, settings.port)

@@ -1,7 +1,7 @@
 """What can be set on a gateway: one model for each group of settings, and each setting in one of them only."""
 
 from pathlib import Path
-from typing import Any, ClassVar, Final, Self
+from typing import Any, ClassVar, Final, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -114,6 +114,8 @@ class Operation(SettingsGroup):
     table: ClassVar[str] = "operation"
 
     verbose: bool = setting(False, "log more")
+    log_format: Literal["text", "json"] = setting("text", "log lines for people or JSON objects", metavar="FORMAT")
+    log_file: Path | None = setting(None, "append log lines instead of writing them to standard error", metavar="FILE")
     metrics: str | None = setting(None, "serve figures for Prometheus there, at /metrics", metavar="HOST:PORT")
     metrics_token: str = setting("", "what whoever reads the figures shows as a bearer token", secret=True)
     journal: Path | None = setting(None, "keep what runs, for whoever asks after a restart", metavar="FILE")

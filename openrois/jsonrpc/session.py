@@ -8,17 +8,18 @@ runs before the next message is looked at).
 
 import asyncio
 import logging
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from time import perf_counter
-from typing import Any, Final, TypeVar
+from typing import Any, Final
 
-from pydantic import BaseModel, ValidationError
+from pydantic import ValidationError
 
 from openrois import correlation
 from openrois.jsonrpc import protocol
 from openrois.jsonrpc.calls import Calls, RpcError, SessionClosed
+from openrois.jsonrpc.handler import MAX_PROBLEMS, Handler, InvalidParams, NotificationHandler, Reply, method
 from openrois.jsonrpc.latencies import Latencies
 from openrois.jsonrpc.outbox import Outbox, OutboxOverflow
 from openrois.jsonrpc.protocol import Peer, RequestId
@@ -26,6 +27,7 @@ from openrois.logs import Tally
 from openrois.transport.stream import BatchStream, MessageStream, StreamClosed
 
 __all__ = [
+    "MAX_PROBLEMS",
     "Handler",
     "InvalidParams",
     "NotificationHandler",
@@ -47,45 +49,7 @@ CALL_TIMEOUT: Final = 10.0
 BATCH_TEXT: Final = 64 * 1024
 """Characters that are handed over at once; what comes behind them may still be dropped."""
 
-MAX_PROBLEMS: Final = 16
-"""Problems that one -32602 lists; whoever sent the params chose how many there are."""
-
-_MAX_PATH: Final = 200
 _FLUSH_TIMEOUT: Final = 1.0
-
-
-@dataclass(frozen=True, slots=True)
-class Reply:
-    """A result, and what belongs to its reply.
-
-    Attributes:
-        result: the result.
-        then: what to do once the reply stands in the outbox: notifications put there come after it.
-        reason: why the result is a refusal; empty where it is none.
-    """
-
-    result: Any
-    then: Callable[[], None] | None = None
-    reason: str = ""
-
-
-Handler = Callable[[dict[str, Any]], Awaitable[Any]]
-"""Answers one method: params in, the result or a `Reply` out."""
-
-NotificationHandler = Callable[[dict[str, Any]], None]
-"""Takes one notification; must not block."""
-
-
-class InvalidParams(Exception):
-    """The params do not fit the method: answered with -32602.
-
-    Attributes:
-        problems: a list of `{"path": dotted path, "message": sentence}`.
-    """
-
-    def __init__(self, problems: list[dict[str, str]]) -> None:
-        super().__init__("; ".join(f"{problem['path']}: {problem['message']}" for problem in problems))
-        self.problems = problems
 
 
 class _MethodNotFound(Exception):
@@ -94,28 +58,6 @@ class _MethodNotFound(Exception):
 
 class _Ended(Exception):
     """Leaves the task group, which cancels what still runs."""
-
-
-Params = TypeVar("Params", bound=BaseModel)
-
-
-def method(model: type[Params], function: Callable[[Params], Awaitable[Any]]) -> Handler:
-    """Return a handler that reads its params with `model` and writes a model it gets back as a JSON object."""
-    read = model.__pydantic_validator__.validate_python
-
-    async def handle(params: dict[str, Any]) -> Any:
-        try:
-            checked: Params = read(params)
-        except ValidationError as error:
-            entries = error.errors(include_url=False, include_context=False, include_input=False)
-            raise InvalidParams([_problem(entry) for entry in entries[:MAX_PROBLEMS]]) from None
-        return await function(checked)
-
-    return handle
-
-
-def _problem(entry: Any) -> dict[str, str]:
-    return {"path": ".".join(str(part) for part in entry["loc"])[:_MAX_PATH], "message": entry["msg"]}
 
 
 @dataclass
@@ -134,6 +76,7 @@ class RpcSession:
         on_refusal: called with the method, the params, the result and the reason of such a reply.
         latencies: of the requests that are served here; None for not measured.
         call_latencies: of our own; None for not measured.
+        peer: who is at the other end, for the log.
         requests: how many came.
         refused: how many of them were answered with a reason.
         failed: how many handlers raised what they must not raise.
@@ -150,6 +93,7 @@ class RpcSession:
     on_refusal: Callable[[str, Mapping[str, Any], Any, str], None] = lambda _method, _params, _result, _reason: None
     latencies: Latencies | None = None
     call_latencies: Latencies | None = None
+    peer: str = ""
     requests: int = field(default=0, init=False)
     refused: int = field(default=0, init=False)
     failed: int = field(default=0, init=False)
@@ -239,6 +183,8 @@ class RpcSession:
 
     async def _serve(self, request: protocol.Request) -> None:
         correlation.request.set(request.id)
+        if _log.isEnabledFor(logging.DEBUG):
+            _log.debug("asked for %.80s", request.method)
         started = perf_counter()
         self.requests += 1
         reply = Reply(None)
@@ -352,6 +298,8 @@ class RpcSession:
         # `asyncio.timeout` takes as long as all the rest of a call.
         expiry = loop.call_at(deadline, _expire, answer)
         started = perf_counter()
+        if _log.isEnabledFor(logging.DEBUG):
+            _log.debug("asks %s for %s, as its request %d", self.peer or "the other side", name, request_id)
         try:
             self._put(text)
             return await answer

@@ -5,6 +5,7 @@ from typing import Any, Final
 
 from openrois.application import ApplicationSession, EngineHost
 from openrois.contract import Client
+from openrois.correlation import connection
 from openrois.engine import Engine, leads_to
 from openrois.errors import Aborted, EngineUnreachable, RoISError
 from openrois.holders import tell_holder
@@ -51,7 +52,8 @@ async def serve_engine(host: EngineHost, stream: MessageStream) -> StreamClosed:
     session.methods = {**base_methods(app), **served.methods()}
     session.notifications = served.notifications()
     try:
-        return await session.run()
+        with connection(f"gateway-{app.client_id[:8]}"):
+            return await session.run()
     finally:
         # First of all, what is held is let go: an engine below that does not answer must not delay that.
         host.tasks.start(served.close())

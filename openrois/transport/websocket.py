@@ -1,6 +1,7 @@
 """The dialling side of a WebSocket as a message stream, on the `websockets` library."""
 
 import asyncio
+import logging
 from collections.abc import AsyncIterator, Mapping, Sequence
 from contextlib import asynccontextmanager
 from types import MappingProxyType
@@ -23,6 +24,10 @@ NO_HEADERS: Final[Mapping[str, str]] = MappingProxyType({})
 OPEN_TIMEOUT: Final = 10.0
 _CLOSE_TIMEOUT: Final = 1.0
 _GOING_AWAY: Final = 1001
+
+_frames = logging.getLogger(f"{__name__}.frames")
+# At DEBUG the library logs every header and every frame, tokens and session descriptions too.
+_frames.setLevel(logging.WARNING)
 _PING_INTERVAL: Final = 4.0
 _PING_TIMEOUT: Final = 5.0
 
@@ -102,6 +107,7 @@ async def dial(
         ping_interval=_PING_INTERVAL,
         ping_timeout=_PING_TIMEOUT,
         proxy=None,
+        logger=_frames,
     ) as connection:
         try:
             yield WebSocketStream(connection)

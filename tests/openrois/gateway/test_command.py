@@ -16,7 +16,7 @@ from openrois.gateway.settings import GatewaySettings
 
 @pytest.fixture(autouse=True)
 def _quiet(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(command, "set_up_logging", lambda *, verbose: None)
+    monkeypatch.setattr(command, "set_up_logging", lambda **_options: None)
 
 
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM"])

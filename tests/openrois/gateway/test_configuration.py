@@ -84,6 +84,7 @@ def test_files_that_a_file_names_are_beside_it(tmp_path: Path, secret: Path) -> 
 def test_secrets_are_shown_nowhere(tmp_path: Path, secret: Path) -> None:
     found = configure(["--turn", "turn:t", "--turn-secret-file", str(secret), "--print-config"], {})
     assert found.settings.turn_secret == SECRET
+    assert SECRET in found.secrets()
     assert found.print_only
     for shown in (printed(found), repr(found), str(found.settings)):
         assert SECRET not in shown
@@ -152,7 +153,7 @@ def test_an_option_is_never_guessed(capfd: pytest.CaptureFixture[str]) -> None:
 )
 def test_what_is_printed_can_be_read_again(values: dict[str, Any]) -> None:
     settings = GatewaySettings(**values)
-    text = printed(configuration.Configured(settings, {}, {}, True))
+    text = printed(configuration.Configured(settings, {}, {}, (), True))
     read = dict(configuration._from_text(text, Path("/folder/gateway.toml")))
     assert GatewaySettings(**{name: value for name, (value, _) in read.items()}) == settings
 

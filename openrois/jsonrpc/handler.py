@@ -1,0 +1,70 @@
+"""What answers one method: a handler, its reply, and params that do not fit."""
+
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from typing import Any, Final, TypeVar
+
+from pydantic import BaseModel, ValidationError
+
+__all__ = ["MAX_PROBLEMS", "Handler", "InvalidParams", "NotificationHandler", "Reply", "method"]
+
+MAX_PROBLEMS: Final = 16
+"""Problems that one -32602 lists; whoever sent the params chose how many there are."""
+
+_MAX_PATH: Final = 200
+
+
+@dataclass(frozen=True, slots=True)
+class Reply:
+    """A result, and what belongs to its reply.
+
+    Attributes:
+        result: the result.
+        then: what to do once the reply stands in the outbox: notifications put there come after it.
+        reason: why the result is a refusal; empty where it is none.
+    """
+
+    result: Any
+    then: Callable[[], None] | None = None
+    reason: str = ""
+
+
+Handler = Callable[[dict[str, Any]], Awaitable[Any]]
+"""Answers one method: params in, the result or a `Reply` out."""
+
+NotificationHandler = Callable[[dict[str, Any]], None]
+"""Takes one notification; must not block."""
+
+
+class InvalidParams(Exception):
+    """The params do not fit the method: answered with -32602.
+
+    Attributes:
+        problems: a list of `{"path": dotted path, "message": sentence}`.
+    """
+
+    def __init__(self, problems: list[dict[str, str]]) -> None:
+        super().__init__("; ".join(f"{problem['path']}: {problem['message']}" for problem in problems))
+        self.problems = problems
+
+
+Params = TypeVar("Params", bound=BaseModel)
+
+
+def method(model: type[Params], function: Callable[[Params], Awaitable[Any]]) -> Handler:
+    """Return a handler that reads its params with `model` and writes a model it gets back as a JSON object."""
+    read = model.__pydantic_validator__.validate_python
+
+    async def handle(params: dict[str, Any]) -> Any:
+        try:
+            checked: Params = read(params)
+        except ValidationError as error:
+            entries = error.errors(include_url=False, include_context=False, include_input=False)
+            raise InvalidParams([_problem(entry) for entry in entries[:MAX_PROBLEMS]]) from None
+        return await function(checked)
+
+    return handle
+
+
+def _problem(entry: Any) -> dict[str, str]:
+    return {"path": ".".join(str(part) for part in entry["loc"])[:_MAX_PATH], "message": entry["msg"]}
