@@ -12,11 +12,9 @@ from openrois.access.claims import ClaimRules, read_claims
 from openrois.access.keys import ALGORITHMS, KeySource, KeysUnavailable, VerificationKey
 from openrois.access.principal import Principal
 from openrois.access.refusal import Refusal, TokenRefused
+from openrois.types.access import MAX_TOKEN
 
-__all__ = ["MAX_TOKEN", "TokenVerifier", "check_signature", "read_header"]
-
-MAX_TOKEN: Final = 6 << 10
-"""Characters of a token."""
+__all__ = ["TokenVerifier", "check_signature", "read_header"]
 
 _MAX_KEY_ID: Final = 256
 # Base64 decoders skip what is none: the same token must not have many spellings.

@@ -5,12 +5,17 @@ import logging
 import secrets
 from typing import Final
 
+from openrois.access.principal import LOCAL, Principal
 from openrois.application import EngineHost
+from openrois.contract import Directory
 from openrois.correlation import connection
 from openrois.errors import BadParameter, RoISError
+from openrois.gateway.renewal import Renewal, expiring
+from openrois.gateway.tenure import Tenure
 from openrois.jsonrpc.session import CALL_TIMEOUT, RpcSession
 from openrois.remote.proxy import RemoteProxy
 from openrois.transport.stream import POLICY_VIOLATION, MessageStream, StreamClosed
+from openrois.types.references import engine_of
 
 __all__ = ["serve_adapter"]
 
@@ -23,7 +28,14 @@ CHANGE_PAUSE: Final = 0.1
 """Seconds between two looks at one adapter's profile: every application hears of each, and asks again."""
 
 
-async def serve_adapter(host: EngineHost, stream: MessageStream, answer_timeout: float = CALL_TIMEOUT) -> StreamClosed:
+async def serve_adapter(
+    host: EngineHost,
+    stream: MessageStream,
+    answer_timeout: float = CALL_TIMEOUT,
+    *,
+    tenure: Tenure | None = None,
+    renewal: Renewal | None = None,
+) -> StreamClosed:
     """Attach the engine at the other end for as long as the connection lasts; return why it ended.
 
     A profile that cannot be had or is not acceptable closes the connection with 1008 and the reason. The same holds for
@@ -33,15 +45,23 @@ async def serve_adapter(host: EngineHost, stream: MessageStream, answer_timeout:
         host: the gateway's engine.
         stream: the connection.
         answer_timeout: seconds that the adapter has for each answer.
+        tenure: whose connection it is, and for how long; unless given that of somebody on this machine.
+        renewal: how that is made longer.
     """
+    tenure = tenure or Tenure(LOCAL)
     session = RpcSession(
         stream, call_timeout=answer_timeout, on_failure=host.crashed, call_latencies=host.traffic.call_latencies
     )
     changed = asyncio.Event()
     proxy = RemoteProxy(session, changed.set, host.tasks)
+    proxy.accepts = lambda directory: _require_scope(tenure.principal, directory)
     session.notifications = proxy.notifications()
+    tenure.on_principal = lambda _principal: None if tenure.is_over else changed.set()
+    tenure.on_expiring = expiring(session.notify, lambda: proxy.speaks_extensions)
+    if renewal is not None:
+        session.methods = renewal.method(tenure, lambda principal: principal.is_adapter)
     engine = host.engine
-    attaching = host.tasks.start(_keep_attached(host, session, proxy, changed))
+    attaching = host.tasks.start(_keep_attached(host, session, proxy, changed, tenure))
     closed = StreamClosed(1006)
     try:
         with connection(f"adapter-{secrets.token_hex(4)}"), host.traffic.counted("adapter", session):
@@ -57,7 +77,9 @@ async def serve_adapter(host: EngineHost, stream: MessageStream, answer_timeout:
         host.leases.keep_only(set(engine.directory.component_profiles))
 
 
-async def _keep_attached(host: EngineHost, session: RpcSession, proxy: RemoteProxy, changed: asyncio.Event) -> None:
+async def _keep_attached(
+    host: EngineHost, session: RpcSession, proxy: RemoteProxy, changed: asyncio.Event, tenure: Tenure
+) -> None:
     try:
         await host.engine.attach(proxy, own=False)
         session.peer = ", ".join(proxy.engine_ids)
@@ -69,13 +91,23 @@ async def _keep_attached(host: EngineHost, session: RpcSession, proxy: RemotePro
             host.leases.keep_only(set(host.engine.directory.component_profiles))
             await host.sleep(CHANGE_PAUSE)
     except BadParameter as error:
-        await _refuse(host, session, str(error))
+        await _refuse(host, session, tenure, str(error))
     except RoISError as error:
-        await _refuse(host, session, f"no usable profile: {error}")
+        await _refuse(host, session, tenure, f"no usable profile: {error}")
 
 
-async def _refuse(host: EngineHost, session: RpcSession, reason: str) -> None:
+def _require_scope(principal: Principal, directory: Directory) -> None:
+    """Raise `BadParameter` where an adapter offers what its token is not for; an engine's own name counts as well."""
+    refs = directory.profile.component_refs()
+    leading = {engine_of(ref) for ref in refs}
+    empty = (f"{engine_id}/" for engine_id in directory.profile.engine_ids() if engine_id not in leading)
+    for ref in (*refs, *empty):
+        if not principal.sees(ref):
+            raise BadParameter(f"{ref[:300]!r} is out of the scope of the adapter's token")
+
+
+async def _refuse(host: EngineHost, session: RpcSession, tenure: Tenure, reason: str) -> None:
     _log.warning("an adapter was refused: %s", reason)
-    host.audit.refused(None, "/adapter", "", reason)
+    host.audit.refused(tenure.principal, "/adapter", "", reason)
     host.traffic.turn_away("profile")
     await session.close(POLICY_VIOLATION, reason)

@@ -12,12 +12,14 @@ from openrois_signaling.methods import InvalidParams as InvalidSignaling
 from openrois_signaling.relay import PEERS_PER_OWNER, Refused, Relay, Upward
 from pydantic import ValidationError
 
-from openrois.access.principal import LOCAL, Principal
+from openrois.access.principal import LOCAL
 from openrois.application import ApplicationSession, EngineHost
 from openrois.contract import Client
 from openrois.correlation import connection
 from openrois.errors import RoISError
 from openrois.gateway.refusals import note_refusal
+from openrois.gateway.renewal import Renewal, expiring
+from openrois.gateway.tenure import Tenure
 from openrois.interfaces import base_methods, stream_methods
 from openrois.interfaces.enforcement import enforced
 from openrois.interfaces.operation import reply_first
@@ -33,19 +35,34 @@ _log = logging.getLogger(__name__)
 _TO_APPLICATION: Final = {message.method: message for message in (Offer, Candidate, Bye)}
 
 
-async def serve_application(host: EngineHost, stream: MessageStream, principal: Principal = LOCAL) -> StreamClosed:
-    """Serve one application, which is the principal's, until its connection ends; return why it did."""
+async def serve_application(
+    host: EngineHost, stream: MessageStream, tenure: Tenure | None = None, renewal: Renewal | None = None
+) -> StreamClosed:
+    """Serve one application until its connection ends; return why it did.
+
+    Args:
+        host: the gateway's engine.
+        stream: the connection.
+        tenure: whose it is, and for how long; unless given that of somebody on this machine.
+        renewal: how that is made longer.
+    """
+    tenure = tenure or Tenure(LOCAL)
     session = RpcSession(stream, latencies=host.traffic.latencies)
     signaling = _Signaling(host)
     app = ApplicationSession(
-        host, session.notify, passes=signaling.passes, left=signaling.forget_peers, principal=principal
+        host, session.notify, passes=signaling.passes, left=signaling.forget_peers, principal=tenure.principal
     )
     signaling.app = app
     session.on_failure = host.crashed
     session.explain = app.explain
     session.on_refusal = partial(note_refusal, app)
     session.outbox.gap = app.gap
-    session.methods = enforced(app, {**base_methods(app), **stream_methods(app), **signaling.methods()})
+    methods = {**base_methods(app), **stream_methods(app), **signaling.methods()}
+    if renewal is not None:
+        methods |= renewal.method(tenure, lambda principal: principal.is_application)
+    session.methods = enforced(app, methods)
+    tenure.on_principal = partial(setattr, app, "principal")
+    tenure.on_expiring = expiring(session.notify, lambda: app.extended)
     stop_listening = app.engine.on_change(lambda _visibly: signaling.tree_changed())
     try:
         with connection(app.client_id[:8]), host.traffic.counted("application", session, app.events.count):

@@ -38,7 +38,7 @@ def main(arguments: Sequence[str]) -> int:
         for warning in configured.warnings:
             _log.warning("%s", warning)
         uvloop.run(_run(settings))
-    except JournalUnusable as error:
+    except (JournalUnusable, ValueError) as error:
         print(f"openrois gateway: {error}", file=sys.stderr)
         return 1
     except OSError as error:
@@ -53,5 +53,6 @@ async def _run(settings: GatewaySettings) -> None:
     for name in (signal.SIGINT, signal.SIGTERM):
         asyncio.get_running_loop().add_signal_handler(name, stopped.set)
     async with run_gateway(settings) as gateway:
+        asyncio.get_running_loop().add_signal_handler(signal.SIGHUP, gateway.reload)
         print(f"listening {gateway.url}", flush=True)
         await stopped.wait()

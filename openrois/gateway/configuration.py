@@ -223,9 +223,16 @@ def _from_text(text: str, path: Path) -> Iterator[tuple[str, tuple[Any, str]]]:
             setting = known[table].get(key)
             if setting is None:
                 raise ValueError(f"{path}: [{table}] {key[:80]} is no setting{_hint(table, key, known)}")
-            if setting.is_path and isinstance(value, str):
-                value = str(path.parent / value)
+            if setting.is_path:
+                value = _beside(path, value)
             yield setting.field, (value, f"{path}: [{table}] {key}")
+
+
+def _beside(path: Path, value: Any) -> Any:
+    """Return names of files as they are meant in the file that names them."""
+    if isinstance(value, list):
+        return [_beside(path, each) for each in value]
+    return str(path.parent / value) if isinstance(value, str) else value
 
 
 def _hint(table: str, key: str, known: Mapping[str, Mapping[str, Setting]]) -> str:

@@ -8,21 +8,22 @@ from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 from functools import partial
 from typing import Final
-from urllib.parse import urlsplit
 
 from aiohttp import WSCloseCode, web
 
-from openrois.access.loopback import is_loopback
 from openrois.application import EngineHost
 from openrois.audit import Audit
 from openrois.engine import Engine
 from openrois.gateway.adapters import serve_adapter
+from openrois.gateway.admission import guard
 from openrois.gateway.applications import serve_application
+from openrois.gateway.entrance import Entrance
 from openrois.gateway.ice import IceServers
 from openrois.gateway.metrics import figures
 from openrois.gateway.page import page_response
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import ADAPTER, APPLICATION, ServerSocket, SocketProfile
+from openrois.gateway.tenure import Tenure
 from openrois.journal.journal import Journal
 from openrois.loop_lag import LoopLag
 from openrois.metrics.server import metrics_address, serving_metrics
@@ -53,11 +54,13 @@ class Gateway:
         url: where a browser finds it.
         engine: the main HRI engine.
         metrics: where Prometheus finds figures; empty for nowhere.
+        reload: reads keys, certificates and revocations again.
     """
 
     url: str
     engine: Engine
     metrics: str = ""
+    reload: Callable[[], None] = lambda: None
 
 
 @asynccontextmanager
@@ -74,6 +77,7 @@ async def run_gateway(
     Raises:
         OSError: the port is taken, or the address is not this machine's.
         JournalUnusable: the journal's file is that of something else, or of another gateway.
+        ValueError: a key, a certificate or a list cannot be used.
     """
     async with AsyncExitStack() as stack:
         ice = IceServers(settings.ice_servers, settings.turn, settings.turn_secret, settings.turn_ttl, time.time)
@@ -86,11 +90,13 @@ async def run_gateway(
         host = EngineHost(
             Engine(settings.engine_id), tasks, ice_servers=ice.servers, ice_ttl=ice.ttl, audit=audit, journal=journal
         )
-        server = _Server(host, settings.adapter_timeout, application, adapter)
+        entrance = Entrance.open(settings, audit, tasks, host.traffic.turn_away)
+        server = _Server(host, entrance, settings.adapter_timeout, application, adapter)
         runner = web.AppRunner(server.app, access_log=None, logger=_http, shutdown_timeout=_SHUTDOWN_TIMEOUT)
         await runner.setup()
         stack.push_async_callback(runner.cleanup)
-        site = web.TCPSite(runner, settings.host, settings.port)
+        context = None if entrance.certificate is None else entrance.certificate.context
+        site = web.TCPSite(runner, settings.host, settings.port, ssl_context=context)
         await site.start()
         port = runner.addresses[0][1]
         shown = f"[{settings.host}]" if ":" in settings.host else settings.host
@@ -100,21 +106,29 @@ async def run_gateway(
             serving = serving_metrics(*metrics_address(settings.metrics), look, settings.metrics_token)
             metrics = await stack.enter_async_context(serving)
             _log.info("metrics: %s", metrics)
-        yield Gateway(f"http://{shown}:{port}/", host.engine, metrics)
+        scheme = "http" if context is None else "https"
+        url = f"{scheme}://{shown}:{port}/"
+        yield Gateway(url, host.engine, metrics, lambda: entrance.reloader.look(at_all=True))
 
 
 class _Server:
     """The HTTP side: which path is what, who is let in, and the sockets that are open."""
 
     def __init__(
-        self, host: EngineHost, adapter_timeout: float, application: SocketProfile, adapter: SocketProfile
+        self,
+        host: EngineHost,
+        entrance: Entrance,
+        adapter_timeout: float,
+        application: SocketProfile,
+        adapter: SocketProfile,
     ) -> None:
         self._host = host
+        self._entrance = entrance
         self._adapter_timeout = adapter_timeout
         self._application_profile = application
         self._adapter_profile = adapter
         self._sockets: set[ServerSocket] = set()
-        self.app = web.Application(middlewares=[_guard])
+        self.app = web.Application(middlewares=[guard(entrance.admission)])
         self.app.router.add_get("/healthz", self._healthz)
         self.app.router.add_get("/adapter", self._adapter)
         self.app.router.add_get("/{path:.*}", self._page_or_application)
@@ -125,8 +139,12 @@ class _Server:
 
     async def _page_or_application(self, request: web.Request) -> web.StreamResponse:
         if _wants_websocket(request):
+            tenure = Tenure(await self._entrance.admission.application(request))
             return await self._serve(
-                request, self._application_profile, lambda stream: serve_application(self._host, stream)
+                request,
+                self._application_profile,
+                tenure,
+                lambda stream: serve_application(self._host, stream, tenure, self._entrance.renewal),
             )
         path = request.match_info["path"]
         if path == _OPENRPC:
@@ -136,14 +154,22 @@ class _Server:
     async def _adapter(self, request: web.Request) -> web.StreamResponse:
         if not _wants_websocket(request):
             raise web.HTTPUpgradeRequired(text="adapters connect here by WebSocket\n")
+        tenure = Tenure(await self._entrance.admission.adapter(request))
         return await self._serve(
             request,
             self._adapter_profile,
-            lambda stream: serve_adapter(self._host, stream, self._adapter_timeout),
+            tenure,
+            lambda stream: serve_adapter(
+                self._host, stream, self._adapter_timeout, tenure=tenure, renewal=self._entrance.renewal
+            ),
         )
 
     async def _serve(
-        self, request: web.Request, profile: SocketProfile, serve: Callable[[MessageStream], Awaitable[object]]
+        self,
+        request: web.Request,
+        profile: SocketProfile,
+        tenure: Tenure,
+        serve: Callable[[MessageStream], Awaitable[object]],
     ) -> web.StreamResponse:
         if len(self._sockets) >= MAX_CONNECTIONS:
             self._host.traffic.turn_away("full")
@@ -153,7 +179,8 @@ class _Server:
         self._sockets.add(socket)
         pinging = asyncio.ensure_future(socket.keep_alive())
         try:
-            closed = await serve(socket)
+            with self._entrance.tenures.holding(tenure, socket):
+                closed = await serve(socket)
             _log.debug("%s: %s", request.path, closed)
         finally:
             self._sockets.discard(socket)
@@ -169,26 +196,3 @@ class _Server:
 
 def _wants_websocket(request: web.Request) -> bool:
     return request.headers.get("Upgrade", "").lower() == "websocket"
-
-
-@web.middleware
-async def _guard(
-    request: web.Request, handler: Callable[[web.Request], Awaitable[web.StreamResponse]]
-) -> web.StreamResponse:
-    """Refuse what another web site's page could send: without authentication, being on this machine is all there is.
-
-    A page of another site is told by its `Origin`; a site whose name was rebound to a loopback address by its `Host`.
-    """
-    if not _names_loopback(f"//{request.host}"):
-        raise web.HTTPForbidden(text="this gateway answers to localhost only\n")
-    origin = request.headers.get("Origin")
-    if origin is not None and not _names_loopback(origin):
-        raise web.HTTPForbidden(text="this gateway answers pages of this machine only\n")
-    return await handler(request)
-
-
-def _names_loopback(url: str) -> bool:
-    try:
-        return is_loopback(urlsplit(url).hostname or "")
-    except ValueError:
-        return False

@@ -1,16 +1,18 @@
 """What can be set on a gateway: one model for each group of settings, and each setting in one of them only."""
 
 from pathlib import Path
-from typing import Any, ClassVar, Final, Literal, Self
+from typing import ClassVar, Final, Literal, Self
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import model_validator
 
 from openrois.access.loopback import is_loopback
+from openrois.gateway.access_settings import Authentication, Encryption
+from openrois.gateway.settings_group import SettingsGroup, setting
 from openrois.jsonrpc.session import CALL_TIMEOUT
 from openrois.metrics.server import metrics_address
 from openrois.types.references import flaw_of_name
 
-__all__ = ["GROUPS", "SECRET_LENGTH", "GatewaySettings", "SettingsGroup", "setting"]
+__all__ = ["GROUPS", "SECRET_LENGTH", "GatewaySettings"]
 
 SECRET_LENGTH = 16
 """Characters that a secret has at least; whoever guesses it has what it keeps."""
@@ -18,48 +20,17 @@ SECRET_LENGTH = 16
 _URL_LIMIT = 512
 
 
-def setting(default: Any, meaning: str, *, metavar: str = "", secret: bool = False) -> Any:
-    """Return a field that becomes a key of the configuration file, a variable of the environment and an option.
-
-    Args:
-        default: what holds unless it is set.
-        meaning: one line for people, without a full stop.
-        metavar: what stands for the value in the help.
-        secret: it comes only from a file, which `<name>_file` names, and is never shown.
-    """
-    extra: dict[str, Any] = {"metavar": metavar, "secret": secret}
-    return Field(default, description=meaning, repr=not secret, json_schema_extra=extra)
-
-
-class SettingsGroup(BaseModel):
-    """Settings that belong together: a table of the configuration file.
-
-    Attributes:
-        table: its name there.
-    """
-
-    # What was refused may be a secret.
-    model_config = ConfigDict(frozen=True, extra="forbid", hide_input_in_errors=True, allow_inf_nan=False)
-
-    table: ClassVar[str] = ""
-
-
 class Listening(SettingsGroup):
     """Where the gateway is found, and its name."""
 
     table: ClassVar[str] = "listen"
 
-    host: str = setting("127.0.0.1", "loopback address to listen on")
+    host: str = setting("127.0.0.1", "address to listen on; one that is not loopback needs authentication and TLS")
     port: int = setting(8765, "TCP port, 0 for any free one")
     engine_id: str = setting("gateway", "the gateway's own id in references and profiles", metavar="ID")
 
     @model_validator(mode="after")
     def _check_listening(self) -> Self:
-        if not is_loopback(self.host):
-            raise ValueError(
-                f"the gateway listens on loopback addresses only, and {self.host!r} is none: "
-                "without authentication anyone who reaches it could operate every robot behind it"
-            )
         if not 0 <= self.port <= 65535:
             raise ValueError(f"{self.port} is no TCP port")
         if flaw := flaw_of_name(self.engine_id):
@@ -130,15 +101,31 @@ class Operation(SettingsGroup):
         return self
 
 
-class GatewaySettings(Listening, Streams, Adapters, Operation):
+class GatewaySettings(Listening, Authentication, Encryption, Streams, Adapters, Operation):
     """The settings of one gateway.
 
     Raises:
         ValueError: one of them cannot be used; the message says why.
     """
 
+    @model_validator(mode="after")
+    def _check_exposure(self) -> Self:
+        if is_loopback(self.host):
+            return self
+        if not self.is_authenticated:
+            raise ValueError(
+                f"{self.host!r} is no loopback address: without authentication (--auth-key or --auth-jwks) "
+                "anyone who reaches it could operate every robot behind it"
+            )
+        if self.tls_cert is None and not self.tls_elsewhere:
+            raise ValueError(
+                f"{self.host!r} is no loopback address: without TLS (--tls-cert and --tls-key) whoever is on the way "
+                "could read the tokens; --tls-elsewhere where something in front of the gateway does TLS"
+            )
+        return self
 
-GROUPS: Final[tuple[type[SettingsGroup], ...]] = (Listening, Streams, Adapters, Operation)
+
+GROUPS: Final[tuple[type[SettingsGroup], ...]] = (Listening, Authentication, Encryption, Streams, Adapters, Operation)
 """The tables of the configuration file, in its order."""
 
 

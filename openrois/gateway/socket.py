@@ -8,6 +8,7 @@ from typing import Final
 
 from aiohttp import WebSocketError, WSCloseCode, WSMessage, WSMsgType, web
 
+from openrois.gateway.admission import SUBPROTOCOL
 from openrois.transport.stream import StreamClosed, close_reason
 
 __all__ = ["ADAPTER", "APPLICATION", "ServerSocket", "SocketProfile"]
@@ -48,7 +49,12 @@ class ServerSocket:
     def __init__(self, request: web.Request, profile: SocketProfile) -> None:
         # aiohttp's limit excludes the number itself.
         self.response = web.WebSocketResponse(
-            autoping=False, compress=False, max_msg_size=profile.max_message + 1, timeout=_CLOSE_TIMEOUT, writer_limit=0
+            autoping=False,
+            compress=False,
+            max_msg_size=profile.max_message + 1,
+            timeout=_CLOSE_TIMEOUT,
+            protocols=(SUBPROTOCOL,),
+            writer_limit=0,
         )
         self._request = request
         self._profile = profile

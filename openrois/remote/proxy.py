@@ -63,6 +63,10 @@ class RemoteProxy:
         session: the connection. Its `notifications` have to hold this proxy's `notifications()`.
         profile_changed: called when the other side says that its tree changed; must not block.
         tasks: owns the questions that follow from what the other side tells.
+
+    Attributes:
+        accepts: raises `BadParameter` where the other side may not offer what it does.
+        speaks_extensions: whether the other side has accepted a hello.
     """
 
     def __init__(self, session: RpcSession, profile_changed: Callable[[], None], tasks: TaskScope) -> None:
@@ -79,6 +83,8 @@ class RemoteProxy:
         self._subscriptions = SharedSubscriptions(self._subscribe, self._unsubscribe, self._drop_subscription)
         self._strays = Tally(_log, "events that do not fit their subscription")
         self._plain = False
+        self.accepts: Callable[[Directory], None] = lambda _directory: None
+        self.speaks_extensions = False
 
     def notifications(self) -> dict[str, NotificationHandler]:
         """Return what has to be done with the notifications that come over the connection."""
@@ -117,10 +123,13 @@ class RemoteProxy:
             raise ComponentFailed("the engine has no profile")
         if not self._plain:
             await self._hello(result.profile)
+            self.speaks_extensions = not self._plain
         # It speaks for the components that it lists: a profile beside them could be that of somebody else's.
         listed = {ref: result.component_profiles.get(ref) for ref in result.profile.component_refs()}
         profiles = {ref: profile for ref, profile in listed.items() if profile is not None}
-        self._claims.directory = Directory(result.profile, profiles)
+        directory = Directory(result.profile, profiles)
+        self.accepts(directory)
+        self._claims.directory = directory
         self._subscriptions.keep_only(profiles, SubscriptionLost("the component is gone"))
         return self._claims.directory
 

@@ -5,6 +5,7 @@ from typing import Final
 
 from pydantic import BaseModel
 
+from openrois.types.access import AuthExpiringNotification, AuthRefreshParams, AuthRefreshResult
 from openrois.types.messages import (
     CommandResultParams,
     Completed,
@@ -100,6 +101,13 @@ METHODS: Final[tuple[MethodType, ...]] = (
     MethodType("rois.event.get_event_detail", DetailParams, ResultsResult, "Ask what an event tells."),
     MethodType("openrois.hello", HelloParams, HelloResult, "Say and ask which extensions are spoken.", "openrois"),
     MethodType(
+        "openrois.auth.refresh",
+        AuthRefreshParams,
+        AuthRefreshResult,
+        "Show a new token before the old one ends.",
+        "openrois",
+    ),
+    MethodType(
         "rois.stream.connect_stream", ConnectStreamParams, ConnectStreamResult, "Connect a stream.", "rois.stream"
     ),
     MethodType("rois.stream.disconnect_stream", StreamParams, ReturnResult, "End a stream.", "rois.stream"),
@@ -127,6 +135,12 @@ NOTIFICATIONS: Final[tuple[NotificationType, ...]] = (
         EventsDroppedNotification.method,
         EventsDroppedNotification,
         "Here some events and errors were dropped: the application reads too slowly.",
+        "openrois",
+    ),
+    NotificationType(
+        AuthExpiringNotification.method,
+        AuthExpiringNotification,
+        "The token ends soon, and the connection with it.",
         "openrois",
     ),
     NotificationType(

@@ -6,7 +6,7 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
 
 from openrois.access.refusal import Refusal
-from openrois.access.tokens import MAX_TOKEN
+from openrois.types.access import MAX_TOKEN
 from tests.support.tokens import SECRET, Keys, b64, claims_of, forge, issue, jwk, part, pem
 
 _HS: dict[str, object] = {"alg": "HS256", "typ": "JWT"}

@@ -76,6 +76,7 @@ RESULTS: dict[str, dict[str, Any]] = {
     "rois.event.subscribe": {"subscribe_id": str},
     "rois.event.unsubscribe": {},
     "rois.event.get_event_detail": {"results": [VALUE]},
+    "openrois.auth.refresh": {"seconds": int},
     "openrois.hello": {"version": str, "extensions": [str], "engines": [str], "client_id": str},
     "rois.stream.connect_stream": {"stream_id": str},
     "rois.stream.disconnect_stream": {},
@@ -103,6 +104,7 @@ NOTIFICATIONS: dict[str, dict[str, Any]] = {
     },
     "rois.system.notify_error": {"error_id": str, "error_type": ERROR_TYPES},
     "rois.system.profile_changed": {},
+    "openrois.auth.expiring": {"seconds": int},
     "openrois.events_dropped": {"count": int},
     "openrois.reason": {"request_id": Absent(OneOf(str, int, float)), "command_id": Absent(str), "reason": str},
     "rois.stream.notify_stream_status": {

@@ -1,5 +1,6 @@
 """What a gateway can be told, and what is refused in a sentence."""
 
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -58,3 +59,48 @@ def test_what_is_fine() -> None:
     assert settings.port == 0
     relayed = GatewaySettings(turn=("turn:t", "turns:t:443?transport=tcp"), turn_secret="correct horse battery")
     assert "correct horse" not in repr(relayed)
+
+
+@pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.168.0.1", "gateway.example.org"])
+def test_who_listens_for_others_asks_for_tokens_and_does_tls(host: str) -> None:
+    key, cert = Path("key"), Path("cert")
+    for settings, words in (
+        ({}, "without authentication"),
+        ({"tls_cert": cert, "tls_key": key}, "without authentication"),
+        ({"auth_keys": (key,)}, "without TLS"),
+        ({"auth_jwks": "https://issuer.example/jwks"}, "without TLS"),
+    ):
+        with pytest.raises(ValueError, match=words):
+            GatewaySettings(host=host, **settings)
+    assert GatewaySettings(host=host, auth_keys=(key,), tls_cert=cert, tls_key=key).is_authenticated
+    assert GatewaySettings(host=host, auth_jwks_file=key, tls_elsewhere=True).is_authenticated
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ({"auth_keys": (Path("a"),), "auth_jwks": "https://issuer.example/"}, "from one of these"),
+        ({"auth_jwks": "http://issuer.example/"}, "only https"),
+        ({"auth_jwks": "ftp://issuer.example/"}, "no https address"),
+        ({"auth_issuer": "x"}, "no tokens"),
+        ({"auth_revocations": Path("x")}, "no tokens"),
+        ({"auth_max_lifetime": 59}, "60 to 86400"),
+        ({"auth_max_lifetime": 86401}, "60 to 86400"),
+        ({"allow_origins": ("https://app.example.org/",)}, "no origin"),
+        ({"allow_origins": ("*",)}, "no origin"),
+        ({"allow_origins": ("null",)}, "no origin"),
+        ({"allow_hosts": ("https://app.example.org",)}, "no host's name"),
+        ({"allow_hosts": ("app.example.org:8765",)}, "no host's name"),
+        ({"allow_hosts": ("",)}, "no host's name"),
+        ({"tls_cert": Path("x")}, "given together"),
+        ({"tls_key": Path("x")}, "given together"),
+        ({"tls_cert": Path("x"), "tls_key": Path("y"), "tls_elsewhere": True}, "not in both"),
+    ],
+)
+def test_what_is_refused_of_access(settings: dict[str, Any], words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        GatewaySettings(**settings)
+
+
+def test_names_of_hosts() -> None:
+    assert GatewaySettings(allow_hosts=("Gateway.example.org", "[::1]", "10.0.0.7")).allow_hosts

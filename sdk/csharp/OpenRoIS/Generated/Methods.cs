@@ -55,6 +55,9 @@ namespace OpenRoIS
         /// <summary>Say and ask which extensions are spoken.</summary>
         public static readonly Method<HelloParams, HelloResult> Hello =
             new Method<HelloParams, HelloResult>("openrois.hello");
+        /// <summary>Show a new token before the old one ends.</summary>
+        public static readonly Method<AuthRefreshParams, AuthRefreshResult> AuthRefresh =
+            new Method<AuthRefreshParams, AuthRefreshResult>("openrois.auth.refresh");
         /// <summary>Connect a stream.</summary>
         public static readonly Method<ConnectStreamParams, ConnectStreamResult> StreamConnectStream =
             new Method<ConnectStreamParams, ConnectStreamResult>("rois.stream.connect_stream");
@@ -105,6 +108,9 @@ namespace OpenRoIS
         /// <summary>Here some events and errors were dropped: the application reads too slowly.</summary>
         public static readonly Notification<EventsDroppedNotification> EventsDropped =
             new Notification<EventsDroppedNotification>("openrois.events_dropped");
+        /// <summary>The token ends soon, and the connection with it.</summary>
+        public static readonly Notification<AuthExpiringNotification> AuthExpiring =
+            new Notification<AuthExpiringNotification>("openrois.auth.expiring");
         /// <summary>
         /// Why the message right behind this one, a reply or <c>completed</c>, says something else than OK.
         /// </summary>

@@ -33,6 +33,36 @@ namespace OpenRoIS
         public string Value { get; set; }
     }
 
+    /// <summary>
+    /// Params of the notification <c>openrois.auth.expiring</c>: in how many seconds the connection will be
+    /// closed.
+    /// </summary>
+    public sealed class AuthExpiringNotification
+    {
+        [JsonProperty("seconds", Required = Required.Always)]
+        public long Seconds { get; set; }
+    }
+
+    /// <summary>
+    /// Params of <c>openrois.auth.refresh</c>: a token of the same subject, from now on in place of the
+    /// present one.
+    /// </summary>
+    public sealed class AuthRefreshParams
+    {
+        [JsonProperty("token", Required = Required.Always)]
+        public string Token { get; set; }
+    }
+
+    /// <summary>Result of <c>openrois.auth.refresh</c>: for how many seconds the connection may now go on.</summary>
+    public sealed class AuthRefreshResult
+    {
+        [JsonProperty("return_code", Required = Required.Always)]
+        public ReturnCode ReturnCode { get; set; }
+
+        [JsonProperty("seconds")]
+        public long Seconds { get; set; } = 0;
+    }
+
     /// <summary>The deliberate end of a peer connection; <c>reason</c> is a sentence for a person.</summary>
     public sealed class Bye
     {

@@ -118,6 +118,11 @@ const isHelloResult: Check = object({
   client_id: optional(text),
 });
 
+const isAuthRefreshResult: Check = object({
+  return_code: isReturnCode,
+  seconds: optional(integer),
+});
+
 const isConnectStreamResult: Check = object({
   return_code: isReturnCode,
   stream_id: optional(text),
@@ -168,6 +173,10 @@ const isEventNotification: Check = object({
 
 const isEventsDroppedNotification: Check = object({
   count: integer,
+});
+
+const isAuthExpiringNotification: Check = object({
+  seconds: integer,
 });
 
 const isReasonNotification: Check = object({
@@ -235,6 +244,7 @@ export const RESULTS: { readonly [Name in MethodName]: Check } = {
   "rois.event.unsubscribe": isReturnResult,
   "rois.event.get_event_detail": isResultsResult,
   "openrois.hello": isHelloResult,
+  "openrois.auth.refresh": isAuthRefreshResult,
   "rois.stream.connect_stream": isConnectStreamResult,
   "rois.stream.disconnect_stream": isReturnResult,
   "rois.stream.suspend_stream": isReturnResult,
@@ -254,6 +264,7 @@ export const NOTIFICATIONS: { readonly [Name in NotificationName]: Check } = {
   "rois.command.completed": isCompleted,
   "rois.event.notify_event": isEventNotification,
   "openrois.events_dropped": isEventsDroppedNotification,
+  "openrois.auth.expiring": isAuthExpiringNotification,
   "openrois.reason": isReasonNotification,
   "rois.stream.notify_stream_status": isStreamStatusNotification,
   "signaling.offer": isOffer,

@@ -2,6 +2,9 @@
 
 import type {
   Answer,
+  AuthExpiringNotification,
+  AuthRefreshParams,
+  AuthRefreshResult,
   Bye,
   Candidate,
   CommandResultParams,
@@ -77,6 +80,8 @@ export interface Methods {
   readonly "rois.event.get_event_detail": { params: DetailParams; result: ResultsResult };
   /** Say and ask which extensions are spoken. */
   readonly "openrois.hello": { params: HelloParams; result: HelloResult };
+  /** Show a new token before the old one ends. */
+  readonly "openrois.auth.refresh": { params: AuthRefreshParams; result: AuthRefreshResult };
   /** Connect a stream. */
   readonly "rois.stream.connect_stream": { params: ConnectStreamParams; result: ConnectStreamResult };
   /** End a stream. */
@@ -113,6 +118,8 @@ export interface Notifications {
   readonly "rois.event.notify_event": EventNotification;
   /** Here some events and errors were dropped: the application reads too slowly. */
   readonly "openrois.events_dropped": EventsDroppedNotification;
+  /** The token ends soon, and the connection with it. */
+  readonly "openrois.auth.expiring": AuthExpiringNotification;
   /** Why the message right behind this one, a reply or `completed`, says something else than OK. */
   readonly "openrois.reason": ReasonNotification;
   /** A stream does something else now. */

@@ -14,6 +14,25 @@ export interface Argument {
   readonly value: string;
 }
 
+/** Params of the notification `openrois.auth.expiring`: in how many seconds the connection will be closed. */
+export interface AuthExpiringNotification {
+  readonly seconds: number;
+}
+
+/**
+ * Params of `openrois.auth.refresh`: a token of the same subject, from now on in place of the present
+ * one.
+ */
+export interface AuthRefreshParams {
+  readonly token: string;
+}
+
+/** Result of `openrois.auth.refresh`: for how many seconds the connection may now go on. */
+export interface AuthRefreshResult {
+  readonly return_code: ReturnCode;
+  readonly seconds?: number;
+}
+
 /** The deliberate end of a peer connection; `reason` is a sentence for a person. */
 export interface Bye {
   readonly peer_id: string;

@@ -1,0 +1,82 @@
+"""Settings of who is let in: keys, issuers, origins, hosts, and TLS."""
+
+from pathlib import Path
+from typing import ClassVar, Final, Self
+
+from pydantic import model_validator
+
+from openrois.access.claims import MAX_LIFETIME
+from openrois.access.jwks import flaw_of_address
+from openrois.gateway.origins import parse_origin
+from openrois.gateway.settings_group import SettingsGroup, setting
+
+__all__ = ["Authentication", "Encryption"]
+
+_DAY: Final = 86400.0
+
+
+class Authentication(SettingsGroup):
+    """Whose tokens are good, and which pages may connect."""
+
+    table: ClassVar[str] = "auth"
+
+    auth_keys: tuple[Path, ...] = setting(
+        (), "holds a key for tokens: a public one in PEM, or a secret for HS256", metavar="FILE"
+    )
+    auth_jwks: str = setting("", "the https address of the issuer's JSON Web Key Set", metavar="URL")
+    auth_jwks_file: Path | None = setting(None, "holds the issuer's JSON Web Key Set", metavar="FILE")
+    auth_issuer: str = setting("", "what the claim iss of every token has to be", metavar="TEXT")
+    auth_audience: str = setting("", "what the claim aud of every token has to name", metavar="TEXT")
+    auth_max_lifetime: float = setting(MAX_LIFETIME, "how long a token may last", metavar="SECONDS")
+    auth_revocations: Path | None = setting(
+        None, "lists who is not let in any more: lines `sub NAME` and `jti ID`", metavar="FILE"
+    )
+    allow_origins: tuple[str, ...] = setting(
+        (), "a web site whose pages may connect, beside the gateway's own", metavar="ORIGIN"
+    )
+    allow_hosts: tuple[str, ...] = setting((), "a name by which the gateway is called", metavar="NAME")
+
+    @property
+    def is_authenticated(self) -> bool:
+        """Whether a token is needed."""
+        return bool(self.auth_keys or self.auth_jwks or self.auth_jwks_file)
+
+    @model_validator(mode="after")
+    def _check_authentication(self) -> Self:
+        if sum(map(bool, (self.auth_keys, self.auth_jwks, self.auth_jwks_file))) > 1:
+            raise ValueError("keys come from files, from an address or from a key set in a file: from one of these")
+        if self.auth_jwks and (flaw := flaw_of_address(self.auth_jwks)):
+            raise ValueError(f"{self.auth_jwks[:200]!r} cannot be where the issuer's keys are: {flaw}")
+        if not self.is_authenticated and (self.auth_issuer or self.auth_audience or self.auth_revocations):
+            raise ValueError("without --auth-key or --auth-jwks there are no tokens to ask anything of")
+        if not 60 <= self.auth_max_lifetime <= _DAY:
+            raise ValueError("a token may last for 60 to 86400 seconds")
+        return self
+
+    @model_validator(mode="after")
+    def _check_names(self) -> Self:
+        for origin in self.allow_origins:
+            if parse_origin(origin) is None:
+                raise ValueError(f"{origin[:200]!r} is no origin, such as https://app.example.org")
+        for host in self.allow_hosts:
+            if parse_origin(f"http://{host.lower()}") is None or ":" in host.rpartition("]")[2]:
+                raise ValueError(f"{host[:200]!r} is no host's name, such as gateway.example.org")
+        return self
+
+
+class Encryption(SettingsGroup):
+    """TLS of the one port."""
+
+    table: ClassVar[str] = "tls"
+
+    tls_cert: Path | None = setting(None, "the certificate with its chain, in PEM", metavar="FILE")
+    tls_key: Path | None = setting(None, "its private key, in PEM", metavar="FILE")
+    tls_elsewhere: bool = setting(False, "something in front of the gateway does TLS, and nobody else reaches it")
+
+    @model_validator(mode="after")
+    def _check_encryption(self) -> Self:
+        if (self.tls_cert is None) != (self.tls_key is None):
+            raise ValueError("a certificate and its key are given together")
+        if self.tls_elsewhere and self.tls_cert is not None:
+            raise ValueError("TLS is done here or elsewhere, not in both places")
+        return self

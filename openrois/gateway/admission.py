@@ -1,0 +1,177 @@
+"""Who is let in: every request's address, host and origin, and the token of every connection."""
+
+import logging
+import re
+from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
+from typing import Final
+
+from aiohttp import web
+
+from openrois.access.principal import LOCAL, Principal
+from openrois.access.refusal import Refusal, TokenRefused
+from openrois.access.tokens import TokenVerifier
+from openrois.audit import Audit
+from openrois.gateway.origins import OriginRules, parse_origin
+from openrois.gateway.settings import GatewaySettings
+from openrois.logs import Tally
+
+__all__ = ["SUBPROTOCOL", "Admission", "guard", "origin_rules"]
+
+_log = logging.getLogger(__name__)
+
+SUBPROTOCOL: Final = "openrois.v1"
+"""What a browser offers beside the token, and is answered."""
+
+_BEARER: Final = "openrois.bearer."
+_TOKEN_NAMES: Final = frozenset({"token", "access_token", "id_token", "auth", "authorization", "bearer", "jwt"})
+_TOKEN: Final = re.compile(r"eyJ[A-Za-z0-9_-]+\.[A-Za-z0-9_-]+\.")
+_WILDCARDS: Final = frozenset({"0.0.0.0", "::", ""})  # noqa: S104
+_CHALLENGE: Final = {"WWW-Authenticate": 'Bearer realm="openrois"'}
+
+
+def origin_rules(settings: GatewaySettings) -> OriginRules:
+    """Return which pages may connect to a gateway with these settings, and what it may be called."""
+    sites = (parse_origin(origin) for origin in settings.allow_origins)
+    names = {name.lower().strip("[]") for name in (*settings.allow_hosts, settings.host)} - _WILDCARDS
+    secure = settings.tls_cert is not None or settings.tls_elsewhere
+    return OriginRules(
+        origins=frozenset(site for site in sites if site is not None),
+        hosts=frozenset(names),
+        local=not settings.is_authenticated,
+        scheme="https" if secure else "http",
+    )
+
+
+@dataclass
+class Admission:
+    """Lets in or refuses. Who is refused learns no reason; the audit trail does.
+
+    Attributes:
+        rules: which pages may connect, and what the gateway may be called.
+        verifier: tells whom a token is for; None where no token is needed.
+        audit: hears of everyone who is refused.
+        turned_away: counts them by reason.
+    """
+
+    rules: OriginRules
+    verifier: TokenVerifier | None
+    audit: Audit
+    turned_away: Callable[[str], None] = lambda _reason: None
+
+    def __post_init__(self) -> None:
+        self._tally = Tally(_log, "refused connections")
+
+    async def application(self, request: web.Request) -> Principal:
+        """Return who wants to connect as an application.
+
+        Raises:
+            web.HTTPUnauthorized: no token came, or it is not good.
+            web.HTTPForbidden: it is good for something else.
+        """
+        principal = await self._principal(request)
+        if not principal.is_application:
+            raise self._not_for_this(request, principal)
+        return principal
+
+    async def adapter(self, request: web.Request) -> Principal:
+        """Return who wants to connect as an adapter.
+
+        Raises:
+            web.HTTPUnauthorized: no token came, or it is not good.
+            web.HTTPForbidden: it is good for something else.
+        """
+        principal = await self._principal(request)
+        if not principal.is_adapter:
+            raise self._not_for_this(request, principal)
+        return principal
+
+    def _not_for_this(self, request: web.Request, principal: Principal) -> web.HTTPException:
+        self._note(request, Refusal.ROLE, principal.subject)
+        return web.HTTPForbidden(text="the token is not for this\n")
+
+    async def _principal(self, request: web.Request) -> Principal:
+        offered = _offered(request)
+        tokens = [name.removeprefix(_BEARER) for name in offered if name.startswith(_BEARER)]
+        if tokens and SUBPROTOCOL not in offered:
+            # The answer would have to name what was offered, and nothing but the token was.
+            self._note(request, Refusal.MALFORMED)
+            raise web.HTTPBadRequest(text=f"beside a token {SUBPROTOCOL} has to be offered\n")
+        if self.verifier is None:
+            return LOCAL
+        by_header = request.headers.getall("Authorization", [])
+        try:
+            principal = await self.verifier.verify(_only_token(tokens, by_header))
+        except TokenRefused as refused:
+            self._note(request, refused.reason, refused.subject)
+            raise web.HTTPUnauthorized(text="a valid token is needed\n", headers=_CHALLENGE) from None
+        if not by_header and "Origin" not in request.headers:
+            # Only browsers cannot set the header, and a browser says whose page it is.
+            raise self.other_site(request)
+        return principal
+
+    def check_address(self, request: web.Request) -> None:
+        """Refuse an address with a token in it, and a name or a page that is not of this gateway.
+
+        Raises:
+            web.HTTPBadRequest: a token stands in the address.
+            web.HTTPForbidden: the gateway is not called so, or the page is another site's.
+        """
+        if any(
+            name.lower() in _TOKEN_NAMES or _TOKEN.search(f"{name}.{value}") for name, value in request.query.items()
+        ):
+            self._note(request, Refusal.IN_ADDRESS)
+            raise web.HTTPBadRequest(
+                text="a token does not belong in an address, where logs keep it: send it in a header\n"
+            )
+        if not self.rules.answers_to(request.host):
+            self._note(request, Refusal.HOST)
+            raise web.HTTPForbidden(text="this gateway is not called so (--allow-host)\n")
+        origins = request.headers.getall("Origin", [])
+        if len(origins) > 1 or (origins and not self.rules.admits(origins[0], request.host)):
+            raise self.other_site(request)
+
+    def other_site(self, request: web.Request) -> web.HTTPException:
+        """Note that a page of another site asked, and return what it is answered."""
+        self._note(request, Refusal.ORIGIN)
+        return web.HTTPForbidden(text="this gateway does not answer pages of that site (--allow-origin)\n")
+
+    def _note(self, request: web.Request, reason: Refusal, subject: str = "") -> None:
+        # Nothing that came with the request is repeated: a token can stand anywhere in it.
+        self.turned_away(reason.value)
+        path = "/adapter" if request.path == "/adapter" else "/"
+        stranger = None if not subject else Principal(subject, frozenset(), ())
+        self.audit.refused(stranger, path, request.remote or "", reason.value)
+        self._tally.note(f"{path} from {request.remote}: {reason.value}")
+
+
+def guard(admission: Admission) -> Callable[..., Awaitable[web.StreamResponse]]:
+    """Return a middleware that checks the address of every request."""
+
+    @web.middleware
+    async def check(
+        request: web.Request, handler: Callable[[web.Request], Awaitable[web.StreamResponse]]
+    ) -> web.StreamResponse:
+        admission.check_address(request)
+        return await handler(request)
+
+    return check
+
+
+def _offered(request: web.Request) -> list[str]:
+    lines = request.headers.getall("Sec-WebSocket-Protocol", [])
+    return [name.strip() for line in lines for name in line.split(",")]
+
+
+def _only_token(by_protocol: list[str], by_header: list[str]) -> str:
+    """Return the one token of a request. Raises TokenRefused."""
+    if len(by_protocol) + len(by_header) > 1:
+        raise TokenRefused(Refusal.MALFORMED)
+    if by_protocol:
+        return by_protocol[0]
+    if not by_header:
+        raise TokenRefused(Refusal.MISSING)
+    kind, _, token = by_header[0].partition(" ")
+    if kind.lower() != "bearer":
+        raise TokenRefused(Refusal.MALFORMED)
+    return token.strip()

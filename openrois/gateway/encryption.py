@@ -1,0 +1,52 @@
+"""TLS of the gateway's port: at least 1.2, with a certificate that may change while connections go on."""
+
+import ssl
+from pathlib import Path
+
+__all__ = ["Certificate"]
+
+
+class Certificate:
+    """A certificate and its key, and the context of every connection that is made with them.
+
+    Attributes:
+        context: what the server accepts connections with; those that are open keep what they have.
+
+    Raises:
+        ValueError: they cannot be used.
+    """
+
+    def __init__(self, cert: Path, key: Path) -> None:
+        self._cert = cert
+        self._key = key
+        self.context = _context()
+        self.load()
+
+    def load(self) -> None:
+        """Read both files: whoever connects from now on gets what is in them.
+
+        Raises:
+            ValueError: they cannot be used; what was read before holds on.
+        """
+        # Tried on a context of its own: half of a pair must not stand in the one that is used.
+        for context in (_context(), self.context):
+            try:
+                context.load_cert_chain(self._cert, self._key, password=_no_password)
+            except ssl.SSLError as error:
+                reason = error.reason or "they are no certificate and key"
+                raise ValueError(f"{self._cert} and {self._key} cannot be used: {reason}") from None
+            except OSError as error:
+                raise ValueError(f"{self._cert} and {self._key} cannot be read: {error.strerror}") from None
+
+
+def _context() -> ssl.SSLContext:
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    context.minimum_version = ssl.TLSVersion.TLSv1_2
+    context.options |= ssl.OP_NO_RENEGOTIATION | ssl.OP_NO_COMPRESSION
+    context.set_alpn_protocols(["http/1.1"])
+    return context
+
+
+def _no_password() -> str:
+    """Answer for a key that is locked: nobody is there to be asked."""
+    raise ValueError("its key is locked with a password")

@@ -1,0 +1,33 @@
+"""A group of settings: a table of the configuration file whose keys are options and variables too."""
+
+from typing import Any, ClassVar
+
+from pydantic import BaseModel, ConfigDict, Field
+
+__all__ = ["SettingsGroup", "setting"]
+
+
+def setting(default: Any, meaning: str, *, metavar: str = "", secret: bool = False) -> Any:
+    """Return a field that becomes a key of the configuration file, a variable of the environment and an option.
+
+    Args:
+        default: what holds unless it is set.
+        meaning: one line for people, without a full stop.
+        metavar: what stands for the value in the help.
+        secret: it comes only from a file, which `<name>_file` names, and is never shown.
+    """
+    extra: dict[str, Any] = {"metavar": metavar, "secret": secret}
+    return Field(default, description=meaning, repr=not secret, json_schema_extra=extra)
+
+
+class SettingsGroup(BaseModel):
+    """Settings that belong together: a table of the configuration file.
+
+    Attributes:
+        table: its name there.
+    """
+
+    # What was refused may be a secret.
+    model_config = ConfigDict(frozen=True, extra="forbid", hide_input_in_errors=True, allow_inf_nan=False)
+
+    table: ClassVar[str] = ""

@@ -1,0 +1,200 @@
+"""Who is let in: tokens by header and by subprotocol, roles and paths, hosts and origins; and what strangers learn."""
+
+import asyncio
+import json
+import logging
+import time
+from pathlib import Path
+from typing import Any
+
+import aiohttp
+import pytest
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+
+from tests.support.forgeries import forgeries
+from tests.support.guarded import Guarded, ask, fresh, guarded
+from tests.support.tokens import SECRET, Keys
+
+V1 = "openrois.v1"
+
+
+async def refused(coming: Guarded, *arguments: Any, **how: Any) -> tuple[int, bytes]:
+    with pytest.raises(InvalidStatus) as answer:
+        async with coming.dial(*arguments, **how):
+            pass
+    return answer.value.response.status_code, bytes(answer.value.response.body or b"")
+
+
+def said_by_us(caplog: pytest.LogCaptureFixture) -> str:
+    """Return what the gateway's side logs; the client of these tests logs what it sends."""
+    return "".join(record.getMessage() for record in caplog.records if not record.name.startswith("websockets"))
+
+
+async def test_a_token_in_the_header_or_beside_the_subprotocol(tmp_path: Path) -> None:
+    async with guarded(tmp_path, allow_origins=("https://app.example.org",)) as coming:
+        token = fresh()
+        async with coming.dial(token) as connection:
+            assert connection.subprotocol is None
+            assert (await ask(connection, "rois.system.connect"))["result"] == {"return_code": "OK"}
+        page = "https://app.example.org"
+        async with coming.dial(offered=(V1, f"openrois.bearer.{token}"), origin=page) as connection:
+            assert connection.subprotocol == V1
+            assert (await ask(connection, "rois.system.connect"))["result"] == {"return_code": "OK"}
+        async with coming.dial(token, headers={"authorization-x": "y"}, offered=(V1,)) as connection:
+            assert connection.subprotocol == V1
+        async with coming.dial(token, origin=coming.gateway.url.rstrip("/")) as connection:
+            assert (await ask(connection, "rois.system.connect"))["result"] == {"return_code": "OK"}
+
+
+async def test_strangers_all_get_the_same_answer(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    keys = Keys()
+    table = forgeries(keys, time.time())
+    usable = {name: pair for name, pair in table.items() if pair[0].isprintable() and pair[0] == pair[0].strip()}
+    with caplog.at_level(logging.DEBUG):
+        async with guarded(tmp_path) as coming:
+            answers = {await refused(coming)}
+            for token, _ in usable.values():
+                if len(token) < 7000:
+                    answers.add(await refused(coming, token))
+            answers.add(await refused(coming, fresh(exp=True)))
+            answers.add(await refused(coming, headers={"Authorization": "Basic dTpw"}))
+            answers.add(await refused(coming, fresh(), offered=(V1, f"openrois.bearer.{fresh()}")))
+            assert answers == {(401, b"a valid token is needed\n")}
+    reasons = {line["reason"] for line in coming.audited()}
+    assert {"missing", "malformed", "algorithm", "signature", "header", "claim"} <= reasons
+    said = said_by_us(caplog) + json.dumps(coming.audited())
+    for token, _ in usable.values():
+        assert len(token) < 20 or token not in said
+    assert SECRET not in said
+
+
+@pytest.mark.parametrize("path", ["", "adapter", "anything"])
+async def test_a_token_in_the_address(path: str, tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    token = fresh()
+    queries = (f"token={token}", f"access_token={token}", "TOKEN=x", f"x={token}", f"{token}", f"x=1&bearer={token}")
+    with caplog.at_level(logging.DEBUG):
+        async with guarded(tmp_path) as coming:
+            for query in queries:
+                status, body = await refused(coming, token, path=f"{path}?{query}")
+                assert status == 400
+                assert token.encode() not in body
+            async with aiohttp.ClientSession() as session:
+                for page in ("", "healthz", "openrpc.json", "adapter"):
+                    async with session.get(f"{coming.gateway.url}{page}", params={"token": token}) as response:
+                        assert response.status == 400
+                        assert token not in await response.text()
+    assert token not in said_by_us(caplog)
+    assert token not in (tmp_path / "audit.jsonl").read_text()
+
+
+@pytest.mark.parametrize(
+    ("roles", "application", "adapter"),
+    [
+        (["viewer"], True, False),
+        (["maintenance"], True, False),
+        (["operator"], True, False),
+        (["administrator"], True, True),
+        (["adapter"], False, True),
+        (["adapter", "viewer"], True, True),
+    ],
+)
+async def test_roles_and_paths(roles: list[str], application: bool, adapter: bool, tmp_path: Path) -> None:
+    async with guarded(tmp_path) as coming:
+        for path, fits in (("", application), ("elsewhere", application), ("adapter", adapter), ("adapter?x", adapter)):
+            if fits:
+                async with coming.dial(fresh(roles=roles), path=path):
+                    pass
+            else:
+                assert await refused(coming, fresh(roles=roles), path=path) == (403, b"the token is not for this\n")
+
+
+async def test_origins_and_hosts(tmp_path: Path) -> None:
+    async with guarded(tmp_path, allow_origins=("https://app.example.org",), allow_hosts=("gw.example.org",)) as coming:
+        token = fresh()
+        bearer = (V1, f"openrois.bearer.{token}")
+        for origin in ("null", "https://evil.example", "https://evil-app.example.org", "http://app.example.org"):
+            assert (await refused(coming, token, origin=origin))[0] == 403
+            assert (await refused(coming, offered=bearer, origin=origin))[0] == 403
+        # Who offers a token as browsers do, and says no origin, is no browser.
+        assert (await refused(coming, offered=bearer))[0] == 403
+        assert (await refused(coming, offered=bearer[1:], origin="https://app.example.org"))[0] == 400
+        async with aiohttp.ClientSession() as session:
+            for host, status in (("gw.example.org", 200), ("GW.example.org:1", 200), ("evil.example", 403), ("", 403)):
+                async with session.get(f"{coming.gateway.url}healthz", headers={"Host": host}) as response:
+                    assert response.status == status, host
+            for twice in ("https://app.example.org", "https://evil.example"):
+                headers = [("Origin", "https://app.example.org"), ("Origin", twice)]
+                async with session.get(f"{coming.gateway.url}healthz", headers=headers) as response:
+                    assert response.status == 403
+
+
+async def test_without_authentication_this_machine_alone_is_answered(tmp_path: Path) -> None:
+    async with guarded(tmp_path, auth_keys=()) as coming:
+        async with coming.dial(origin="http://localhost:5173") as connection:
+            assert (await ask(connection, "rois.system.connect"))["result"] == {"return_code": "OK"}
+            answer = await ask(connection, "openrois.auth.refresh", token=fresh())
+            assert answer["result"]["return_code"] == "UNSUPPORTED"
+        async with coming.dial(offered=(V1, "openrois.bearer.whatever")) as connection:
+            assert connection.subprotocol == V1
+        assert (await refused(coming, origin="https://app.example.org"))[0] == 403
+
+
+async def test_scope_is_enforced_from_the_first_message(tmp_path: Path) -> None:
+    async with guarded(tmp_path) as coming, coming.dial(fresh(roles="viewer")) as connection:
+        answer = await ask(connection, "rois.command.bind", component_ref="lamp_1/lamp")
+        assert answer["result"]["return_code"] == "UNSUPPORTED"
+
+
+async def offer(coming: Guarded, token: str, engine_id: str, *names: str) -> ConnectionClosed | None:
+    """Come as an adapter; return how it was refused."""
+    async with coming.dial(token, path="adapter") as connection:
+        refs = [f"{engine_id}/{name}" for name in names]
+        profile = {"identifier": {"code": engine_id}, "component_ids": refs}
+        described = {ref: {"name": "a lamp", "identifier": {"code": "urn:x:lamp"}} for ref in refs}
+        try:
+            while True:
+                asked = json.loads(await connection.recv())
+                if asked["method"] == "rois.system.get_profile":
+                    result: dict[str, Any] = {"return_code": "OK", "profile": profile, "component_profiles": described}
+                    await connection.send(json.dumps({"jsonrpc": "2.0", "id": asked["id"], "result": result}))
+                elif asked["method"] == "openrois.hello":
+                    error = {"code": -32601, "message": "Method not found"}
+                    await connection.send(json.dumps({"jsonrpc": "2.0", "id": asked["id"], "error": error}))
+        except ConnectionClosed as closed:
+            return closed
+
+
+@pytest.mark.parametrize(
+    ("roles", "scope", "names", "accepted"),
+    [
+        ("adapter", ["lamp_1/*"], ("lamp", "bell"), True),
+        ("adapter", ["lamp_1/lamp"], ("lamp",), True),
+        ("adapter", ["lamp_1/lamp"], ("lamp", "bell"), False),
+        ("adapter", ["lamp_2/*"], ("lamp",), False),
+        ("adapter", [], ("lamp",), False),
+        ("adapter", ["lamp_1/lamp"], (), False),
+        ("adapter", ["lamp_1/*"], (), True),
+        ("administrator", ..., ("lamp",), True),
+        ("administrator", ["lamp_2/*"], ("lamp",), False),
+    ],
+)
+async def test_an_adapter_offers_what_its_token_is_for(
+    roles: str, scope: object, names: tuple[str, ...], accepted: bool, tmp_path: Path
+) -> None:
+    async with guarded(tmp_path) as coming:
+        attached = asyncio.Event()
+        coming.gateway.engine.on_change(attached.set)
+        coming_in = asyncio.ensure_future(offer(coming, fresh(sub="lamp", roles=roles, scope=scope), "lamp_1", *names))
+        waiting = asyncio.ensure_future(attached.wait())
+        await asyncio.wait({coming_in, waiting}, timeout=10, return_when=asyncio.FIRST_COMPLETED)
+        if accepted:
+            assert attached.is_set()
+            coming_in.cancel()
+        else:
+            closed = await coming_in
+            assert closed is not None
+            assert closed.rcvd is not None
+            assert closed.rcvd.code == 1008
+            assert "out of the scope" in closed.rcvd.reason
+            assert not attached.is_set()
+        waiting.cancel()
