@@ -8,6 +8,7 @@ property may stand in double quotes. Parsing and matching take time linear in th
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Final
 
 from openrois.errors import BadParameter
@@ -15,6 +16,12 @@ from openrois.errors import BadParameter
 __all__ = ["Comparison", "Condition", "parse_condition"]
 
 MAX_LENGTH: Final = 4096
+
+KEPT: Final = 1024
+"""Conditions that are kept as they were read, whoever asked."""
+
+KEPT_LENGTH: Final = 256
+"""Characters of a condition that may be kept."""
 
 # Every repetition is possessive (`*+`), so that nothing is ever read twice.
 _TOKEN: Final = re.compile(
@@ -70,6 +77,10 @@ def parse_condition(text: str, properties: frozenset[str]) -> Condition:
     """
     if len(text) > MAX_LENGTH:
         raise BadParameter(f"a condition has at most {MAX_LENGTH} characters")
+    return _parse_kept(text, properties) if len(text) <= KEPT_LENGTH else _parse(text, properties)
+
+
+def _parse(text: str, properties: frozenset[str]) -> Condition:
     tokens = _Tokens(text)
     comparisons: list[Comparison] = []
     if tokens.kind != "end":
@@ -80,6 +91,10 @@ def parse_condition(text: str, properties: frozenset[str]) -> Condition:
     if tokens.kind != "end":
         raise BadParameter(f"the condition goes on where it should end, at character {tokens.position}")
     return Condition(tuple(comparisons))
+
+
+# Applications ask for the same few components all the time. What cannot be read is not kept.
+_parse_kept: Final = lru_cache(maxsize=KEPT)(_parse)
 
 
 class _Tokens:

@@ -16,8 +16,10 @@ keeps, checked by one contract suite:
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any, Protocol, runtime_checkable
 
+from openrois.event_text import EventText
 from openrois.types.codes import ErrorType
 from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile
@@ -45,7 +47,7 @@ class Directory:
     component_profiles: Mapping[str, HRIComponentProfile] = field(default_factory=dict)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Event:
     """Something happened in a component. `expire` is the DateTime until which its details are kept, or empty."""
 
@@ -54,6 +56,11 @@ class Event:
     component_ref: str
     expire: str
     results: tuple[Result, ...]
+
+    @cached_property
+    def text(self) -> EventText:
+        """The event as it is told, the same for all who listen."""
+        return EventText(self.event_id, self.event_type, self.expire, self.results)
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,7 @@
 """The subscriptions of one application and the details of the events it was told."""
 
 import asyncio
+import json
 import logging
 import time
 from collections import deque
@@ -14,7 +15,7 @@ from openrois.engine import Engine
 from openrois.errors import BadParameter, EngineUnreachable, OutOfResources
 from openrois.jsonrpc.session import Reply
 from openrois.remembered import Remembered
-from openrois.types.messages import EventNotification, Result, SubscribeResult
+from openrois.types.messages import Result, SubscribeResult
 from openrois.types.references import new_id
 from openrois.types.streams import StreamStatusNotification
 from openrois.types.values import date_time, read_date_time
@@ -33,7 +34,7 @@ MAX_DATE_TIME: Final = 64
 _STATUS_EVENT: Final = "notify_stream_status"
 
 
-@dataclass
+@dataclass(eq=False)
 class _Subscription:
     """One subscription; events that come before its reply has left are held back until then."""
 
@@ -45,14 +46,15 @@ class _Subscription:
     dropped: bool = False
     held: deque[Event] = field(default_factory=lambda: deque(maxlen=MAX_HELD))
 
+    def __post_init__(self) -> None:
+        self.as_json = json.dumps(self.subscribe_id)
+
 
 @dataclass(slots=True)
 class _Told:
     """What was told, and when, by both clocks."""
 
-    component_ref: str
-    results: tuple[Result, ...]
-    expire: str
+    event: Event
     at: float
     wall: float
 
@@ -159,9 +161,9 @@ class EventLog:
             BadParameter: it was never told, or too long ago, or is out of scope by now.
         """
         told = self._details.get(event_id)
-        if told is None or self._is_over(told) or not sees(told.component_ref):
+        if told is None or self._is_over(told) or not sees(told.event.component_ref):
             raise BadParameter(f"there are no details of an event {event_id[:200]!r}")
-        return told.results
+        return told.event.results
 
     def _is_over(self, told: _Told) -> bool:
         """Tell whether the details have expired: when the event says, or a while after it was told.
@@ -169,7 +171,7 @@ class EventLog:
         How long that is was settled when it was told: the wall clock may have been set since.
         """
         try:
-            expire = read_date_time(told.expire)
+            expire = read_date_time(told.event.expire[:MAX_DATE_TIME])
         except ValueError:
             return self._clock() >= told.at + DETAIL_LIFETIME
         if expire.tzinfo is None:
@@ -206,15 +208,6 @@ class EventLog:
             subscription.held.append(item)
 
     def _tell(self, subscription: _Subscription, event: Event) -> None:
-        told = _Told(
-            event.component_ref, event.results, event.expire[:MAX_DATE_TIME], self._clock(), self._wall_clock()
-        )
+        told = _Told(event, self._clock(), self._wall_clock())
         self._details.put(event.event_id, told, event.results)
-        notification = EventNotification(
-            event_id=event.event_id,
-            event_type=event.event_type,
-            subscribe_id=subscription.subscribe_id,
-            expire=event.expire,
-            results=event.results,
-        )
-        self._notify("rois.event.notify_event", notification.model_dump(mode="json"), droppable=True)
+        self._notify("rois.event.notify_event", event.text.told_to(subscription.as_json), droppable=True)

@@ -3,7 +3,7 @@
 from typing import Final
 
 from openrois.application import ApplicationSession
-from openrois.condition import Condition, parse_condition
+from openrois.condition import parse_condition
 from openrois.errors import BadParameter
 from openrois.interfaces import stream
 from openrois.interfaces.operation import operation
@@ -25,23 +25,28 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
 
     async def query(params: QueryParams) -> ResultsResult:
         name = params.query_type
-        properties = COMPONENT_PROPERTIES | {"stream_id"} if name == _STREAM_STATUS else COMPONENT_PROPERTIES
-        condition = parse_condition(params.condition, properties)
+        if name == _STREAM_STATUS:
+            return ResultsResult(results=await _stream_status(app, params.condition))
+        condition = parse_condition(params.condition, COMPONENT_PROPERTIES)
         if name == _COMPONENT_STATUS and app.engine.has_lost(condition.value_of("component_ref")):
             return ResultsResult(results=(_FAILING,))
-        component_ref = the_one(app.engine, condition.without("stream_id"), lambda profile: profile.has_query(name))
-        if name == _STREAM_STATUS and stream.has_streams(app, component_ref):
-            return ResultsResult(results=await _stream_status(app, component_ref, condition))
-        if condition.value_of("stream_id") is not None:
-            raise BadParameter("the component's engine cannot tell one stream from another")
+        component_ref = the_one(app.engine, condition, lambda profile: profile.has_query(name))
         return ResultsResult(results=await app.engine.query(component_ref, name))
 
     return {"rois.query.query": operation(QueryParams, ResultsResult, query)}
 
 
-async def _stream_status(app: ApplicationSession, component_ref: str, condition: Condition) -> tuple[Result, ...]:
+async def _stream_status(app: ApplicationSession, text: str) -> tuple[Result, ...]:
     """Answer get_stream_status; a query has no arguments, so the stream_id stands in the condition."""
+    condition = parse_condition(text, COMPONENT_PROPERTIES | {"stream_id"})
     stream_id = condition.value_of("stream_id")
+    component_ref = the_one(
+        app.engine, condition.without("stream_id"), lambda profile: profile.has_query(_STREAM_STATUS)
+    )
+    if not stream.has_streams(app, component_ref):
+        if stream_id is not None:
+            raise BadParameter("the component's engine cannot tell one stream from another")
+        return await app.engine.query(component_ref, _STREAM_STATUS)
     if stream_id is None:
         raise BadParameter("say which stream: ... AND stream_id = '...'")
     status = await stream.query_status(app, stream_id, component_ref)

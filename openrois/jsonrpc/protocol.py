@@ -39,8 +39,8 @@ METHOD_NOT_FOUND: Final = -32601
 INVALID_PARAMS: Final = -32602
 INTERNAL_ERROR: Final = -32603
 
-Params = BaseModel | Mapping[str, Any]
-"""What stands in `params` of a message of ours."""
+Params = BaseModel | Mapping[str, Any] | str
+"""What stands in `params` of a message of ours; a `str` is the JSON text of it."""
 
 RequestId = str | int | float | None
 """What may stand in `id`. `bool` is excluded although Python counts it as an `int`."""
@@ -181,7 +181,9 @@ class Peer:
 
     @staticmethod
     def notification(method: str, params: Params) -> str:
-        """Return the text that tells `method`."""
+        """Return the text that tells `method`, which is one of our own names."""
+        if isinstance(params, str):
+            return f'{{"jsonrpc":"2.0","method":"{method}","params":{params}}}'
         return encode({"jsonrpc": "2.0", "method": method, "params": params})
 
     @staticmethod

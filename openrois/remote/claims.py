@@ -1,6 +1,7 @@
 """What a remote engine says it is, and whether what it does is that."""
 
 import logging
+from collections.abc import Mapping
 from typing import Final, Literal
 
 from openrois.contract import Directory
@@ -17,7 +18,7 @@ from openrois.types.profiles import (
 from openrois.types.references import engine_of
 from openrois.types.values import check_value
 
-__all__ = ["Claims", "Kind", "first_misfit"]
+__all__ = ["Claims", "Kind", "first_misfit", "promise_of"]
 
 Kind = Literal["command", "query", "event", "parameters"]
 
@@ -32,12 +33,25 @@ class Claims:
     """The latest profile of a remote engine. Ids of other engines are refused; results that do not fit are counted."""
 
     def __init__(self) -> None:
-        self.directory: Directory | None = None
+        self._directory: Directory | None = None
+        self._engine_ids: frozenset[str] = frozenset()
+        self._promises: dict[tuple[str, Kind, str], Mapping[str, str]] = {}
         self._misfits = Tally(_log, "results that do not fit their component's profile")
+
+    @property
+    def directory(self) -> Directory | None:
+        """What the engine says that it offers; None before it has said so."""
+        return self._directory
+
+    @directory.setter
+    def directory(self, directory: Directory) -> None:
+        self._directory = directory
+        self._engine_ids = frozenset(directory.profile.engine_ids())
+        self._promises.clear()
 
     def is_own(self, reference: str) -> bool:
         """Tell whether a reference or id is led by the engine or one below it."""
-        return self.directory is not None and engine_of(reference) in self.directory.profile.engine_ids()
+        return engine_of(reference) in self._engine_ids
 
     def require_own(self, minted: str) -> None:
         """Raise `ComponentFailed` where the engine minted an id that is led by another."""
@@ -58,14 +72,23 @@ class Claims:
 
     def note(self, component_ref: str, kind: Kind, message: str, results: tuple[Result, ...]) -> None:
         """Count results of a message that are not what the component's profile promised."""
-        profile = self.profile(component_ref)
-        if profile is not None and (misfit := first_misfit(profile, kind, message, results)) is not None:
+        if (promise := self._promise(component_ref, kind, message)) is None:
+            return
+        if (misfit := first_misfit(promise, results)) is not None:
             self._misfits.note(f"{component_ref} {message}: {misfit}")
 
+    def _promise(self, component_ref: str, kind: Kind, message: str) -> Mapping[str, str] | None:
+        """Return the results of a message and their types; what the profile does not name is not kept."""
+        promise = self._promises.get((component_ref, kind, message))
+        if promise is None and (profile := self.profile(component_ref)) is not None:
+            promise = promise_of(profile, kind, message)
+            if promise:
+                self._promises[component_ref, kind, message] = promise
+        return promise
 
-def first_misfit(profile: HRIComponentProfile, kind: Kind, message: str, results: tuple[Result, ...]) -> str | None:
-    """Return what is wrong with the first of a message's results that does not fit, or None; one may be missing."""
-    types = {promised.name: promised.data_type_ref.code for promised in _promised(profile, kind, message)}
+
+def first_misfit(types: Mapping[str, str], results: tuple[Result, ...]) -> str | None:
+    """Return what is wrong with the first result that does not fit its type, or None; one may be missing."""
     for result in results:
         if result.name not in types:
             return f"a result {result.name[:80]!r} that the profile does not name"
@@ -74,6 +97,11 @@ def first_misfit(profile: HRIComponentProfile, kind: Kind, message: str, results
         except ValueError as error:
             return f"{result.name[:80]}: {error}"
     return None
+
+
+def promise_of(profile: HRIComponentProfile, kind: Kind, message: str) -> dict[str, str]:
+    """Return the results of a message and their types; none where the profile does not name the message."""
+    return {each.name: each.data_type_ref.code for each in _promised(profile, kind, message)}
 
 
 def _promised(profile: HRIComponentProfile, kind: Kind, message: str) -> tuple[ParameterProfile, ...]:

@@ -56,6 +56,9 @@ _FAILED: Final[dict[CompletedStatus, type[RoISError]]] = {
 }
 
 
+_READ_EVENT: Final = EventNotification.__pydantic_validator__.validate_python
+
+
 class RemoteProxy:
     """The five methods, asked over an `RpcSession` that somebody else runs.
 
@@ -131,7 +134,7 @@ class RemoteProxy:
         self.accepts(directory)
         self._claims.directory = directory
         self._subscriptions.keep_only(profiles, SubscriptionLost("the component is gone"))
-        return self._claims.directory
+        return directory
 
     async def _hello(self, profile: HRIEngineProfile) -> None:
         params = {"version": EXTENSION_VERSION, "extensions": list(EXTENSIONS)}
@@ -271,7 +274,7 @@ class RemoteProxy:
             self._commands.take_reason(told.command_id, line)
 
     def _take_event(self, params: dict[str, Any]) -> None:
-        told = EventNotification.model_validate(params)
+        told: EventNotification = _READ_EVENT(params)
         key = self._subscriptions.key_of(told.subscribe_id)
         if key is None:
             return

@@ -1,8 +1,8 @@
 """Subscriptions and event details of one application, where things happen at the wrong moment."""
 
 import asyncio
+import json
 from collections.abc import Callable
-from typing import Any
 
 import pytest
 
@@ -59,7 +59,8 @@ class Setting:
         self.expire = ""
         self.log = EventLog(self.bus, self._notify, lambda: self.now, lambda: self.wall)
 
-    def _notify(self, method: str, params: dict[str, Any], *, droppable: bool) -> None:
+    def _notify(self, method: str, text: str, *, droppable: bool) -> None:
+        params = json.loads(text)
         assert (method, droppable) == ("rois.event.notify_event", True)
         self.told.append((params["subscribe_id"], params["event_id"]))
         self.expire = params["expire"]

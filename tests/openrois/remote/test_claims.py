@@ -2,7 +2,7 @@
 
 import pytest
 
-from openrois.remote.claims import Kind, first_misfit
+from openrois.remote.claims import Kind, first_misfit, promise_of
 from openrois.types.messages import Result
 from openrois.types.profiles import (
     CommandMessageProfile,
@@ -37,12 +37,16 @@ def result(name: str, value: str) -> Result:
     return Result(name=name, data_type_ref="whatever", value=value)
 
 
+def misfit(kind: Kind, message: str, results: tuple[Result, ...]) -> str | None:
+    return first_misfit(promise_of(PROFILE, kind, message), results)
+
+
 @pytest.mark.parametrize(
     "results", [(), (result("level", "5"),), (result("note", "x"), result("level", "-1"), result("note", ""))]
 )
 def test_what_fits(results: tuple[Result, ...]) -> None:
     for kind, message in MESSAGES:
-        assert first_misfit(PROFILE, kind, message, results) is None
+        assert misfit(kind, message, results) is None
 
 
 @pytest.mark.parametrize(
@@ -54,14 +58,14 @@ def test_what_fits(results: tuple[Result, ...]) -> None:
 )
 def test_what_does_not(results: tuple[Result, ...], words: str) -> None:
     for kind, message in MESSAGES:
-        assert words in (first_misfit(PROFILE, kind, message, results) or "")
+        assert words in (misfit(kind, message, results) or "")
 
 
 def test_a_message_that_was_never_promised() -> None:
-    assert first_misfit(PROFILE, "command", "explode", ()) is None
-    assert first_misfit(PROFILE, "command", "explode", (result("level", "5"),)) is not None
+    assert misfit("command", "explode", ()) is None
+    assert misfit("command", "explode", (result("level", "5"),)) is not None
 
 
 def test_messages_of_one_name_and_two_kinds() -> None:
-    assert first_misfit(PROFILE, "query", "look", (result("level", "5"),)) is None
-    assert first_misfit(PROFILE, "event", "look", (result("level", "5"),)) is not None
+    assert misfit("query", "look", (result("level", "5"),)) is None
+    assert misfit("event", "look", (result("level", "5"),)) is not None
