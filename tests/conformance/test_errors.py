@@ -364,7 +364,7 @@ class TestEngines:
     ) -> None:
         """A bug in between is the gateway's own fault, and the connection goes on."""
         await app.code("rois.system.connect")
-        monkeypatch.setattr("openrois.remote.proxy.EventNotification", None)
+        monkeypatch.setattr("openrois.remote.proxy._READ_EVENT", None)
         await app.ask("rois.event.subscribe", event_type="switched")
         await app.code("rois.command.bind", component_ref=LAMP)
         await execute(app, LAMP, "switch")
