@@ -2,20 +2,24 @@
 
 import asyncio
 import json
-from collections.abc import AsyncIterator, Callable, Mapping
+from collections.abc import AsyncIterator, Callable, Collection, Mapping
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import Any, Final, cast
 
 from openrois.access.principal import Principal, Role
 from openrois.application import EngineHost
+from openrois.catalog.basic import BASIC_COMPONENTS
+from openrois.catalog.component_type import ComponentType
 from openrois.contract import Client, Sink
 from openrois.engine import Engine
 from openrois.gateway.applications import serve_application
-from openrois.transport.memory import MemoryStream, memory_pair
+from openrois.registry import LocalRegistry
+from openrois.transport.memory import memory_pair
+from openrois.transport.stream import MessageStream
 from openrois.types.messages import Argument, Result
 from openrois.types.streams import HolderNotification
-from tests.support.fleet import everything
+from tests.support.fleet import Part, Robot
 from tests.support.streams import FakeStreams
 from tests.support.wire import hosted
 
@@ -30,14 +34,19 @@ def principal(role: Role | str | None, *scope: str, subject: str = "somebody") -
 
 
 class Watched:
-    """A robot with all seventeen components as a bus that notes what is reached.
+    """A robot of basic components as a bus that notes what is reached.
+
+    Args:
+        engine_id: its name.
+        kinds: the types of its components; all seventeen, unless others are given.
 
     Attributes:
         reached: what was called here, and of which component.
     """
 
-    def __init__(self, engine_id: str) -> None:
-        self.robot = everything(engine_id)
+    def __init__(self, engine_id: str, kinds: Collection[ComponentType] = BASIC_COMPONENTS) -> None:
+        parts = {kind.code: Part(kind) for kind in kinds}
+        self.robot = Robot(LocalRegistry(engine_id, cast(Any, parts.values())), parts)
         self.streams = FakeStreams(engine_id)
         self.reached: list[tuple[str, str]] = []
         self.extension = self
@@ -76,13 +85,13 @@ class Watched:
 
 @dataclass
 class Wire:
-    """An application that is nothing but texts.
+    """An application that is nothing but texts, which are sent and received in memory or over a socket.
 
     Attributes:
         frames: everything that came and was not looked at yet.
     """
 
-    stream: MemoryStream
+    stream: MessageStream
     frames: list[str] = field(default_factory=list)
     _numbers: int = 0
 
@@ -157,11 +166,12 @@ class Place:
 
 
 @asynccontextmanager
-async def place(*engine_ids: str) -> AsyncIterator[Place]:
-    """Run a gateway with a robot for each id."""
-    robots = {engine_id: Watched(engine_id) for engine_id in engine_ids}
+async def place(*robots: str | Watched) -> AsyncIterator[Place]:
+    """Run a gateway with robots; one that is given by its id has all seventeen components."""
+    watched = [Watched(robot) if isinstance(robot, str) else robot for robot in robots]
     engine = Engine("gateway")
-    for robot in robots.values():
+    for robot in watched:
         await engine.attach(robot)
     async with AsyncExitStack() as stack:
-        yield Place(await stack.enter_async_context(hosted(engine)), robots)
+        host = await stack.enter_async_context(hosted(engine))
+        yield Place(host, {robot.robot.engine_id: robot for robot in watched})
