@@ -70,6 +70,7 @@ class Traffic:
         latencies: of the requests of applications.
         call_latencies: of our calls to adapters.
         turned_away: how many connections were refused, by reason; the reasons are this program's own words.
+        closed: how many connections ended with each code of the WebSocket protocol.
     """
 
     def __init__(self) -> None:
@@ -78,6 +79,7 @@ class Traffic:
         self.latencies = Latencies()
         self.call_latencies = Latencies()
         self.turned_away: dict[str, int] = {}
+        self.closed: dict[int, int] = {}
 
     @contextmanager
     def counted(self, kind: str, session: RpcSession, subscriptions: Callable[[], int] = int) -> Iterator[None]:
@@ -98,6 +100,8 @@ class Traffic:
         finally:
             living.remove(entry)
             ended.add_sums(session)
+            code = session.closed.code if session.closed is not None else 1006
+            self.closed[code] = self.closed.get(code, 0) + 1
 
     def turn_away(self, reason: str) -> None:
         """Count a connection that was refused."""

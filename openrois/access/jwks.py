@@ -72,6 +72,12 @@ class KeySetCache:
             raise KeysUnavailable
         return ()
 
+    def is_usable(self) -> bool:
+        """Tell whether there are keys; where there are none they are fetched, if that was not tried just now."""
+        if not self._usable():
+            self._begin()
+        return bool(self._usable())
+
     def _usable(self) -> Mapping[str, VerificationKey]:
         return self._keys if self._clock() - self._fetched < KEPT else {}
 

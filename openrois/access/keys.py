@@ -78,6 +78,10 @@ class KeySource(Protocol):
         """
         ...
 
+    def is_usable(self) -> bool:
+        """Tell whether there are keys now; where there are none they are asked for meanwhile."""
+        ...
+
 
 class StoredKeys:
     """Keys that were read from files. They have no names: a token is tried with each that is for its algorithm.
@@ -92,6 +96,10 @@ class StoredKeys:
     async def find(self, key_id: str) -> tuple[VerificationKey, ...]:
         """Return all of them, whatever the token calls its own."""
         return self.keys
+
+    def is_usable(self) -> bool:
+        """Tell whether there are any."""
+        return bool(self.keys)
 
 
 def parse_key(text: str) -> VerificationKey:

@@ -2,7 +2,7 @@
 
 import asyncio
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import accumulate
 from typing import Any, Final
 
@@ -17,6 +17,7 @@ from openrois.traffic import Seen
 
 __all__ = ["FIGURES", "HISTOGRAMS", "figures"]
 
+_CODES: Final = frozenset({*range(1000, 1016), 4401})
 KINDS: Final = ("application", "adapter")
 
 CONNECTION: Final[tuple[Figure[Seen], ...]] = (
@@ -91,6 +92,27 @@ GATEWAY: Final[tuple[Figure[EngineHost], ...]] = (
         "Unfinished commands that there may be.",
         lambda h: h.commands.most,
     ),
+    Figure(
+        "openrois_gateway_journal_waiting",
+        "gauge",
+        "Journal records that wait to be written.",
+        lambda h: h.journal.waiting,
+    ),
+    Figure(
+        "openrois_gateway_journal_lost_total", "counter", "Journal records that were lost.", lambda h: h.journal.lost
+    ),
+    Figure(
+        "openrois_gateway_journal_failures_total",
+        "counter",
+        "Attempts to write the journal that failed.",
+        lambda h: h.journal.failures,
+    ),
+    Figure(
+        "openrois_gateway_journal_late_total",
+        "counter",
+        "Commands accepted before they were in the journal.",
+        lambda h: h.journal.late,
+    ),
     Figure("openrois_gateway_tasks", "gauge", "Tasks of the event loop.", lambda _h: len(asyncio.all_tasks())),
     Figure("openrois_gateway_threads", "gauge", "Threads of the process.", lambda _h: threading.active_count()),
     Figure("openrois_gateway_refusals_total", "counter", "Refusals in the audit trail.", lambda h: h.audit.refusals),
@@ -139,12 +161,17 @@ TURNED_AWAY: Final[tuple[Figure[int], ...]] = (
 )
 """With the label `reason`."""
 
+CLOSED: Final[tuple[Figure[int], ...]] = (
+    Figure("openrois_gateway_closed_connections_total", "counter", "Connections that ended, by close code.", float),
+)
+"""With the label `code`."""
+
 ADAPTER: Final[tuple[Figure[int], ...]] = (
     Figure("openrois_gateway_adapter_up", "gauge", "1 for each engine that is attached.", float),
 )
 """With the label `engine`."""
 
-FIGURES: Final[tuple[Figure[Any], ...]] = (*CONNECTION, *GATEWAY, *LAG, *LIMITS, *TURNED_AWAY, *ADAPTER)
+FIGURES: Final[tuple[Figure[Any], ...]] = (*CONNECTION, *GATEWAY, *LAG, *LIMITS, *TURNED_AWAY, *CLOSED, *ADAPTER)
 
 HISTOGRAMS: Final = {
     "openrois_gateway_request_seconds": "Time from a request of an application to its reply, by method.",
@@ -172,9 +199,18 @@ def _families(host: EngineHost, lag: LoopLag, connections_limit: int) -> Iterato
     yield from families(LAG, (), [((), lag)])
     yield from families(LIMITS, (), [((), connections_limit)])
     yield from families(TURNED_AWAY, ("reason",), [((why,), count) for why, count in traffic.turned_away.items()])
+    yield from families(CLOSED, ("code",), [((code,), count) for code, count in _codes(traffic.closed)])
     yield from families(ADAPTER, ("engine",), [((engine_id,), 1) for engine_id in _engines(host)])
     for name, latencies in zip(HISTOGRAMS, (traffic.latencies, traffic.call_latencies), strict=True):
         yield _histogram(name, latencies)
+
+
+def _codes(closed: Mapping[int, int]) -> Iterator[tuple[str, int]]:
+    """Give the codes that the protocol and this project know; the other side may close with any."""
+    known = {code: count for code, count in closed.items() if code in _CODES}
+    yield from ((str(code), count) for code, count in sorted(known.items()))
+    if (others := sum(closed.values()) - sum(known.values())) > 0:
+        yield "other", others
 
 
 def _engines(host: EngineHost) -> list[str]:

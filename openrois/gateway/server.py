@@ -18,6 +18,7 @@ from openrois.gateway.adapters import serve_adapter
 from openrois.gateway.admission import guard
 from openrois.gateway.applications import serve_application
 from openrois.gateway.entrance import Entrance
+from openrois.gateway.health import Readiness, healthz, readyz
 from openrois.gateway.ice import IceServers
 from openrois.gateway.metrics import figures
 from openrois.gateway.page import page_response
@@ -91,7 +92,14 @@ async def run_gateway(
             Engine(settings.engine_id), tasks, ice_servers=ice.servers, ice_ttl=ice.ttl, audit=audit, journal=journal
         )
         entrance = Entrance.open(settings, audit, tasks, host.traffic.turn_away)
-        server = _Server(host, entrance, settings.adapter_timeout, application, adapter)
+        readiness = Readiness()
+        readiness.require("audit trail", lambda: audit.is_kept)
+        readiness.require("journal", lambda: not journal.failing)
+        if (verifier := entrance.admission.verifier) is not None:
+            readiness.require("keys for tokens", verifier.keys.is_usable)
+        server = _Server(
+            host, entrance, readiness, settings.metrics_token, settings.adapter_timeout, application, adapter
+        )
         runner = web.AppRunner(server.app, access_log=None, logger=_http, shutdown_timeout=_SHUTDOWN_TIMEOUT)
         await runner.setup()
         stack.push_async_callback(runner.cleanup)
@@ -118,6 +126,8 @@ class _Server:
         self,
         host: EngineHost,
         entrance: Entrance,
+        readiness: Readiness,
+        metrics_token: str,
         adapter_timeout: float,
         application: SocketProfile,
         adapter: SocketProfile,
@@ -128,14 +138,13 @@ class _Server:
         self._application_profile = application
         self._adapter_profile = adapter
         self._sockets: set[ServerSocket] = set()
+        readiness.require("room for connections", lambda: len(self._sockets) < MAX_CONNECTIONS)
         self.app = web.Application(middlewares=[guard(entrance.admission)])
-        self.app.router.add_get("/healthz", self._healthz)
+        self.app.router.add_get("/healthz", healthz)
+        self.app.router.add_get("/readyz", partial(readyz, readiness, metrics_token))
         self.app.router.add_get("/adapter", self._adapter)
         self.app.router.add_get("/{path:.*}", self._page_or_application)
         self.app.on_shutdown.append(self._close_all)
-
-    async def _healthz(self, _request: web.Request) -> web.Response:
-        return web.json_response({"status": "ok", "engines": list(self._host.engine.directory.profile.engine_ids())})
 
     async def _page_or_application(self, request: web.Request) -> web.StreamResponse:
         if _wants_websocket(request):

@@ -108,6 +108,11 @@ class RpcSession:
         self._answered = 0
 
     @property
+    def closed(self) -> StreamClosed | None:
+        """Why the connection ended; None while it lives."""
+        return self._closed
+
+    @property
     def running(self) -> int:
         """How many requests are being served."""
         return self.requests - self._answered

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from typing import Final
 from urllib.parse import urlsplit
 
-import aiohttp
 from openrois_streaming.clock import SystemClock
 from openrois_streaming.codecs import H264
 
 from openrois.bench.conditions import conditions, load
 from openrois.bench.errors import BenchFailed, within
 from openrois_avatar.bench.adapter import COMPONENT_REF, ENGINE_ID, Show
+from openrois_avatar.bench.application import Application, application
 from openrois_avatar.bench.browser import chromium_version, watch_in_chromium
 from openrois_avatar.bench.latency_report import SINK, LatencyReport
 from openrois_avatar.bench.observation import Observation, Order, Sightings
@@ -129,17 +129,14 @@ async def avatar(width: int, height: int, fps: float = 30, show: Show = "bars") 
 
 async def _attached(host: str, adapter: asyncio.subprocess.Process, said: Output) -> None:
     """Wait until the gateway knows the adapter."""
-    async with within(_START_TIMEOUT, "the start of the adapter"), aiohttp.ClientSession() as client:
-        while ENGINE_ID not in await _engines(client, host):
+    async with within(_START_TIMEOUT, "the start of the adapter"), application(f"ws://{host}/") as asking:
+        while ENGINE_ID not in await _engines(asking):
             if adapter.returncode is not None:
                 raise BenchFailed(f"the adapter does not start: {said.last_words}")
             await asyncio.sleep(0.1)
 
 
-async def _engines(client: aiohttp.ClientSession, host: str) -> list[str]:
-    try:
-        async with client.get(f"http://{host}/healthz") as health:
-            engines: list[str] = (await health.json())["engines"]
-    except aiohttp.ClientError as error:
-        raise BenchFailed(f"the gateway does not answer: {error}") from error
-    return engines
+async def _engines(asking: Application) -> list[str]:
+    """Return the ids of the engines behind the gateway."""
+    profile = (await asking.ask("rois.system.get_profile"))["profile"]
+    return [below["identifier"]["code"] for below in profile.get("sub_profiles", ())]

@@ -66,6 +66,12 @@ async def test_what_happened_is_counted(gateway: Gateway) -> None:
     assert found["openrois_gateway_connections_total"][application] == 1
     assert found["openrois_gateway_requests_total"][application] == 4
     assert found["openrois_gateway_subscriptions"][application] == 0
+    assert sum(found["openrois_gateway_closed_connections_total"].values()) >= 1
+
+
+def test_codes_that_nobody_knows_are_one() -> None:
+    assert list(metrics._codes({1000: 2, 4401: 1, 4999: 3, 3000: 1})) == [("1000", 2), ("4401", 1), ("other", 4)]
+    assert list(metrics._codes({})) == []
 
 
 async def test_an_unknown_method_makes_no_label(gateway: Gateway) -> None:
@@ -81,7 +87,7 @@ async def test_every_figure_is_there_and_in_the_table_for_operators(gateway: Gat
     listed = [line.split("|")[1:4] for line in page.splitlines() if line.startswith("| `openrois_gateway_")]
     assert [tuple(cell.strip() for cell in cells) for cells in listed] == rows()
     found = await scraped(gateway)
-    labelled = {figure.name for figure in (*metrics.TURNED_AWAY, *metrics.ADAPTER)}
+    labelled = {figure.name for figure in (*metrics.TURNED_AWAY, *metrics.CLOSED, *metrics.ADAPTER)}
     assert {figure.name for figure in FIGURES} - labelled <= set(found)
     for figure in FIGURES:
         assert figure.name.endswith("_total") is (figure.kind == "counter")

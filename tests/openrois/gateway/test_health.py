@@ -1,0 +1,62 @@
+"""Whether a gateway is ready, truthfully; and why not, to its owner alone."""
+
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import aiohttp
+import pytest
+
+from openrois.gateway.health import Readiness
+from openrois.gateway.server import Gateway
+from tests.support import deployment
+
+TOKEN = "s" * 16
+
+
+async def asked(gateway: Gateway, path: str, **headers: str) -> tuple[int, dict[str, Any]]:
+    async with aiohttp.ClientSession() as http, http.get(gateway.url + path, headers=headers) as answer:
+        return answer.status, await answer.json()
+
+
+def test_what_is_lacking() -> None:
+    readiness = Readiness()
+    assert readiness.lacking() == []
+    doors = {"front": True, "back": False}
+    for name in doors:
+        readiness.require(name, partial(doors.__getitem__, name))
+    assert readiness.lacking() == ["back"]
+    doors["back"] = True
+    assert readiness.lacking() == []
+
+
+async def test_a_gateway_that_is_full_is_not_ready(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("openrois.gateway.server.MAX_CONNECTIONS", 1)
+    async with deployment.gateway(metrics_token=TOKEN) as gateway:
+        assert await asked(gateway, "readyz") == (200, {"status": "ready"})
+        async with deployment.application(gateway) as app:
+            await app.ask("rois.system.connect")
+            lacking = {"status": "not ready", "lacking": ["room for connections"]}
+            silent = {"status": "not ready"}
+            assert await asked(gateway, "readyz") == (503, lacking)
+            assert await asked(gateway, "readyz", **{"X-Forwarded-For": "203.0.113.5"}) == (503, silent)
+            passed_on = {"Forwarded": "for=203.0.113.5", "Authorization": f"Bearer {TOKEN}"}
+            assert await asked(gateway, "readyz", **passed_on) == (503, lacking)
+            passed_on["Authorization"] = "Bearer " + "t" * 16
+            assert await asked(gateway, "readyz", **passed_on) == (503, silent)
+            assert await asked(gateway, "healthz") == (200, {"status": "ok"})
+
+
+async def test_a_gateway_without_keys_asks_for_them(tmp_path: Path) -> None:
+    keys = tmp_path / "keys.json"
+    async with deployment.gateway(auth_jwks_file=keys) as gateway:
+        assert await asked(gateway, "readyz") == (503, {"status": "not ready", "lacking": ["keys for tokens"]})
+
+
+def test_the_table_for_operators_lists_what_may_lack() -> None:
+    page = (Path(__file__).parents[3] / "docs" / "operating.md").read_text(encoding="utf-8")
+    table = page.partition("| `lacking` |")[2].partition("\n\n")[0]
+    listed = {line.split("`")[1] for line in table.splitlines() if line.startswith("| `")}
+    source = (Path(__file__).parents[3] / "openrois" / "gateway" / "server.py").read_text(encoding="utf-8")
+    required = {part.partition('"')[0] for part in source.split('readiness.require("')[1:]}
+    assert listed == required
