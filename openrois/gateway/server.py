@@ -30,7 +30,7 @@ from openrois.loop_lag import LoopLag
 from openrois.metrics.server import metrics_address, serving_metrics
 from openrois.schema import openrpc
 from openrois.tasks import TaskScope
-from openrois.transport.stream import MessageStream
+from openrois.transport.stream import MessageStream, StreamClosed
 
 __all__ = ["Gateway", "run_gateway"]
 
@@ -184,7 +184,11 @@ class _Server:
             self._host.traffic.turn_away("full")
             raise web.HTTPServiceUnavailable(text="the gateway has as many connections as it takes\n")
         socket = ServerSocket(request, profile)
-        await socket.prepare()
+        try:
+            await socket.prepare()
+        except StreamClosed:
+            # aiohttp needs an answer, and drops it: there is nobody any more.
+            return web.Response()
         self._sockets.add(socket)
         pinging = asyncio.ensure_future(socket.keep_alive())
         try:

@@ -63,8 +63,15 @@ class ServerSocket:
         self._ended: StreamClosed | None = None
 
     async def prepare(self) -> None:
-        """Answer the upgrade."""
-        await self.response.prepare(self._request)
+        """Answer the upgrade.
+
+        Raises:
+            StreamClosed: whoever asked for it has gone.
+        """
+        try:
+            await self.response.prepare(self._request)
+        except ConnectionError as error:
+            raise StreamClosed(1006) from error
 
     async def keep_alive(self) -> None:
         """Ping for ever; a side that stays silent after a ping is cut off: it may not read a close frame either."""
@@ -92,12 +99,18 @@ class ServerSocket:
                 text: str = message.data
                 return text
             if message.type is WSMsgType.PING:
-                await self.response.pong(message.data)
+                await self._pong(message.data)
             elif message.type is WSMsgType.BINARY:
                 await self.close(WSCloseCode.UNSUPPORTED_DATA, "text messages only")
                 raise StreamClosed(WSCloseCode.UNSUPPORTED_DATA, "text messages only")
             elif message.type is not WSMsgType.PONG:
                 raise self._closed_by(message)
+
+    async def _pong(self, data: bytes) -> None:
+        try:
+            await self.response.pong(data)
+        except ConnectionError as error:
+            raise StreamClosed(1006) from error
 
     def _closed_by(self, message: WSMessage) -> StreamClosed:
         """Return how the connection ended; aiohttp takes one that broke for one that was closed in good order."""

@@ -2,10 +2,13 @@
 
 import asyncio
 import json
+import random
 import socket
+import struct
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 from typing import Any
+from urllib.parse import urlsplit
 
 import pytest
 from aiohttp import ClientSession
@@ -345,3 +348,28 @@ class TestPings:
 
 async def test_the_default_bounds() -> None:
     assert (APPLICATION.max_message, APPLICATION.ping_interval, APPLICATION.ping_timeout) == (64 * KIB, 4, 5)
+
+
+@pytest.mark.parametrize("seed", range(20))
+async def test_whoever_leaves_in_the_middle_of_the_handshake_leaves_no_trace(
+    gateway: Gateway, app: Application, caplog: pytest.LogCaptureFixture, seed: int
+) -> None:
+    chance = random.Random(seed)
+    loop = asyncio.get_running_loop()
+    url = urlsplit(gateway.url)
+    upgrade = (
+        f"GET /{chance.choice(['', 'adapter'])} HTTP/1.1\r\nHost: {url.netloc}\r\nUpgrade: websocket\r\n"
+        "Connection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n"
+    )
+    pings = b"\x89\x80" + bytes(4)
+    said = upgrade.encode() + pings * chance.randrange(40)
+    for _ in range(4):
+        with socket.socket() as near:
+            near.setblocking(False)
+            near.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+            await loop.sock_connect(near, (url.hostname, url.port))
+            await loop.sock_sendall(near, said[: chance.randint(1, len(said))])
+            for _ in range(chance.randrange(4)):
+                await asyncio.sleep(0)
+    await app.settled()
+    assert not [record for record in caplog.records if record.exc_info]
