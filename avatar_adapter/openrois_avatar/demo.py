@@ -8,9 +8,8 @@ import sys
 from collections.abc import Awaitable, Sequence
 from typing import Final
 
-from openrois.jsonrpc.session import RpcSession
 from openrois.logs import set_up_logging
-from openrois.transport.websocket import dial
+from openrois_avatar.attendance import Attendance
 from openrois_avatar.link_options import add_link_options, link_arguments
 from openrois_avatar.network_options import add_host_options, host_arguments
 from openrois_avatar.process import Program, ProgramFailed
@@ -78,11 +77,13 @@ async def _run(port: int, engine: str, more: Sequence[str], of_avatar: Sequence[
 
 
 async def _keep_running(gateway: Program, avatar: Program, url: str) -> None:
+    attendance = Attendance(url.replace("http", "ws", 1))
     async with asyncio.TaskGroup() as tasks:
         for program in (gateway, avatar):
             tasks.create_task(program.keep_running())
             await _in_time(program.ready.wait(), f"{program.name} is not ready")
-        await _in_time(_until_attached(url), "no avatar has come to the gateway")
+        tasks.create_task(attendance.watch(gateway, avatar))
+        await _in_time(attendance.until_there(), "no avatar has come to the gateway")
         print(f"ready {url}", flush=True)
 
 
@@ -92,15 +93,3 @@ async def _in_time(step: Awaitable[object], complaint: str) -> None:
             await step
     except TimeoutError:
         raise ProgramFailed(f"{complaint} after {_START_TIMEOUT:.0f} s") from None
-
-
-async def _until_attached(url: str) -> None:
-    """Wait until the gateway at `url` has an engine behind it: before that there is nothing to see on its page."""
-    changed = asyncio.Event()
-    async with dial(url.replace("http", "ws", 1)) as stream, asyncio.TaskGroup() as tasks:
-        session = RpcSession(stream, notifications={"rois.system.profile_changed": lambda _params: changed.set()})
-        tasks.create_task(session.run())
-        while not (await session.call("rois.system.get_profile", {}))["profile"]["sub_profiles"]:
-            await changed.wait()
-            changed.clear()
-        await session.close()

@@ -30,11 +30,18 @@ class Program:
     Args:
         arguments: the sub-command and its arguments.
         announces: how the line begins that it prints when it is ready.
+
+    Attributes:
+        name: the sub-command.
+        ready: it was ready once.
+        runs: how often it was started.
     """
 
     def __init__(self, arguments: tuple[str, ...], announces: str) -> None:
         self.name = arguments[0]
         self.ready = asyncio.Event()
+        self.runs = 0
+        self._process: asyncio.subprocess.Process | None = None
         self._arguments = arguments
         self._announces = announces
 
@@ -53,6 +60,12 @@ class Program:
             _log.warning("%s ended with status %s and is started again", self.name, status)
             await sleep(backoff.after(time.monotonic() - started))
 
+    def kill(self) -> None:
+        """End the process that runs now, which does not do what it should; `keep_running` starts another."""
+        if self._process is not None and self._process.returncode is None:
+            with suppress(ProcessLookupError):
+                self._process.kill()
+
     async def _run_once(self) -> int:
         process = await asyncio.create_subprocess_exec(
             sys.executable,
@@ -65,6 +78,8 @@ class Program:
             stdout=asyncio.subprocess.PIPE,
             start_new_session=True,
         )
+        self._process = process
+        self.runs += 1
         try:
             assert process.stdout is not None
             async for line in process.stdout:

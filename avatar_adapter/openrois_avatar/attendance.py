@@ -1,0 +1,136 @@
+"""Who is missing in a demo: a gateway that does not answer and an avatar that is not behind it are started again."""
+
+import asyncio
+import logging
+from collections.abc import Awaitable, Callable
+from contextlib import AbstractAsyncContextManager
+from typing import Final, Protocol
+
+from websockets.exceptions import InvalidHandshake
+
+from openrois.jsonrpc.session import RpcError, RpcSession, SessionClosed
+from openrois.transport.stream import MessageStream
+from openrois.transport.websocket import dial
+
+__all__ = ["Attendance", "Restartable"]
+
+_log = logging.getLogger(__name__)
+
+PATIENCE: Final = 8.0
+"""Seconds for which a program that runs may be missing: one that was only slow comes back by itself within them."""
+
+START: Final = 60.0
+"""Seconds that a program has which was started again."""
+
+_PAUSE: Final = 0.5
+
+
+class Restartable(Protocol):
+    """A program that is started again when it ends.
+
+    Attributes:
+        name: what it is called.
+        runs: how often it was started.
+    """
+
+    name: str
+    runs: int
+
+    def kill(self) -> None:
+        """End it."""
+        ...
+
+
+class _Presence:
+    """Whether something is there, for those who wait for either."""
+
+    def __init__(self) -> None:
+        self.there = asyncio.Event()
+        self.missing = asyncio.Event()
+
+    def note(self, there: bool) -> None:
+        (self.there if there else self.missing).set()
+        (self.missing if there else self.there).clear()
+
+
+class Attendance:
+    """Watches, as an application, whether a gateway answers and has an engine behind it.
+
+    Args:
+        url: `ws://host:port/` of the gateway.
+        patience: seconds for which a program may be missing.
+        connect: opens a connection to an address.
+        sleep: waits for some seconds.
+    """
+
+    def __init__(
+        self,
+        url: str,
+        *,
+        patience: float = PATIENCE,
+        connect: Callable[[str], AbstractAsyncContextManager[MessageStream]] = dial,
+        sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
+    ) -> None:
+        self._url = url
+        self._patience = patience
+        self._connect = connect
+        self._sleep = sleep
+        self._gateway = _Presence()
+        self._avatar = _Presence()
+
+    async def until_there(self) -> None:
+        """Wait until there is an engine behind the gateway: before that there is nothing to see on its page."""
+        await self._avatar.there.wait()
+
+    async def watch(self, gateway: Restartable, avatar: Restartable) -> None:
+        """Look for ever, and end a program that is missing for too long."""
+        async with asyncio.TaskGroup() as tasks:
+            tasks.create_task(self._look())
+            tasks.create_task(self._end_when_missing(self._gateway, gateway))
+            tasks.create_task(self._end_when_missing(self._avatar, avatar))
+
+    async def _look(self) -> None:
+        while True:
+            try:
+                async with self._connect(self._url) as stream:
+                    await self._look_over(stream)
+            except (OSError, TimeoutError, InvalidHandshake, SessionClosed, RpcError) as error:
+                _log.debug("the gateway is not there: %s", error)
+            # Without the gateway nobody can say whether there is an avatar.
+            self._gateway.note(there=False)
+            await self._sleep(_PAUSE)
+
+    async def _look_over(self, stream: MessageStream) -> None:
+        changed = asyncio.Event()
+        session = RpcSession(stream, notifications={"rois.system.profile_changed": lambda _params: changed.set()})
+        running = asyncio.ensure_future(session.run())
+        running.add_done_callback(lambda _ended: changed.set())
+        try:
+            while not running.done():
+                changed.clear()
+                profile = (await session.call("rois.system.get_profile", {}))["profile"]
+                self._gateway.note(there=True)
+                self._avatar.note(there=bool(profile["sub_profiles"]))
+                await changed.wait()
+        finally:
+            running.cancel()
+            await asyncio.wait({running})
+
+    async def _end_when_missing(self, presence: _Presence, program: Restartable) -> None:
+        while True:
+            await presence.missing.wait()
+            runs = program.runs
+            if await self._comes(presence, self._patience):
+                continue
+            if program.runs == runs:
+                _log.warning("%s runs and is not there: it is ended, and started again", program.name)
+                program.kill()
+            await self._comes(presence, START)
+
+    async def _comes(self, presence: _Presence, within: float) -> bool:
+        try:
+            async with asyncio.timeout(within):
+                await presence.there.wait()
+        except TimeoutError:
+            return False
+        return True
