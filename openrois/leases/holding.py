@@ -12,12 +12,14 @@ class Holding:
 
     Each time that somebody else begins to hold a component there is a new epoch, and its number is greater than all
     before it: what was allowed to a former holder can be told from what is allowed to the present one.
+
+    Args:
+        first_epoch: the number of the first epoch.
     """
 
-    def __init__(self) -> None:
-        self._holders: dict[str, object] = {}
-        self._epochs: dict[str, int] = {}
-        self._numbers = count(1)
+    def __init__(self, first_epoch: int = 1) -> None:
+        self._held: dict[str, tuple[object, int]] = {}
+        self._numbers = count(first_epoch)
 
     def bind(self, component_ref: str, holder: object) -> int:
         """Reserve a component and return the epoch; binding again what one holds is fine, and begins no new one.
@@ -25,35 +27,48 @@ class Holding:
         Raises:
             OutOfResources: somebody else holds it.
         """
-        if self._holders.setdefault(component_ref, holder) is not holder:
+        held = self._held.get(component_ref)
+        if held is None:
+            return self.move(component_ref, holder)
+        if held[0] is not holder:
             raise OutOfResources(f"{component_ref} is bound by another application")
-        if component_ref not in self._epochs:
-            self._epochs[component_ref] = next(self._numbers)
-        return self._epochs[component_ref]
+        return held[1]
+
+    def move(self, component_ref: str, holder: object) -> int:
+        """Let somebody hold a component from now on, and nobody else; return the epoch that begins."""
+        epoch = next(self._numbers)
+        self._held[component_ref] = holder, epoch
+        return epoch
+
+    def holder(self, component_ref: str) -> tuple[object, int] | None:
+        """Return who holds the component and the epoch, or None where nobody does."""
+        return self._held.get(component_ref)
 
     def is_held(self, component_ref: str, holder: object) -> bool:
         """Tell whether `holder` holds the component."""
-        return self._holders.get(component_ref) is holder
+        held = self._held.get(component_ref)
+        return held is not None and held[0] is holder
 
     def is_held_by_another(self, component_ref: str, holder: object) -> bool:
         """Tell whether somebody holds the component who is not `holder`."""
-        return self._holders.get(component_ref, holder) is not holder
+        held = self._held.get(component_ref)
+        return held is not None and held[0] is not holder
+
+    def held_by(self, holder: object) -> dict[str, int]:
+        """Return the epochs of what `holder` holds, by component_ref."""
+        return {ref: epoch for ref, (other, epoch) in self._held.items() if other is holder}
+
+    def held(self) -> frozenset[str]:
+        """Return every component that somebody holds."""
+        return frozenset(self._held)
 
     def release(self, component_ref: str, holder: object) -> int | None:
         """Give a component back and return the epoch that is over; None if `holder` does not hold it."""
         if not self.is_held(component_ref, holder):
             return None
-        del self._holders[component_ref]
-        return self._epochs.pop(component_ref)
+        return self._held.pop(component_ref)[1]
 
-    def release_all(self, holder: object) -> None:
-        """Give back everything that `holder` holds."""
-        self._keep({ref for ref, other in self._holders.items() if other is not holder})
-
-    def keep_only(self, component_refs: set[str]) -> None:
-        """Drop the reservations of components that are no longer there."""
-        self._keep(component_refs)
-
-    def _keep(self, component_refs: set[str]) -> None:
-        self._holders = {ref: holder for ref, holder in self._holders.items() if ref in component_refs}
-        self._epochs = {ref: epoch for ref, epoch in self._epochs.items() if ref in component_refs}
+    def succeed(self, former: object, successor: object) -> None:
+        """Let a successor hold what somebody held, in the same epochs."""
+        for ref, epoch in self.held_by(former).items():
+            self._held[ref] = successor, epoch

@@ -1,0 +1,58 @@
+"""Commands that were accepted and have not ended, of all applications: what can be ended from outside."""
+
+import asyncio
+from collections.abc import Callable
+from dataclasses import dataclass
+
+__all__ = ["AcceptedCommand", "AcceptedCommands"]
+
+
+@dataclass(eq=False, slots=True)
+class AcceptedCommand:
+    """One command.
+
+    Attributes:
+        component_ref: where it runs, or will.
+        owner: the session that sent it.
+        end: ends it with ABORT and a reason before its turn has come.
+        task: runs it; None before its turn.
+        aborted: why it was ended from outside; empty unless it was.
+    """
+
+    component_ref: str
+    owner: object
+    end: Callable[[str], None]
+    task: asyncio.Task[object] | None = None
+    aborted: str = ""
+
+    def abort(self, reason: str) -> None:
+        """End it with ABORT; only the first time counts."""
+        if self.aborted:
+            return
+        self.aborted = reason
+        if self.task is None:
+            self.end(reason)
+        else:
+            self.task.cancel()
+
+
+class AcceptedCommands:
+    """The commands of one engine."""
+
+    def __init__(self) -> None:
+        self._by_component: dict[str, set[AcceptedCommand]] = {}
+
+    def add(self, command: AcceptedCommand) -> None:
+        """Note a command until `remove`."""
+        self._by_component.setdefault(command.component_ref, set()).add(command)
+
+    def remove(self, command: AcceptedCommand) -> None:
+        """Forget a command that has ended."""
+        commands = self._by_component[command.component_ref]
+        commands.remove(command)
+        if not commands:
+            del self._by_component[command.component_ref]
+
+    def of(self, component_ref: str) -> tuple[AcceptedCommand, ...]:
+        """Return the commands of a component."""
+        return tuple(self._by_component.get(component_ref, ()))

@@ -1,0 +1,78 @@
+"""What follows from an operation on leases: whom to tell what, in this order."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+from openrois.leases.waiting import Request
+
+__all__ = ["Asked", "Change", "Declined", "Gained", "Lost", "Queued", "Why", "Withdrawn"]
+
+
+class Why(StrEnum):
+    """Why a component has another holder, or none."""
+
+    BOUND = "bound"
+    RELEASED = "released"
+    GRANTED = "granted"
+    TAKEN = "taken"
+    EXPIRED = "expired"
+    """The holder's connection was lost, and it did not come back in time."""
+    LEFT = "left"
+    """The holder has left the engine, or its connection was lost and nothing says that it comes back."""
+    GONE = "gone"
+    """The component itself is gone."""
+
+
+@dataclass(frozen=True, slots=True)
+class Lost:
+    """Somebody holds a component no more. `epoch` is the one that is over."""
+
+    component_ref: str
+    holder: object
+    epoch: int
+    why: Why
+
+
+@dataclass(frozen=True, slots=True)
+class Gained:
+    """Somebody holds a component from now on."""
+
+    component_ref: str
+    holder: object
+    epoch: int
+    why: Why
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """The holder has to be asked."""
+
+    request: Request
+    holder: object
+
+
+@dataclass(frozen=True, slots=True)
+class Declined:
+    """The holder has answered no, or not in time; the place in the queue stays unless the component is `gone`."""
+
+    request: Request
+    in_time: bool
+    gone: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Withdrawn:
+    """A request that the holder was asked about is none any more."""
+
+    request: Request
+    holder: object
+
+
+@dataclass(frozen=True, slots=True)
+class Queued:
+    """Whoever waits for the component may have another place in the queue now."""
+
+    component_ref: str
+
+
+Change = Lost | Gained | Asked | Declined | Withdrawn | Queued

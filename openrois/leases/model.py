@@ -1,0 +1,275 @@
+"""The rules of leases: bind, release, grace after a lost connection, resume, queue, hand-over. Time is an argument."""
+
+import secrets
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Final
+
+from openrois.errors import OutOfResources, Unsupported
+from openrois.leases.changes import Asked, Change, Declined, Gained, Lost, Queued, Why, Withdrawn
+from openrois.leases.holding import Holding
+from openrois.leases.tokens import ResumeTokens, new_token
+from openrois.leases.waiting import Request, Waiting
+
+__all__ = ["GRACE", "PATIENCE", "LeaseModel", "Replayed", "Rules", "StillThere"]
+
+GRACE: Final = 10.0
+"""Seconds for which a lease survives the connection of its holder."""
+
+PATIENCE: Final = 30.0
+"""Seconds that a holder has to answer who asks for its component."""
+
+_NOT_VALID: Final = "the resume token is not valid"
+
+
+class Replayed(Unsupported):
+    """A resume token came a second time: one of the two who had it is a thief.
+
+    Attributes:
+        holder: who has gone on by it, and is not resumed again.
+        changes: what follows.
+    """
+
+    def __init__(self, holder: object, changes: list[Change]) -> None:
+        super().__init__(_NOT_VALID)
+        self.holder = holder
+        self.changes = changes
+
+
+class StillThere(OutOfResources):
+    """The session that would be resumed still has its connection, as far as is known. `holder` is that session."""
+
+    def __init__(self, holder: object) -> None:
+        super().__init__("the session to be resumed still has its connection; try again in a while")
+        self.holder = holder
+
+
+@dataclass(frozen=True, slots=True)
+class Rules:
+    """What an operator of a gateway sets.
+
+    Attributes:
+        grace: seconds for which a lease survives a lost connection; 0 for none.
+        patience: seconds that a holder has to answer a request.
+    """
+
+    grace: float = GRACE
+    patience: float = PATIENCE
+
+
+class LeaseModel:
+    """The leases of one engine. Exactly one holds a component, or nobody; nobody waits for one that nobody holds.
+
+    Holders are any objects; identity decides. What follows from an operation is returned as changes, to be told in
+    their order.
+
+    Args:
+        rules: how long what lasts.
+        first_epoch: the number of the first epoch.
+        mint: makes tokens.
+
+    Attributes:
+        holding: who holds what. Nobody waits for a free component, so to bind one needs nothing but this.
+        waiting: who waits for what.
+        absent: whose connection was lost, and until when it may be resumed.
+    """
+
+    def __init__(self, rules: Rules | None = None, first_epoch: int = 1, mint: Callable[[], str] = new_token) -> None:
+        self.rules = rules or Rules()
+        self.holding = Holding(first_epoch)
+        self.waiting = Waiting()
+        self._tokens = ResumeTokens(mint)
+        self.absent: dict[object, float] = {}
+
+    def next_due(self) -> float | None:
+        """Return when `advance` has something to do; None for never."""
+        deadlines = [request.deadline for request in self.waiting.unanswered() if request.deadline is not None]
+        return min((*self.absent.values(), *deadlines), default=None)
+
+    def release(self, component_ref: str, holder: object, now: float, why: Why = Why.RELEASED) -> list[Change]:
+        """Give a component back; the first in line has it next. Nothing changes if `holder` does not hold it."""
+        epoch = self.holding.release(component_ref, holder)
+        if epoch is None:
+            return []
+        changes: list[Change] = [Lost(component_ref, holder, epoch, why)]
+        queue = self.waiting.queue(component_ref)
+        if queue:
+            self.waiting.remove(queue[0])
+            gained = Gained(component_ref, queue[0].asker, self.holding.move(component_ref, queue[0].asker), why)
+            changes += [gained, *self._ask_again(component_ref, now)]
+        return changes
+
+    def leave(self, holder: object, now: float, why: Why = Why.LEFT) -> list[Change]:
+        """Give everything back, ask for nothing more, and be resumed by nobody."""
+        self.absent.pop(holder, None)
+        self._tokens.forget(holder)
+        changes = self._withdraw_all(holder)
+        for component_ref in self.holding.held_by(holder):
+            changes += self.release(component_ref, holder, now, why)
+        return changes
+
+    def keep_only(self, component_refs: Iterable[str]) -> list[Change]:
+        """End the leases of components that are no longer there, and the waiting for them."""
+        changes: list[Change] = []
+        for component_ref in sorted(self.holding.held().difference(component_refs)):
+            held = self._held(component_ref)
+            self.holding.release(component_ref, held[0])
+            changes.append(Lost(component_ref, held[0], held[1], Why.GONE))
+            for request in self.waiting.queue(component_ref):
+                self.waiting.remove(request)
+                changes.append(Declined(request, in_time=True, gone=True))
+        return changes
+
+    # Hand-over.
+
+    def request(self, component_ref: str, asker: object, now: float) -> list[Change]:
+        """Ask for a component: have it where nobody holds it, or else wait in line while the holder is asked.
+
+        Who waits already keeps its place; the holder is asked again if it has answered, or did not in time.
+
+        Raises:
+            OutOfResources: too many wait for it.
+        """
+        held = self.holding.holder(component_ref)
+        if held is None:
+            return [Gained(component_ref, asker, self.holding.move(component_ref, asker), Why.BOUND)]
+        if held[0] is asker:
+            return []
+        request = self.waiting.find(component_ref, asker)
+        if request is None:
+            request = Request(secrets.token_hex(16), component_ref, asker, None)
+            self.waiting.add(request)
+        if request.deadline is not None:
+            return []
+        request.deadline = now + self.rules.patience
+        return [Asked(request, held[0]), Queued(component_ref)]
+
+    def withdraw(self, component_ref: str, asker: object) -> list[Change]:
+        """Wait for a component no more."""
+        request = self.waiting.find(component_ref, asker)
+        return [] if request is None else self._withdraw(request)
+
+    def grant(self, request_id: str, holder: object, now: float) -> list[Change]:
+        """Let who asks have the component.
+
+        Raises:
+            Unsupported: `holder` was not asked that.
+        """
+        request = self._asked(request_id, holder)
+        return self._hand_over(request.component_ref, request.asker, now, Why.GRANTED)
+
+    def decline(self, request_id: str, holder: object) -> list[Change]:
+        """Keep the component; who asks may go on waiting for it.
+
+        Raises:
+            Unsupported: `holder` was not asked that.
+        """
+        request = self._asked(request_id, holder)
+        request.deadline = None
+        return [Declined(request, in_time=True)]
+
+    def take(self, component_ref: str, taker: object, now: float) -> list[Change]:
+        """Have a component, whoever holds it. Whether one may is the caller's to know."""
+        if self.holding.holder(component_ref) is None:
+            return self.request(component_ref, taker, now)
+        if self.holding.is_held(component_ref, taker):
+            return []
+        return self._hand_over(component_ref, taker, now, Why.TAKEN)
+
+    # A lost connection.
+
+    def token(self, holder: object, subject: str) -> str:
+        """Return what a session is resumed with when its connection is lost: good once, for that subject.
+
+        Raises:
+            Unsupported: leases do not survive a connection here.
+        """
+        if self.rules.grace <= 0:
+            raise Unsupported("no lease outlives its connection here")
+        return self._tokens.issue(holder, subject)
+
+    def lose(self, holder: object, now: float) -> list[Change]:
+        """Learn that a connection was lost: what a session with a token holds is kept for the grace."""
+        if not self._tokens.has_one(holder):
+            return self.leave(holder, now)
+        self.absent[holder] = now + self.rules.grace
+        return [*self._withdraw_all(holder), *(Queued(ref) for ref in self.holding.held_by(holder))]
+
+    def resume(self, token: str, subject: str, successor: object, now: float) -> tuple[object, list[Change]]:
+        """Let a new session hold what a lost one held, in the same epochs; return which that was.
+
+        Raises:
+            Unsupported: nobody knows the token, it is another subject's, or its time is over.
+            Replayed: it comes a second time; what was resumed by it is not resumed again.
+            StillThere: the connection was not lost.
+        """
+        found = self._tokens.find(token, subject)
+        former = found.holder
+        if former is None:
+            raise Unsupported(_NOT_VALID)
+        if found.replayed:
+            raise Replayed(former, self.leave(former, now, Why.EXPIRED) if former in self.absent else [])
+        if former not in self.absent:
+            raise StillThere(former)
+        del self.absent[former]
+        self._tokens.succeed(former, successor)
+        self.holding.succeed(former, successor)
+        changes: list[Change] = []
+        for component_ref in self.holding.held_by(successor):
+            changes.append(Queued(component_ref))
+            changes += [
+                Asked(request, successor)
+                for request in self.waiting.queue(component_ref)
+                if request.deadline is not None
+            ]
+        return former, changes
+
+    def advance(self, now: float) -> list[Change]:
+        """Do what time has brought: graces that are over, and answers that did not come."""
+        changes: list[Change] = []
+        for holder in [holder for holder, until in self.absent.items() if until <= now]:
+            changes += self.leave(holder, now, Why.EXPIRED)
+        for request in self.waiting.unanswered():
+            if request.deadline is not None and request.deadline <= now:
+                request.deadline = None
+                changes.append(Declined(request, in_time=False))
+        return changes
+
+    # How it is done.
+
+    def _held(self, component_ref: str) -> tuple[object, int]:
+        held = self.holding.holder(component_ref)
+        assert held is not None, "nobody waits for what nobody holds"
+        return held
+
+    def _asked(self, request_id: str, holder: object) -> Request:
+        request = self.waiting.get(request_id)
+        if request is None or not self.holding.is_held(request.component_ref, holder):
+            raise Unsupported(f"there is no request {request_id[:200]!r}")
+        return request
+
+    def _hand_over(self, component_ref: str, successor: object, now: float, why: Why) -> list[Change]:
+        held = self._held(component_ref)
+        request = self.waiting.find(component_ref, successor)
+        if request is not None:
+            self.waiting.remove(request)
+        epoch = self.holding.move(component_ref, successor)
+        changes: list[Change] = [Lost(component_ref, held[0], held[1], why)]
+        return [*changes, Gained(component_ref, successor, epoch, why), *self._ask_again(component_ref, now)]
+
+    def _ask_again(self, component_ref: str, now: float) -> list[Change]:
+        """Ask a new holder what the former one was asked."""
+        queue = self.waiting.queue(component_ref)
+        holder, _ = self._held(component_ref)
+        for request in queue:
+            request.deadline = now + self.rules.patience
+        return [*(Asked(request, holder) for request in queue), Queued(component_ref)]
+
+    def _withdraw_all(self, asker: object) -> list[Change]:
+        return [change for request in self.waiting.of(asker) for change in self._withdraw(request)]
+
+    def _withdraw(self, request: Request) -> list[Change]:
+        held = self.holding.holder(request.component_ref)
+        assert held is not None
+        self.waiting.remove(request)
+        return [Withdrawn(request, held[0]), Queued(request.component_ref)]

@@ -1,0 +1,76 @@
+"""Who waits for a component, in which order, and which of them still waits for the holder's answer."""
+
+from dataclasses import dataclass
+from typing import Final
+
+from openrois.errors import OutOfResources
+
+__all__ = ["MAX_WAITING", "Request", "Waiting"]
+
+MAX_WAITING: Final = 16
+"""Applications that may wait for one component."""
+
+
+@dataclass(eq=False, slots=True)
+class Request:
+    """Somebody wants a component that another one holds.
+
+    Attributes:
+        request_id: by which the holder answers it.
+        component_ref: the component.
+        asker: who wants it.
+        deadline: until when the holder may answer; None once it has, or did not in time.
+    """
+
+    request_id: str
+    component_ref: str
+    asker: object
+    deadline: float | None
+
+
+class Waiting:
+    """The queues of all components: first come, first in line."""
+
+    def __init__(self) -> None:
+        self._queues: dict[str, list[Request]] = {}
+        self._by_id: dict[str, Request] = {}
+
+    def add(self, request: Request) -> None:
+        """Put a request at the end of the queue of its component.
+
+        Raises:
+            OutOfResources: as many as can be wait already.
+        """
+        queue = self._queues.setdefault(request.component_ref, [])
+        if len(queue) >= MAX_WAITING:
+            raise OutOfResources(f"{MAX_WAITING} applications wait for {request.component_ref} already")
+        queue.append(request)
+        self._by_id[request.request_id] = request
+
+    def get(self, request_id: str) -> Request | None:
+        """Return a request that waits, by its id."""
+        return self._by_id.get(request_id)
+
+    def queue(self, component_ref: str) -> tuple[Request, ...]:
+        """Return who waits for a component, the first in line first."""
+        return tuple(self._queues.get(component_ref, ()))
+
+    def of(self, asker: object) -> tuple[Request, ...]:
+        """Return everything that somebody waits for."""
+        return tuple(request for request in self._by_id.values() if request.asker is asker)
+
+    def find(self, component_ref: str, asker: object) -> Request | None:
+        """Return the request of somebody for a component."""
+        return next((request for request in self.queue(component_ref) if request.asker is asker), None)
+
+    def remove(self, request: Request) -> None:
+        """Take a request out of its queue."""
+        queue = self._queues[request.component_ref]
+        queue.remove(request)
+        if not queue:
+            del self._queues[request.component_ref]
+        del self._by_id[request.request_id]
+
+    def unanswered(self) -> tuple[Request, ...]:
+        """Return the requests that wait for an answer of the holder."""
+        return tuple(request for request in self._by_id.values() if request.deadline is not None)

@@ -1,0 +1,166 @@
+"""Params and results of `openrois.lease.*` and `openrois.stop_all`: who controls what, hand-over, resume, and STOP."""
+
+from typing import Annotated, ClassVar, Final
+
+from pydantic import Field
+
+from openrois.types.messages import ReturnResult
+from openrois.types.model import Model
+
+__all__ = [
+    "LEASES",
+    "MAX_RESUMED",
+    "Lease",
+    "LeaseChangedNotification",
+    "LeaseDeclinedNotification",
+    "LeaseParams",
+    "LeaseRequestParams",
+    "LeaseRequestResult",
+    "LeaseRequestedNotification",
+    "LeaseResult",
+    "LeaseStatus",
+    "LeaseTokenResult",
+    "LeaseWithdrawnNotification",
+    "ResumeParams",
+    "ResumeResult",
+    "StopAllParams",
+    "StopAllResult",
+]
+
+LEASES: Final = "openrois.lease"
+"""The name of the extension in `openrois.hello`."""
+
+MAX_RESUMED: Final = 1024
+"""Commands that one session can ask about when it resumes another."""
+
+_Token = Annotated[str, Field(max_length=256)]
+_Epoch = Annotated[int, Field(ge=0)]
+_Count = Annotated[int, Field(ge=0)]
+
+
+class LeaseParams(Model):
+    """Params of `openrois.lease.query`, `.request`, `.leave` and `.take`."""
+
+    component_ref: str
+
+
+class LeaseRequestParams(Model):
+    """Params of `openrois.lease.grant` and `.decline`: the `request_id` of a request that the holder was told of."""
+
+    request_id: str
+
+
+class LeaseStatus(Model):
+    """How things stand with one component, as whoever is told sees it.
+
+    Attributes:
+        component_ref: the component.
+        held: whether somebody holds it.
+        holds: whether that is whoever is told.
+        holder: the subject of who holds it.
+        absent: the holder's connection is lost; it may come back.
+        epoch: grows with each new holder; 0 where nobody holds it.
+        waiting: how many wait for it.
+        position: of whoever is told among them, from 1 on; 0 where it does not wait.
+    """
+
+    component_ref: str = ""
+    held: bool = False
+    holds: bool = False
+    holder: str = ""
+    absent: bool = False
+    epoch: _Epoch = 0
+    waiting: _Count = 0
+    position: _Count = 0
+
+
+class LeaseResult(ReturnResult):
+    """Result of `openrois.lease.query`, `.request` and `.take`: how things stand now."""
+
+    lease: LeaseStatus | None = None
+
+
+class LeaseRequestResult(LeaseResult):
+    """Result of `openrois.lease.request`; `request_id` is empty where nobody has to be asked."""
+
+    request_id: str = ""
+
+
+class LeaseTokenResult(ReturnResult):
+    """Result of `openrois.lease.token`: good once, for this subject, within `grace` seconds after a lost connection."""
+
+    token: str = ""
+    grace: Annotated[float, Field(ge=0)] = 0
+
+
+class Lease(Model):
+    """What a session holds."""
+
+    component_ref: str
+    epoch: _Epoch
+
+
+class ResumeParams(Model):
+    """Params of `openrois.lease.resume`; `command_ids` are the commands whose end is not known."""
+
+    token: _Token
+    command_ids: tuple[str, ...] = Field(default=(), max_length=MAX_RESUMED, strict=False)
+
+
+class ResumeResult(LeaseTokenResult):
+    """Result of `openrois.lease.resume`: the next token, what is held, and which commands nobody can say anything of."""
+
+    leases: tuple[Lease, ...] = Field(default=(), strict=False)
+    unknown: tuple[str, ...] = Field(default=(), strict=False)
+
+
+class LeaseChangedNotification(LeaseStatus):
+    """Params of the notification `openrois.lease.changed`; `reason` is one sentence for a person."""
+
+    method: ClassVar[str] = "openrois.lease.changed"
+
+    reason: str = ""
+
+
+class LeaseRequestedNotification(Model):
+    """Params of the notification `openrois.lease.requested` to the holder: `subject` asks, for `seconds` from now."""
+
+    method: ClassVar[str] = "openrois.lease.requested"
+
+    component_ref: str
+    request_id: str
+    subject: str
+    seconds: Annotated[float, Field(ge=0)]
+
+
+class LeaseDeclinedNotification(Model):
+    """Params of the notification `openrois.lease.declined` to who asked; unless the component is gone it still waits."""
+
+    method: ClassVar[str] = "openrois.lease.declined"
+
+    component_ref: str
+    request_id: str
+    reason: str
+
+
+class LeaseWithdrawnNotification(Model):
+    """Params of the notification `openrois.lease.withdrawn` to the holder: nobody waits for its answer any more."""
+
+    method: ClassVar[str] = "openrois.lease.withdrawn"
+
+    component_ref: str
+    request_id: str
+
+
+class StopAllParams(Model):
+    """Params of `openrois.stop_all`: an engine, or the one of a component; without both all that one may stop."""
+
+    engine_id: str | None = None
+    component_ref: str | None = None
+
+
+class StopAllResult(ReturnResult):
+    """Result of `openrois.stop_all`: which components have stopped, and which have not said so in time."""
+
+    stopped: tuple[str, ...] = Field(default=(), strict=False)
+    failed: tuple[str, ...] = Field(default=(), strict=False)

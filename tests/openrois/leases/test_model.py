@@ -1,0 +1,254 @@
+"""The rules of leases: each by itself, and all of them against the simplest thing that could be right.
+
+`OPENROIS_LEASE_RUNS=5000 python -m pytest tests/openrois/leases/test_model.py -k reference` runs the comparison so often.
+"""
+
+import os
+from dataclasses import dataclass, field
+from itertools import count
+
+import pytest
+from hypothesis import HealthCheck, settings
+from hypothesis import strategies as st
+from hypothesis.stateful import RuleBasedStateMachine, invariant, rule, run_state_machine_as_test
+
+from openrois.errors import OutOfResources, Unsupported
+from openrois.leases.changes import Asked, Change, Declined, Gained, Lost, Queued, Why, Withdrawn
+from openrois.leases.model import LeaseModel, Replayed, Rules, StillThere
+from openrois.leases.waiting import MAX_WAITING, Request
+
+RUNS = int(os.environ.get("OPENROIS_LEASE_RUNS", "1000"))
+GRACE, PATIENCE = 10.0, 30.0
+LAMP, ARM = "r/lamp", "r/arm"
+
+
+@dataclass(eq=False)
+class Session:
+    """One application, or another that has come in its place."""
+
+    number: int
+    token: str = ""
+    away_until: float | None = None
+
+    def __repr__(self) -> str:
+        return f"session {self.number}"
+
+
+@dataclass
+class Reference:
+    """Plain lists of who holds and who waits; the head of each is the holder. Nothing else is remembered."""
+
+    lines: dict[str, list[Session]] = field(default_factory=lambda: {LAMP: [], ARM: []})
+
+    def holder(self, ref: str) -> Session | None:
+        return self.lines[ref][0] if self.lines[ref] else None
+
+    def bind(self, ref: str, session: Session) -> bool:
+        if not self.lines[ref]:
+            self.lines[ref] = [session]
+        return self.holder(ref) is session
+
+    def request(self, ref: str, session: Session) -> None:
+        if session not in self.lines[ref]:
+            self.lines[ref].append(session)
+
+    def drop(self, ref: str, session: Session) -> None:
+        self.lines[ref] = [other for other in self.lines[ref] if other is not session]
+
+    def promote(self, ref: str, session: Session) -> None:
+        if self.holder(ref) is not session:
+            self.lines[ref] = [session, *(other for other in self.lines[ref][1:] if other is not session)]
+
+
+class LeaseMachine(RuleBasedStateMachine):
+    """Four applications and two components; what the model tells of holders is added up and compared, too."""
+
+    seats = st.integers(0, 3)
+    refs = st.sampled_from((LAMP, ARM))
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.now = 0.0
+        self.numbers = count()
+        self.model = LeaseModel(Rules(GRACE, PATIENCE))
+        self.reference = Reference()
+        self.sessions = [Session(next(self.numbers)) for _ in range(4)]
+        self.told: dict[str, tuple[object, int]] = {}
+        self.asked: dict[str, Request] = {}
+        self.used: list[tuple[str, Session]] = []
+        self.last_epoch = 0
+
+    def live(self, seat: int) -> Session:
+        """The application in a seat; if its connection was lost, another one has come and it is forgotten there."""
+        if self.sessions[seat].away_until is not None:
+            self.sessions[seat] = Session(next(self.numbers))
+        return self.sessions[seat]
+
+    def take(self, changes: list[Change]) -> None:
+        for change in changes:
+            match change:
+                case Lost(ref, holder, epoch):
+                    assert self.told.pop(ref) == (holder, epoch)
+                case Gained(ref, holder, epoch):
+                    assert ref not in self.told
+                    self.begun(ref, holder, epoch)
+                case Asked(request, holder):
+                    assert self.model.holding.is_held(request.component_ref, holder)
+                    self.asked[request.request_id] = request
+                case Withdrawn(request) | Declined(request):
+                    self.asked.pop(request.request_id, None)
+
+    def begun(self, ref: str, holder: object, epoch: int) -> None:
+        assert epoch > self.last_epoch
+        self.last_epoch = epoch
+        self.told[ref] = holder, epoch
+
+    @rule(seat=seats, ref=refs)
+    def bind(self, seat: int, ref: str) -> None:
+        session = self.live(seat)
+        if self.reference.bind(ref, session):
+            epoch = self.model.holding.bind(ref, session)
+            if ref not in self.told:
+                self.begun(ref, session, epoch)
+        else:
+            with pytest.raises(OutOfResources):
+                self.model.holding.bind(ref, session)
+
+    @rule(seat=seats, ref=refs)
+    def release(self, seat: int, ref: str) -> None:
+        session = self.live(seat)
+        if self.reference.holder(ref) is session:
+            self.reference.drop(ref, session)
+        self.take(self.model.release(ref, session, self.now))
+
+    @rule(seat=seats, ref=refs)
+    def request(self, seat: int, ref: str) -> None:
+        session = self.live(seat)
+        self.reference.request(ref, session)
+        self.take(self.model.request(ref, session, self.now))
+
+    @rule(seat=seats, ref=refs)
+    def withdraw(self, seat: int, ref: str) -> None:
+        session = self.live(seat)
+        if self.reference.holder(ref) is not session:
+            self.reference.drop(ref, session)
+        self.take(self.model.withdraw(ref, session))
+
+    @rule(seat=seats, which=st.integers(0, 5), yes=st.booleans())
+    def answer(self, seat: int, which: int, yes: bool) -> None:
+        if not self.asked:
+            return
+        request = list(self.asked.values())[which % len(self.asked)]
+        session, ref = self.live(seat), request.component_ref
+        answer = (
+            (lambda: self.model.grant(request.request_id, session, self.now))
+            if yes
+            else (lambda: self.model.decline(request.request_id, session))
+        )
+        if self.reference.holder(ref) is session and request.asker in self.reference.lines[ref][1:]:
+            if yes:
+                assert isinstance(request.asker, Session)
+                self.reference.promote(ref, request.asker)
+                self.asked.pop(request.request_id)
+            self.take(answer())
+        else:
+            with pytest.raises(Unsupported):
+                answer()
+
+    @rule(seat=seats, ref=refs)
+    def seize(self, seat: int, ref: str) -> None:
+        session = self.live(seat)
+        self.reference.promote(ref, session)
+        self.take(self.model.take(ref, session, self.now))
+
+    @rule(seat=seats)
+    def ask_for_token(self, seat: int) -> None:
+        session = self.live(seat)
+        if session.token:
+            self.used.append((session.token, session))
+        session.token = self.model.token(session, "ann")
+
+    @rule(seat=seats)
+    def lose_connection(self, seat: int) -> None:
+        session = self.live(seat)
+        for ref in (LAMP, ARM):
+            if not session.token or self.reference.holder(ref) is not session:
+                self.reference.drop(ref, session)
+        session.away_until = self.now + GRACE
+        self.take(self.model.lose(session, self.now))
+
+    @rule(seat=seats)
+    def leave(self, seat: int) -> None:
+        session = self.live(seat)
+        self.forget(session)
+        self.sessions[seat] = Session(next(self.numbers))
+        self.take(self.model.leave(session, self.now))
+
+    @rule(seat=seats, subject=st.sampled_from(("ann", "ann", "ann", "bob")))
+    def resume(self, seat: int, subject: str) -> None:
+        former = self.sessions[seat]
+        successor = Session(next(self.numbers))
+        if not former.token:
+            return
+        away = former.away_until is not None and former in self.model.absent
+        if subject == "ann" and away:
+            resumed, changes = self.model.resume(former.token, subject, successor, self.now)
+            assert resumed is former
+            for ref, line in self.reference.lines.items():
+                self.reference.lines[ref] = [successor if other is former else other for other in line]
+                if ref in self.told and self.told[ref][0] is former:
+                    self.told[ref] = successor, self.told[ref][1]
+            self.used = [(token, successor if of is former else of) for token, of in self.used]
+            self.used.append((former.token, successor))
+            self.sessions[seat] = successor
+            self.take(changes)
+        else:
+            with pytest.raises((Unsupported, StillThere)):
+                self.model.resume(former.token, subject, successor, self.now)
+
+    @rule(which=st.integers(0, 5))
+    def replay(self, which: int) -> None:
+        if not self.used:
+            return
+        token, session = self.used[which % len(self.used)]
+        with pytest.raises(Unsupported) as refused:
+            self.model.resume(token, "ann", Session(-1), self.now)
+        if isinstance(refused.value, Replayed):
+            assert refused.value.holder is session
+            session.token = ""
+            if session.away_until is not None:
+                self.forget(session)
+            self.take(refused.value.changes)
+
+    @rule(seconds=st.sampled_from((1.0, 9.0, 31.0)))
+    def wait(self, seconds: float) -> None:
+        self.now += seconds
+        for session in list(self.sessions):
+            if session.away_until is not None and session.away_until <= self.now:
+                self.forget(session)
+        for line in [*self.reference.lines.values()]:
+            for session in list(line):
+                if session.away_until is not None and session.away_until <= self.now:
+                    self.forget(session)
+        self.take(self.model.advance(self.now))
+        due = self.model.next_due()
+        assert due is None or due > self.now
+
+    def forget(self, session: Session) -> None:
+        for ref in (LAMP, ARM):
+            self.reference.drop(ref, session)
+
+    @invariant()
+    def exactly_one_holds(self) -> None:
+        for ref, line in self.reference.lines.items():
+            held = self.model.holding.holder(ref)
+            assert held == self.told.get(ref)
+            assert (held and held[0]) is (line[0] if line else None)
+            assert [request.asker for request in self.model.waiting.queue(ref)] == line[1:]
+
+
+def test_like_the_reference() -> None:
+    quick = settings(
+        max_examples=RUNS, stateful_step_count=30, deadline=None, database=None, suppress_health_check=list(HealthCheck)
+    )
+    run_state_machine_as_test(LeaseMachine, settings=quick)  # type: ignore[no-untyped-call]
