@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 __all__ = ["AcceptedCommand", "AcceptedCommands"]
 
@@ -22,7 +23,7 @@ class AcceptedCommand:
     component_ref: str
     owner: object
     end: Callable[[str], None]
-    task: asyncio.Task[object] | None = None
+    task: asyncio.Task[Any] | None = None
     aborted: str = ""
 
     def abort(self, reason: str) -> None:
@@ -34,6 +35,10 @@ class AcceptedCommand:
             self.end(reason)
         else:
             self.task.cancel()
+
+    def takes_back_cancellation(self) -> bool:
+        """Tell, in its task when that is cancelled, whether `abort` is all that has cancelled it; it then runs on."""
+        return bool(self.aborted) and self.task is not None and self.task.uncancel() == 0
 
 
 class AcceptedCommands:

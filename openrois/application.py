@@ -12,6 +12,7 @@ from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from openrois.accepted import AcceptedCommands
 from openrois.access.principal import LOCAL, Principal
 from openrois.audit import Audit
 from openrois.command_log import MAX_RUNNING, MAX_UNFINISHED, CommandBudget, CommandLog
@@ -19,10 +20,10 @@ from openrois.contract import Client, Fault
 from openrois.engine import Engine
 from openrois.error_log import ErrorLog
 from openrois.event_log import EventLog
-from openrois.holders import tell_holder
 from openrois.journal.journal import Journal
 from openrois.jsonrpc.protocol import Peer, RequestId
-from openrois.leases.holding import Holding
+from openrois.leases.keeper import LeaseKeeper
+from openrois.leases.model import Rules
 from openrois.lost_streams import lost_streams
 from openrois.ordering import ReplyFirst
 from openrois.shown import ShownDirectories
@@ -35,7 +36,6 @@ from openrois.types.reasons import ReasonNotification, sentence
 from openrois.types.references import engine_of
 from openrois.types.streams import (
     EventsDroppedNotification,
-    HolderNotification,
     StreamStatusNotification,
     subject_of,
 )
@@ -66,11 +66,14 @@ class EngineHost:
         audit: who did what, and what was refused.
         traffic: the connections, and what they did.
         journal: what was accepted and how it ended, for whoever asks after a restart.
+        accepted: commands that can be ended from outside.
+        lease_rules: how long leases last.
+        first_epoch: the number of the first lease.
+        clock: monotonic seconds.
     """
 
     engine: Engine
     tasks: TaskScope
-    leases: Holding = field(default_factory=Holding)
     shown: ShownDirectories = field(default_factory=ShownDirectories)
     commands: CommandBudget = field(default_factory=CommandBudget)
     sleep: Callable[[float], Awaitable[None]] = asyncio.sleep
@@ -80,6 +83,22 @@ class EngineHost:
     audit: Audit = field(default_factory=Audit)
     traffic: Traffic = field(default_factory=Traffic)
     journal: Journal = field(default_factory=Journal)
+    accepted: AcceptedCommands = field(default_factory=AcceptedCommands)
+    lease_rules: Rules = field(default_factory=Rules)
+    first_epoch: int = 1
+    clock: Callable[[], float] = time.monotonic
+    leases: LeaseKeeper = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.leases = LeaseKeeper(
+            self.engine,
+            self.tasks,
+            self.accepted,
+            rules=self.lease_rules,
+            first_epoch=self.first_epoch,
+            clock=self.clock,
+            sleep=self.sleep,
+        )
 
     def crashed(self, what: str) -> None:
         """Report that something went wrong inside the engine, which is nobody else's fault."""
@@ -128,8 +147,10 @@ class ApplicationSession:
         self.connecting = 0
         self.order = ReplyFirst()
         self.extended = False
+        self.leasing = False
         self.closed = False
-        self._notify = notify
+        self.successor: ApplicationSession | None = None
+        self.tell = self._notify = notify
         self._passes = passes
         self._left = left
         self._stop_listening = self.engine.on_change(self._tree_changed)
@@ -160,25 +181,23 @@ class ApplicationSession:
 
     def is_barred_from(self, component_ref: str) -> bool:
         """Tell whether another session has the component now; one that nobody has is open to what was accepted."""
-        return not self.trusted and self.host.leases.is_held_by_another(component_ref, self)
+        return not self.trusted and self.host.leases.is_held_by_another(component_ref, self._present())
 
-    def reserve(self, component_ref: str) -> None:
-        """Reserve a component for this session; its adapter is told, also when the session has it already.
-
-        Raises:
-            OutOfResources: another session holds it.
-        """
-        epoch = self.host.leases.bind(component_ref, self)
-        self._tell_holder(HolderNotification(component_ref=component_ref, holds=True, epoch=epoch))
+    def _present(self) -> "ApplicationSession":
+        """Return the session that has gone on where this one ended; itself where none has."""
+        session = self
+        while session.successor is not None:
+            session = session.successor
+        return session
 
     def give_back(self, component_ref: str) -> None:
         """End the session's reservation of a component, if it has one; its adapter is told."""
-        epoch = self.host.leases.release(component_ref, self)
-        if epoch is not None:
-            self._tell_holder(HolderNotification(component_ref=component_ref, holds=False, epoch=epoch))
+        self.host.leases.release(component_ref, self)
 
-    def _tell_holder(self, told: HolderNotification) -> None:
-        self.host.tasks.start(tell_holder(self.host.engine, told, self.client))
+    def succeed(self, former: "ApplicationSession") -> None:
+        """Go on where another session has ended: its commands are told of here, what it had bound is bound here."""
+        self.commands, former.successor = former.commands, self
+        self.bound |= former.bound
 
     def explain(self, request_id: RequestId, reason: object) -> None:
         """Tell the application why the reply that comes right behind is a refusal, if it would understand that."""
@@ -192,8 +211,11 @@ class ApplicationSession:
 
     def completed(self, command_id: str, status: CompletedStatus, reason: object = "") -> None:
         """Tell the application how a command ended, and right before that why, where there is a reason."""
-        self._explain("command_id", command_id, reason)
-        self._notify("rois.command.completed", Completed(command_id=command_id, status=status).model_dump(mode="json"))
+        session = self._present()
+        session._explain("command_id", command_id, reason)
+        session._notify(
+            "rois.command.completed", Completed(command_id=command_id, status=status).model_dump(mode="json")
+        )
 
     def gap(self, dropped: int) -> str | None:
         """Return the message that stands where events were dropped, if the application would understand it."""
@@ -252,11 +274,18 @@ class ApplicationSession:
         if self.extended:
             self._notify(method, params)
 
-    async def leave(self) -> None:
-        """Give back reservations, subscriptions and streams. What runs goes on."""
+    async def leave(self, *, lost: bool = False) -> None:
+        """Give back reservations, subscriptions and streams. What runs goes on.
+
+        Args:
+            lost: the connection was lost; what is reserved may be kept for a while.
+        """
         self.connected = False
-        self.bound.clear()
-        self.host.leases.release_all(self)
+        if lost:
+            self.host.leases.lose(self)
+        else:
+            self.host.leases.leave(self)
+            self.bound.clear()
         self.streams.clear()
         self.stream_parameters.keep_only(())
         self.order.clear()
@@ -264,10 +293,10 @@ class ApplicationSession:
         former, self.client = self.client, self._new_client()
         await asyncio.gather(self.events.clear(), self.engine.extension.forget(former))
 
-    async def close(self) -> None:
-        """Leave for good."""
+    async def close(self, *, lost: bool = False) -> None:
+        """Leave for good; a session whose connection was lost may have a successor."""
         self.closed = True
         self._stop_listening()
         self._stop_watching()
         self.engine.close()
-        await self.leave()
+        await self.leave(lost=lost)

@@ -6,6 +6,7 @@ from typing import Final
 
 from openrois.errors import BadParameter, OutOfResources
 from openrois.remembered import Remembered
+from openrois.types.codes import CompletedStatus
 from openrois.types.messages import Result
 
 __all__ = ["MAX_ID", "MAX_RUNNING", "MAX_UNFINISHED", "CommandBudget", "CommandLog"]
@@ -25,6 +26,8 @@ class _Finished:
     component_ref: str
     at: float
     results: tuple[Result, ...]
+    status: CompletedStatus
+    reason: str
 
 
 class CommandBudget:
@@ -87,11 +90,17 @@ class CommandLog:
         self._budget.take(len(commands))
         self._running.update(commands)
 
-    def finish(self, command_id: str, results: tuple[Result, ...]) -> None:
-        """Note a running command as finished; the oldest of too many finished ones is forgotten."""
+    def finish(
+        self,
+        command_id: str,
+        results: tuple[Result, ...],
+        status: CompletedStatus = CompletedStatus.OK,
+        reason: str = "",
+    ) -> None:
+        """Note how a running command has finished; the oldest of too many finished ones is forgotten."""
         component_ref = self._running.pop(command_id)
         self._budget.give_back()
-        self._finished.put(command_id, _Finished(component_ref, self._clock(), results), results)
+        self._finished.put(command_id, _Finished(component_ref, self._clock(), results, status, reason), results)
 
     def results(self, command_id: str, sees: Callable[[str], bool] = lambda _component_ref: True) -> tuple[Result, ...]:
         """Return what a command gave: empty while it runs and when it failed.
@@ -108,6 +117,16 @@ class CommandLog:
         if component_ref is None or not sees(component_ref):
             raise BadParameter(f"there is no command {command_id[:200]!r}")
         return () if finished is None else finished.results
+
+    @property
+    def unfinished(self) -> int:
+        """How many commands were accepted and have not finished."""
+        return len(self._running)
+
+    def ending(self, command_id: str) -> tuple[CompletedStatus, str] | None:
+        """Return how a command has finished and why so; None where none with this id that has is remembered."""
+        finished = self._finished.get(command_id)
+        return None if finished is None else (finished.status, finished.reason)
 
     def has_one_on(self, component_ref: str) -> bool:
         """Tell whether a command runs on the component, or did so until a moment ago."""

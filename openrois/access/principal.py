@@ -57,6 +57,15 @@ ALLOWED: Final[Mapping[str, frozenset[Role]]] = MappingProxyType(
         "signaling.restart": _WATCHERS,
         "openrois.hello": _READERS,
         "openrois.auth.refresh": _READERS,
+        "openrois.lease.query": _READERS,
+        "openrois.lease.request": _OPERATORS,
+        "openrois.lease.leave": _OPERATORS,
+        "openrois.lease.grant": _OPERATORS,
+        "openrois.lease.decline": _OPERATORS,
+        "openrois.lease.take": frozenset({Role.ADMINISTRATOR}),
+        "openrois.lease.token": _OPERATORS,
+        "openrois.lease.resume": _OPERATORS,
+        "openrois.stop_all": _OPERATORS,
     }
 )
 """Every method of the gateway and the roles that may call it. What does not stand here nobody may call."""

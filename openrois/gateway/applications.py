@@ -20,7 +20,7 @@ from openrois.errors import RoISError
 from openrois.gateway.refusals import note_refusal
 from openrois.gateway.renewal import Renewal, expiring
 from openrois.gateway.tenure import Tenure
-from openrois.interfaces import base_methods, stream_methods
+from openrois.interfaces import base_methods, lease_methods, stream_methods
 from openrois.interfaces.enforcement import enforced
 from openrois.interfaces.operation import reply_first
 from openrois.jsonrpc.session import Handler, InvalidParams, Reply, RpcSession
@@ -31,6 +31,9 @@ from openrois.types.references import engine_of
 __all__ = ["serve_application"]
 
 _log = logging.getLogger(__name__)
+
+_WITHOUT_HANDSHAKE: Final = 1006
+"""How a connection ends that nobody has closed."""
 
 _TO_APPLICATION: Final = {message.method: message for message in (Offer, Candidate, Bye)}
 
@@ -57,19 +60,22 @@ async def serve_application(
     session.explain = app.explain
     session.on_refusal = partial(note_refusal, app)
     session.outbox.gap = app.gap
-    methods = {**base_methods(app), **stream_methods(app), **signaling.methods()}
+    methods = {**base_methods(app), **stream_methods(app), **lease_methods(app), **signaling.methods()}
     if renewal is not None:
         methods |= renewal.method(tenure, lambda principal: principal.is_application)
     session.methods = enforced(app, methods)
     tenure.on_principal = partial(setattr, app, "principal")
     tenure.on_expiring = expiring(session.notify, lambda: app.extended)
     stop_listening = app.engine.on_change(lambda _visibly: signaling.tree_changed())
+    lost = False
     try:
         with connection(app.client_id[:8]), host.traffic.counted("application", session, app.events.count):
-            return await session.run()
+            closed = await session.run()
+        lost = closed.code == _WITHOUT_HANDSHAKE
+        return closed
     finally:
         stop_listening()
-        await app.close()
+        await app.close(lost=lost)
 
 
 class _Signaling:

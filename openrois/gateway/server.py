@@ -26,6 +26,7 @@ from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import ADAPTER, APPLICATION, ServerSocket, SocketProfile
 from openrois.gateway.tenure import Tenure
 from openrois.journal.journal import Journal
+from openrois.leases.model import Rules
 from openrois.loop_lag import LoopLag
 from openrois.metrics.server import metrics_address, serving_metrics
 from openrois.schema import openrpc
@@ -89,7 +90,15 @@ async def run_gateway(
         lag = LoopLag()
         tasks.start(lag.watch())
         host = EngineHost(
-            Engine(settings.engine_id), tasks, ice_servers=ice.servers, ice_ttl=ice.ttl, audit=audit, journal=journal
+            Engine(settings.engine_id),
+            tasks,
+            ice_servers=ice.servers,
+            ice_ttl=ice.ttl,
+            audit=audit,
+            journal=journal,
+            lease_rules=Rules(settings.lease_grace, settings.lease_answer),
+            # Greater than those of a process before this one, as long as the wall clock is not set back.
+            first_epoch=round(time.time() * 1000),
         )
         entrance = Entrance.open(settings, audit, tasks, host.traffic.turn_away)
         readiness = Readiness()

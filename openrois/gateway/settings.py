@@ -9,6 +9,7 @@ from openrois.access.loopback import is_loopback
 from openrois.gateway.access_settings import Authentication, Encryption
 from openrois.gateway.settings_group import SettingsGroup, setting
 from openrois.jsonrpc.session import CALL_TIMEOUT
+from openrois.leases.model import GRACE, PATIENCE
 from openrois.metrics.server import metrics_address
 from openrois.types.references import flaw_of_name
 
@@ -79,6 +80,27 @@ class Adapters(SettingsGroup):
         return self
 
 
+class Leases(SettingsGroup):
+    """How long somebody keeps control of a component."""
+
+    table: ClassVar[str] = "leases"
+
+    lease_grace: float = setting(
+        GRACE, "how long a lease survives a lost connection, 0 for not at all", metavar="SECONDS"
+    )
+    lease_answer: float = setting(
+        PATIENCE, "how long a holder has to answer who asks for its component", metavar="SECONDS"
+    )
+
+    @model_validator(mode="after")
+    def _check_leases(self) -> Self:
+        if not 0 <= self.lease_grace <= 30:
+            raise ValueError("a lease survives a lost connection for 0 to 30 seconds")
+        if not 1 <= self.lease_answer <= 3600:
+            raise ValueError("a holder has 1 to 3600 seconds to answer")
+        return self
+
+
 class Operation(SettingsGroup):
     """What the gateway tells those who operate it."""
 
@@ -101,7 +123,7 @@ class Operation(SettingsGroup):
         return self
 
 
-class GatewaySettings(Listening, Authentication, Encryption, Streams, Adapters, Operation):
+class GatewaySettings(Listening, Authentication, Encryption, Streams, Adapters, Leases, Operation):
     """The settings of one gateway.
 
     Raises:
@@ -125,7 +147,15 @@ class GatewaySettings(Listening, Authentication, Encryption, Streams, Adapters, 
         return self
 
 
-GROUPS: Final[tuple[type[SettingsGroup], ...]] = (Listening, Authentication, Encryption, Streams, Adapters, Operation)
+GROUPS: Final[tuple[type[SettingsGroup], ...]] = (
+    Listening,
+    Authentication,
+    Encryption,
+    Streams,
+    Adapters,
+    Leases,
+    Operation,
+)
 """The tables of the configuration file, in its order."""
 
 

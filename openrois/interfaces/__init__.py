@@ -1,10 +1,10 @@
 """The RoIS interfaces as method tables over one `ApplicationSession`: thin, one module each."""
 
 from openrois.application import ApplicationSession
-from openrois.interfaces import command, event, query, stream, system
+from openrois.interfaces import command, event, lease, query, stop, stream, system
 from openrois.jsonrpc.session import Handler
 
-__all__ = ["base_methods", "stream_methods"]
+__all__ = ["base_methods", "lease_methods", "stream_methods"]
 
 
 def base_methods(app: ApplicationSession) -> dict[str, Handler]:
@@ -15,3 +15,8 @@ def base_methods(app: ApplicationSession) -> dict[str, Handler]:
 def stream_methods(app: ApplicationSession) -> dict[str, Handler]:
     """Return `openrois.hello` and the streaming verbs for an application."""
     return stream.methods(app)
+
+
+def lease_methods(app: ApplicationSession) -> dict[str, Handler]:
+    """Return `openrois.lease.*` and `openrois.stop_all` for an application."""
+    return {**lease.methods(app), **stop.methods(app)}

@@ -3,7 +3,9 @@
 import asyncio
 import logging
 from collections.abc import Sequence
+from functools import partial
 
+from openrois.accepted import AcceptedCommand
 from openrois.application import ApplicationSession
 from openrois.arguments import check_arguments
 from openrois.command_log import MAX_ID
@@ -60,6 +62,7 @@ class _Commands:
 
     def __init__(self, app: ApplicationSession) -> None:
         self._app = app
+        self._accepted: dict[str, AcceptedCommand] = {}
 
     async def search(self, params: ConditionParams) -> SearchResult:
         condition = parse_condition(params.condition, COMPONENT_PROPERTIES)
@@ -71,7 +74,7 @@ class _Commands:
 
     def _bind(self, component_ref: str) -> None:
         if self._app.engine.require(component_ref).function is ComponentFunction.ACTUATION:
-            self._app.reserve(component_ref)
+            self._app.host.leases.bind(component_ref, self._app)
         self._app.bound.add(component_ref)
         self._acted("rois.command.bind", component_ref)
 
@@ -139,6 +142,11 @@ class _Commands:
             for unit in units:
                 self._finish(unit, CompletedStatus.ABORT, (), "the application went before the command was accepted")
             raise
+        for unit in units:
+            abort = partial(self._finish, unit, CompletedStatus.ABORT, ())
+            command = AcceptedCommand(unit.component_ref, app, abort)
+            self._accepted[unit.command_id] = command
+            app.host.accepted.add(command)
 
     def _check_operable(self, unit: CommandUnit) -> None:
         profile = self._app.engine.require(unit.component_ref)
@@ -179,11 +187,20 @@ class _Commands:
             replied()
 
     async def _run_to_completed(self, unit: CommandUnit) -> CompletedStatus:
+        command = self._accepted.get(unit.command_id)
+        if command is None:
+            # It was ended before its turn came.
+            return CompletedStatus.ABORT
+        command.task = asyncio.current_task()
         status = CompletedStatus.OK
         reason = ""
         results: tuple[Result, ...] = ()
         try:
             results = await self._outcome(unit)
+        except asyncio.CancelledError:
+            if not command.takes_back_cancellation():
+                raise
+            status, reason = CompletedStatus.ABORT, command.aborted
         except RoISError as error:
             status, reason = error.completed_status, str(error)
             _log.info("%s of %s ended %s: %s", unit.command_type, unit.component_ref, status, error)
@@ -209,12 +226,16 @@ class _Commands:
         return await self._app.engine.invoke(unit.component_ref, unit.command_type, unit.arguments)
 
     def _skip(self, unit: CommandUnit, status: CompletedStatus) -> None:
-        self._finish(unit, CompletedStatus.ABORT, (), f"an earlier command of the sequence ended {status}")
+        if unit.command_id in self._accepted:
+            self._finish(unit, CompletedStatus.ABORT, (), f"an earlier command of the sequence ended {status}")
 
     def _finish(
         self, unit: CommandUnit, status: CompletedStatus, results: tuple[Result, ...], reason: str = ""
     ) -> None:
-        self._app.commands.finish(unit.command_id, results)
+        command = self._accepted.pop(unit.command_id, None)
+        if command is not None:
+            self._app.host.accepted.remove(command)
+        self._app.commands.finish(unit.command_id, results, status, reason)
         self._app.host.journal.ended(self._app.client_id, unit.command_id, status, reason, results)
         self._app.completed(unit.command_id, status, reason)
 

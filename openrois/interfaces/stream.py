@@ -27,6 +27,7 @@ from openrois.jsonrpc.session import Handler
 from openrois.rate import RateLimit
 from openrois.stream_parameters import STREAM_PARAMETERS
 from openrois.types.codes import ReturnCode, StreamStatus
+from openrois.types.leases import LEASES
 from openrois.types.messages import Argument, CommandUnit, Parameter, Result, ReturnResult
 from openrois.types.references import engine_of
 from openrois.types.streams import (
@@ -74,7 +75,7 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
     async def hello(_params: HelloParams) -> HelloResult:
         app.extended = True
         engines = tuple(sorted(app.engine.extension.engines()))
-        return HelloResult(client_id=app.client_id, extensions=EXTENSIONS, engines=engines)
+        return HelloResult(client_id=app.client_id, extensions=(*EXTENSIONS, LEASES), engines=engines)
 
     async def connect(params: ConnectStreamParams) -> ConnectStreamResult:
         app.extended = True

@@ -15,6 +15,7 @@ from openrois.types.leases import (
     LeaseChangedNotification,
     LeaseDeclinedNotification,
     LeaseRequestedNotification,
+    LeaseState,
     LeaseStatus,
     LeaseWithdrawnNotification,
 )
@@ -39,13 +40,13 @@ class Holder(Protocol):
     Attributes:
         principal: who it is.
         client: it, as adapters know it.
-        extended: whether it wants notifications of extensions.
+        leasing: whether it knows of leases, and wants to hear of them.
         bound: what it has bound.
     """
 
     principal: Principal
     client: Client
-    extended: bool
+    leasing: bool
     bound: set[str]
 
     def tell(self, method: str, params: Mapping[str, Any]) -> None:
@@ -79,14 +80,17 @@ class Telling:
             return LeaseStatus(component_ref=component_ref)
         return LeaseStatus(
             component_ref=component_ref,
-            held=True,
-            holds=held[0] is viewer,
+            state=self._state(held[0], viewer),
             holder=session_of(held[0]).principal.subject,
-            absent=held[0] in self._model.absent,
             epoch=held[1],
             waiting=len(queue),
             position=position,
         )
+
+    def _state(self, holder: object, viewer: Holder) -> LeaseState:
+        if holder is viewer:
+            return LeaseState.MINE
+        return LeaseState.ABSENT if holder in self._model.absent else LeaseState.HELD
 
     def watch(self, component_ref: str, viewer: Holder) -> None:
         """Tell somebody from now on, until it leaves, when a component has another holder."""
@@ -105,9 +109,8 @@ class Telling:
             case Asked(_, holder):
                 left = max(0.0, (request.deadline or 0.0) - self._now())
                 subject = session_of(request.asker).principal.subject
-                self.say(
-                    session_of(holder), LeaseRequestedNotification(**named, subject=subject, seconds=round(left, 3))
-                )
+                asked = LeaseRequestedNotification(**named, subject=subject, answer_ms=round(left * 1000))
+                self.say(session_of(holder), asked)
             case Declined(_, in_time, gone):
                 answer = "its holder keeps it" if in_time else "its holder did not answer in time"
                 reason = SENTENCES[Why.GONE] if gone else answer
@@ -133,7 +136,7 @@ class Telling:
 
     def say(self, viewer: Holder, told: "_Told") -> None:
         """Tell somebody, if it wants notifications of extensions, once what it has asked is answered."""
-        if viewer.extended:
+        if viewer.leasing:
             # What was asked is answered first.
             params = told.model_dump(mode="json")
             asyncio.get_running_loop().call_soon(viewer.tell, told.method, params)

@@ -1,5 +1,6 @@
 """Params and results of `openrois.lease.*` and `openrois.stop_all`: who controls what, hand-over, resume, and STOP."""
 
+from enum import StrEnum
 from typing import Annotated, ClassVar, Final
 
 from pydantic import Field
@@ -18,6 +19,7 @@ __all__ = [
     "LeaseRequestResult",
     "LeaseRequestedNotification",
     "LeaseResult",
+    "LeaseState",
     "LeaseStatus",
     "LeaseTokenResult",
     "LeaseWithdrawnNotification",
@@ -50,25 +52,34 @@ class LeaseRequestParams(Model):
     request_id: str
 
 
+class LeaseState(StrEnum):
+    """Who holds a component, as whoever is told sees it."""
+
+    FREE = "FREE"
+    """Nobody."""
+    MINE = "MINE"
+    """Whoever is told."""
+    HELD = "HELD"
+    """Another application."""
+    ABSENT = "ABSENT"
+    """Another application whose connection is lost, and which may come back."""
+
+
 class LeaseStatus(Model):
     """How things stand with one component, as whoever is told sees it.
 
     Attributes:
         component_ref: the component.
-        held: whether somebody holds it.
-        holds: whether that is whoever is told.
-        holder: the subject of who holds it.
-        absent: the holder's connection is lost; it may come back.
+        state: who holds it.
+        holder: the subject of who holds it; empty where nobody does.
         epoch: grows with each new holder; 0 where nobody holds it.
         waiting: how many wait for it.
         position: of whoever is told among them, from 1 on; 0 where it does not wait.
     """
 
     component_ref: str = ""
-    held: bool = False
-    holds: bool = False
+    state: Annotated[LeaseState, Field(strict=False)] = LeaseState.FREE
     holder: str = ""
-    absent: bool = False
     epoch: _Epoch = 0
     waiting: _Count = 0
     position: _Count = 0
@@ -87,10 +98,10 @@ class LeaseRequestResult(LeaseResult):
 
 
 class LeaseTokenResult(ReturnResult):
-    """Result of `openrois.lease.token`: good once, for this subject, within `grace` seconds after a lost connection."""
+    """Result of `openrois.lease.token`: good once, for this subject, so long after a lost connection."""
 
     token: str = ""
-    grace: Annotated[float, Field(ge=0)] = 0
+    grace_ms: _Count = 0
 
 
 class Lease(Model):
@@ -108,7 +119,7 @@ class ResumeParams(Model):
 
 
 class ResumeResult(LeaseTokenResult):
-    """Result of `openrois.lease.resume`: the next token, what is held, and which commands nobody can say anything of."""
+    """Result of `openrois.lease.resume`: the next token, what is held, and which commands are not known."""
 
     leases: tuple[Lease, ...] = Field(default=(), strict=False)
     unknown: tuple[str, ...] = Field(default=(), strict=False)
@@ -123,18 +134,18 @@ class LeaseChangedNotification(LeaseStatus):
 
 
 class LeaseRequestedNotification(Model):
-    """Params of the notification `openrois.lease.requested` to the holder: `subject` asks, for `seconds` from now."""
+    """Params of the notification `openrois.lease.requested` to the holder: `subject` asks, and waits so long."""
 
     method: ClassVar[str] = "openrois.lease.requested"
 
     component_ref: str
     request_id: str
     subject: str
-    seconds: Annotated[float, Field(ge=0)]
+    answer_ms: _Count
 
 
 class LeaseDeclinedNotification(Model):
-    """Params of the notification `openrois.lease.declined` to who asked; unless the component is gone it still waits."""
+    """Params of the notification `openrois.lease.declined` to who asked, who waits on unless the component is gone."""
 
     method: ClassVar[str] = "openrois.lease.declined"
 

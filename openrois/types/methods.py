@@ -6,6 +6,21 @@ from typing import Final
 from pydantic import BaseModel
 
 from openrois.types.access import AuthExpiringNotification, AuthRefreshParams, AuthRefreshResult
+from openrois.types.leases import (
+    LeaseChangedNotification,
+    LeaseDeclinedNotification,
+    LeaseParams,
+    LeaseRequestedNotification,
+    LeaseRequestParams,
+    LeaseRequestResult,
+    LeaseResult,
+    LeaseTokenResult,
+    LeaseWithdrawnNotification,
+    ResumeParams,
+    ResumeResult,
+    StopAllParams,
+    StopAllResult,
+)
 from openrois.types.messages import (
     CommandResultParams,
     Completed,
@@ -123,6 +138,21 @@ METHODS: Final[tuple[MethodType, ...]] = (
         "Say how long what arrives of a stream waits here until it is played.",
         "rois.stream",
     ),
+    MethodType("openrois.lease.query", LeaseParams, LeaseResult, "Ask who holds a component.", "openrois.lease"),
+    MethodType("openrois.lease.request", LeaseParams, LeaseRequestResult, "Ask its holder for it.", "openrois.lease"),
+    MethodType("openrois.lease.leave", LeaseParams, ReturnResult, "Wait for it no more.", "openrois.lease"),
+    MethodType("openrois.lease.grant", LeaseRequestParams, ReturnResult, "Let who asks have it.", "openrois.lease"),
+    MethodType("openrois.lease.decline", LeaseRequestParams, ReturnResult, "Keep it.", "openrois.lease"),
+    MethodType(
+        "openrois.lease.take",
+        LeaseParams,
+        LeaseResult,
+        "Have it, whoever holds it.",
+        "openrois.lease",
+    ),
+    MethodType("openrois.lease.token", NoParams, LeaseTokenResult, "Ask for a resume token.", "openrois.lease"),
+    MethodType("openrois.lease.resume", ResumeParams, ResumeResult, "Go on with a lost session.", "openrois.lease"),
+    MethodType("openrois.stop_all", StopAllParams, StopAllResult, "Stop all that acts on an engine.", "openrois.lease"),
 )
 """The base in the order of the standard, then the extensions; `signaling.*` stands in `openrois_signaling`."""
 
@@ -151,5 +181,29 @@ NOTIFICATIONS: Final[tuple[NotificationType, ...]] = (
     ),
     NotificationType(
         StreamStatusNotification.method, StreamStatusNotification, "A stream does something else now.", "rois.stream"
+    ),
+    NotificationType(
+        LeaseChangedNotification.method,
+        LeaseChangedNotification,
+        "A component has another holder, or another queue.",
+        "openrois.lease",
+    ),
+    NotificationType(
+        LeaseRequestedNotification.method,
+        LeaseRequestedNotification,
+        "Somebody asks for a component that the application holds.",
+        "openrois.lease",
+    ),
+    NotificationType(
+        LeaseDeclinedNotification.method,
+        LeaseDeclinedNotification,
+        "The holder keeps the component, or does not answer.",
+        "openrois.lease",
+    ),
+    NotificationType(
+        LeaseWithdrawnNotification.method,
+        LeaseWithdrawnNotification,
+        "Who has asked for the component does not any more.",
+        "openrois.lease",
     ),
 )

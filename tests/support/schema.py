@@ -56,6 +56,15 @@ ENGINE_PROFILE: dict[str, Any] = {
 }
 ENGINE_PROFILE["sub_profiles"] = [ENGINE_PROFILE]
 
+LEASE = {
+    "component_ref": str,
+    "state": {"FREE", "MINE", "HELD", "ABSENT"},
+    "holder": str,
+    "epoch": int,
+    "waiting": int,
+    "position": int,
+}
+
 RESULTS: dict[str, dict[str, Any]] = {
     "rois.system.connect": {},
     "rois.system.disconnect": {},
@@ -84,6 +93,20 @@ RESULTS: dict[str, dict[str, Any]] = {
     "rois.stream.resume_stream": {},
     "rois.stream.query_stream_status": {"status": STREAM_STATUS},
     "rois.stream.report_playout": {},
+    "openrois.lease.query": {"lease": Optional(LEASE)},
+    "openrois.lease.request": {"lease": Optional(LEASE), "request_id": str},
+    "openrois.lease.leave": {},
+    "openrois.lease.grant": {},
+    "openrois.lease.decline": {},
+    "openrois.lease.take": {"lease": Optional(LEASE)},
+    "openrois.lease.token": {"token": str, "grace_ms": int},
+    "openrois.lease.resume": {
+        "token": str,
+        "grace_ms": int,
+        "leases": [{"component_ref": str, "epoch": int}],
+        "unknown": [str],
+    },
+    "openrois.stop_all": {"stopped": [str], "failed": [str]},
     "signaling.answer": {},
     "signaling.candidate": {},
     "signaling.restart": {},
@@ -113,6 +136,10 @@ NOTIFICATIONS: dict[str, dict[str, Any]] = {
         "status": STREAM_STATUS,
         "timestamp": str,
     },
+    "openrois.lease.changed": {**LEASE, "reason": str},
+    "openrois.lease.requested": {"component_ref": str, "request_id": str, "subject": str, "answer_ms": int},
+    "openrois.lease.declined": {"component_ref": str, "request_id": str, "reason": str},
+    "openrois.lease.withdrawn": {"component_ref": str, "request_id": str},
     "signaling.offer": {
         "peer_id": str,
         "generation": int,

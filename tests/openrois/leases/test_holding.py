@@ -54,16 +54,8 @@ def test_everything_of_one_holder(ann: Holder, bob: Holder) -> None:
     held = Holding()
     held.bind(LAMP, ann)
     held.bind(BELL, bob)
-    held.release_all(ann)
-    assert (held.is_held(LAMP, ann), held.is_held(BELL, bob)) == (False, True)
-
-
-def test_components_that_are_gone(ann: Holder) -> None:
-    held = Holding()
-    held.bind(LAMP, ann)
-    held.bind(BELL, ann)
-    held.keep_only({BELL, "r/new"})
-    assert (held.is_held(LAMP, ann), held.is_held(BELL, ann)) == (False, True)
+    assert (held.held_by(ann), held.held_by(bob), held.held()) == ({LAMP: 1}, {BELL: 2}, {LAMP, BELL})
+    assert (held.holder(LAMP), held.holder("r/x")) == ((ann, 1), None)
 
 
 def test_each_holder_has_an_epoch_of_its_own(ann: Holder, bob: Holder) -> None:
@@ -71,7 +63,12 @@ def test_each_holder_has_an_epoch_of_its_own(ann: Holder, bob: Holder) -> None:
     assert (held.bind(LAMP, ann), held.bind(LAMP, ann), held.bind(BELL, ann)) == (1, 1, 2)
     assert (held.release(LAMP, bob), held.release(LAMP, ann), held.release(LAMP, ann)) == (None, 1, None)
     assert held.bind(LAMP, bob) == 3
-    held.release_all(ann)
-    assert held.bind(BELL, bob) == 4
-    held.keep_only({BELL})
-    assert (held.bind(LAMP, ann), held.bind(BELL, bob)) == (5, 4)
+    assert held.move(LAMP, ann) == 4
+    assert held.is_held(LAMP, ann)
+
+
+def test_a_successor_goes_on_in_the_same_epochs(ann: Holder, bob: Holder) -> None:
+    held = Holding(first_epoch=7)
+    held.bind(LAMP, ann)
+    held.succeed(ann, bob)
+    assert (held.held_by(bob), held.held_by(ann)) == ({LAMP: 7}, {})

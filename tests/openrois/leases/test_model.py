@@ -1,9 +1,5 @@
-"""The rules of leases: each by itself, and all of them against the simplest thing that could be right.
+"""The rules of leases: each by itself, and all of them against the simplest thing that could be right."""
 
-`OPENROIS_LEASE_RUNS=5000 python -m pytest tests/openrois/leases/test_model.py -k reference` runs the comparison so often.
-"""
-
-import os
 from dataclasses import dataclass, field
 from itertools import count
 
@@ -17,7 +13,6 @@ from openrois.leases.changes import Asked, Change, Declined, Gained, Lost, Queue
 from openrois.leases.model import LeaseModel, Replayed, Rules, StillThere
 from openrois.leases.waiting import MAX_WAITING, Request
 
-RUNS = int(os.environ.get("OPENROIS_LEASE_RUNS", "1000"))
 GRACE, PATIENCE = 10.0, 30.0
 LAMP, ARM = "r/lamp", "r/arm"
 
@@ -140,11 +135,12 @@ class LeaseMachine(RuleBasedStateMachine):
             return
         request = list(self.asked.values())[which % len(self.asked)]
         session, ref = self.live(seat), request.component_ref
-        answer = (
-            (lambda: self.model.grant(request.request_id, session, self.now))
-            if yes
-            else (lambda: self.model.decline(request.request_id, session))
-        )
+
+        def answer() -> list[Change]:
+            if yes:
+                return self.model.grant(request.request_id, session, self.now)
+            return self.model.decline(request.request_id, session)
+
         if self.reference.holder(ref) is session and request.asker in self.reference.lines[ref][1:]:
             if yes:
                 assert isinstance(request.asker, Session)
@@ -247,8 +243,103 @@ class LeaseMachine(RuleBasedStateMachine):
             assert [request.asker for request in self.model.waiting.queue(ref)] == line[1:]
 
 
-def test_like_the_reference() -> None:
-    quick = settings(
-        max_examples=RUNS, stateful_step_count=30, deadline=None, database=None, suppress_health_check=list(HealthCheck)
+def compare(runs: int) -> None:
+    chosen = settings(
+        max_examples=runs, stateful_step_count=30, deadline=None, database=None, suppress_health_check=list(HealthCheck)
     )
-    run_state_machine_as_test(LeaseMachine, settings=quick)  # type: ignore[no-untyped-call]
+    run_state_machine_as_test(LeaseMachine, settings=chosen)
+
+
+def test_like_the_reference() -> None:
+    compare(300)
+
+
+@pytest.mark.long
+def test_like_the_reference_for_long() -> None:
+    compare(5000)
+
+
+ANN, BOB, EVE = "ann", "bob", "eve"
+
+
+@pytest.fixture
+def model() -> LeaseModel:
+    made = LeaseModel(Rules(GRACE, PATIENCE))
+    made.holding.bind(LAMP, ANN)
+    return made
+
+
+def asked(changes: list[Change]) -> Request:
+    (change,) = (change for change in changes if isinstance(change, Asked))
+    return change.request
+
+
+def test_who_does_not_answer_keeps_it_and_may_be_asked_again(model: LeaseModel) -> None:
+    request = asked(model.request(LAMP, BOB, 0))
+    assert model.request(LAMP, BOB, 1) == []
+    assert model.next_due() == PATIENCE
+    assert model.advance(PATIENCE - 1) == []
+    assert model.advance(PATIENCE) == [Declined(request, in_time=False)]
+    assert (model.next_due(), model.waiting.queue(LAMP)) == (None, (request,))
+    assert asked(model.request(LAMP, BOB, PATIENCE)) is request
+    assert model.decline(request.request_id, ANN) == [Declined(request, in_time=True)]
+    assert model.release(LAMP, ANN, 50) == [
+        Lost(LAMP, ANN, 1, Why.RELEASED),
+        Gained(LAMP, BOB, 2, Why.RELEASED),
+        Queued(LAMP),
+    ]
+
+
+def test_whoever_has_it_needs_not_ask(model: LeaseModel) -> None:
+    assert model.request(LAMP, ANN, 0) == []
+    assert model.take(LAMP, ANN, 0) == []
+    assert model.take(ARM, BOB, 0) == [Gained(ARM, BOB, 2, Why.BOUND)]
+    assert model.withdraw(LAMP, BOB) == []
+
+
+def test_so_many_wait(model: LeaseModel) -> None:
+    for number in range(MAX_WAITING):
+        model.request(LAMP, number, 0)
+    with pytest.raises(OutOfResources, match="16 applications wait"):
+        model.request(LAMP, BOB, 0)
+
+
+def test_a_component_that_is_gone_is_waited_for_no_more(model: LeaseModel) -> None:
+    request = asked(model.request(LAMP, BOB, 0))
+    assert model.keep_only({LAMP}) == []
+    assert model.keep_only({ARM}) == [Lost(LAMP, ANN, 1, Why.GONE), Declined(request, in_time=True, gone=True)]
+    assert model.waiting.queue(LAMP) == ()
+
+
+def test_who_comes_back_is_asked_what_it_missed(model: LeaseModel) -> None:
+    token = model.token(ANN, "ann")
+    assert model.lose(ANN, 0) == [Queued(LAMP)]
+    first, second = asked(model.request(LAMP, BOB, 0)), asked(model.request(LAMP, EVE, 0))
+    model.decline(second.request_id, ANN)
+    assert model.resume(token, "ann", "ann again", 1) == (ANN, [Queued(LAMP), Asked(first, "ann again")])
+    assert model.holding.held_by("ann again") == {LAMP: 1}
+
+
+def test_where_there_is_no_grace_there_is_no_token() -> None:
+    with pytest.raises(Unsupported):
+        LeaseModel(Rules(grace=0)).token(ANN, "ann")
+
+
+def test_a_token_that_comes_twice_ends_the_grace_of_both(model: LeaseModel) -> None:
+    token = model.token(ANN, "ann")
+    model.lose(ANN, 0)
+    model.resume(token, "ann", BOB, 1)
+    model.token(BOB, "ann")
+    model.lose(BOB, 2)
+    with pytest.raises(Replayed) as replayed:
+        model.resume(token, "ann", EVE, 3)
+    assert (replayed.value.holder, replayed.value.changes) == (BOB, [Lost(LAMP, BOB, 1, Why.EXPIRED)])
+
+
+def test_of_a_session_that_is_still_there_nothing_is_resumed(model: LeaseModel) -> None:
+    token = model.token(ANN, "ann")
+    with pytest.raises(StillThere) as refused:
+        model.resume(token, "ann", BOB, 0)
+    assert refused.value.holder == ANN
+    model.lose(ANN, 0)
+    assert model.resume(token, "ann", BOB, 0)[0] == ANN

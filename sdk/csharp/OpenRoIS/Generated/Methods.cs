@@ -76,6 +76,33 @@ namespace OpenRoIS
         /// <summary>Say how long what arrives of a stream waits here until it is played.</summary>
         public static readonly Method<ReportPlayoutParams, ReturnResult> StreamReportPlayout =
             new Method<ReportPlayoutParams, ReturnResult>("rois.stream.report_playout");
+        /// <summary>Ask who holds a component.</summary>
+        public static readonly Method<LeaseParams, LeaseResult> LeaseQuery =
+            new Method<LeaseParams, LeaseResult>("openrois.lease.query");
+        /// <summary>Ask its holder for it.</summary>
+        public static readonly Method<LeaseParams, LeaseRequestResult> LeaseRequest =
+            new Method<LeaseParams, LeaseRequestResult>("openrois.lease.request");
+        /// <summary>Wait for it no more.</summary>
+        public static readonly Method<LeaseParams, ReturnResult> LeaseLeave =
+            new Method<LeaseParams, ReturnResult>("openrois.lease.leave");
+        /// <summary>Let who asks have it.</summary>
+        public static readonly Method<LeaseRequestParams, ReturnResult> LeaseGrant =
+            new Method<LeaseRequestParams, ReturnResult>("openrois.lease.grant");
+        /// <summary>Keep it.</summary>
+        public static readonly Method<LeaseRequestParams, ReturnResult> LeaseDecline =
+            new Method<LeaseRequestParams, ReturnResult>("openrois.lease.decline");
+        /// <summary>Have it, whoever holds it.</summary>
+        public static readonly Method<LeaseParams, LeaseResult> LeaseTake =
+            new Method<LeaseParams, LeaseResult>("openrois.lease.take");
+        /// <summary>Ask for a resume token.</summary>
+        public static readonly Method<NoParams, LeaseTokenResult> LeaseToken =
+            new Method<NoParams, LeaseTokenResult>("openrois.lease.token");
+        /// <summary>Go on with a lost session.</summary>
+        public static readonly Method<ResumeParams, ResumeResult> LeaseResume =
+            new Method<ResumeParams, ResumeResult>("openrois.lease.resume");
+        /// <summary>Stop all that acts on an engine.</summary>
+        public static readonly Method<StopAllParams, StopAllResult> StopAll =
+            new Method<StopAllParams, StopAllResult>("openrois.stop_all");
         /// <summary>Answer an engine's offer.</summary>
         public static readonly Method<Answer, ReturnResult> SignalingAnswer =
             new Method<Answer, ReturnResult>("signaling.answer");
@@ -119,6 +146,18 @@ namespace OpenRoIS
         /// <summary>A stream does something else now.</summary>
         public static readonly Notification<StreamStatusNotification> StreamNotifyStreamStatus =
             new Notification<StreamStatusNotification>("rois.stream.notify_stream_status");
+        /// <summary>A component has another holder, or another queue.</summary>
+        public static readonly Notification<LeaseChangedNotification> LeaseChanged =
+            new Notification<LeaseChangedNotification>("openrois.lease.changed");
+        /// <summary>Somebody asks for a component that the application holds.</summary>
+        public static readonly Notification<LeaseRequestedNotification> LeaseRequested =
+            new Notification<LeaseRequestedNotification>("openrois.lease.requested");
+        /// <summary>The holder keeps the component, or does not answer.</summary>
+        public static readonly Notification<LeaseDeclinedNotification> LeaseDeclined =
+            new Notification<LeaseDeclinedNotification>("openrois.lease.declined");
+        /// <summary>Who has asked for the component does not any more.</summary>
+        public static readonly Notification<LeaseWithdrawnNotification> LeaseWithdrawn =
+            new Notification<LeaseWithdrawnNotification>("openrois.lease.withdrawn");
         /// <summary>An engine offers a peer connection.</summary>
         public static readonly Notification<Offer> SignalingOffer =
             new Notification<Offer>("signaling.offer");

@@ -452,6 +452,186 @@ namespace OpenRoIS
         public long Ttl { get; set; } = 0;
     }
 
+    /// <summary>What a session holds.</summary>
+    public sealed class Lease
+    {
+        [JsonProperty("component_ref", Required = Required.Always)]
+        public string ComponentRef { get; set; }
+
+        [JsonProperty("epoch", Required = Required.Always)]
+        public long Epoch { get; set; }
+    }
+
+    /// <summary>
+    /// Params of the notification <c>openrois.lease.changed</c>; <c>reason</c> is one sentence for a
+    /// person.
+    /// </summary>
+    public sealed class LeaseChangedNotification
+    {
+        [JsonProperty("component_ref")]
+        public string ComponentRef { get; set; } = "";
+
+        [JsonProperty("state")]
+        public LeaseState State { get; set; } = LeaseState.Free;
+
+        [JsonProperty("holder")]
+        public string Holder { get; set; } = "";
+
+        [JsonProperty("epoch")]
+        public long Epoch { get; set; } = 0;
+
+        [JsonProperty("waiting")]
+        public long Waiting { get; set; } = 0;
+
+        [JsonProperty("position")]
+        public long Position { get; set; } = 0;
+
+        [JsonProperty("reason")]
+        public string Reason { get; set; } = "";
+    }
+
+    /// <summary>
+    /// Params of the notification <c>openrois.lease.declined</c> to who asked, who waits on unless the
+    /// component is gone.
+    /// </summary>
+    public sealed class LeaseDeclinedNotification
+    {
+        [JsonProperty("component_ref", Required = Required.Always)]
+        public string ComponentRef { get; set; }
+
+        [JsonProperty("request_id", Required = Required.Always)]
+        public string RequestId { get; set; }
+
+        [JsonProperty("reason", Required = Required.Always)]
+        public string Reason { get; set; }
+    }
+
+    /// <summary>Params of <c>openrois.lease.query</c>, <c>.request</c>, <c>.leave</c> and <c>.take</c>.</summary>
+    public sealed class LeaseParams
+    {
+        [JsonProperty("component_ref", Required = Required.Always)]
+        public string ComponentRef { get; set; }
+    }
+
+    /// <summary>
+    /// Params of <c>openrois.lease.grant</c> and <c>.decline</c>: the <c>request_id</c> of a request that
+    /// the holder was told of.
+    /// </summary>
+    public sealed class LeaseRequestParams
+    {
+        [JsonProperty("request_id", Required = Required.Always)]
+        public string RequestId { get; set; }
+    }
+
+    /// <summary>
+    /// Result of <c>openrois.lease.request</c>; <c>request_id</c> is empty where nobody has to be asked.
+    /// </summary>
+    public sealed class LeaseRequestResult
+    {
+        [JsonProperty("return_code", Required = Required.Always)]
+        public ReturnCode ReturnCode { get; set; }
+
+        [JsonProperty("lease", NullValueHandling = NullValueHandling.Ignore)]
+        public LeaseStatus Lease { get; set; }
+
+        [JsonProperty("request_id")]
+        public string RequestId { get; set; } = "";
+    }
+
+    /// <summary>
+    /// Params of the notification <c>openrois.lease.requested</c> to the holder: <c>subject</c> asks, and
+    /// waits so long.
+    /// </summary>
+    public sealed class LeaseRequestedNotification
+    {
+        [JsonProperty("component_ref", Required = Required.Always)]
+        public string ComponentRef { get; set; }
+
+        [JsonProperty("request_id", Required = Required.Always)]
+        public string RequestId { get; set; }
+
+        [JsonProperty("subject", Required = Required.Always)]
+        public string Subject { get; set; }
+
+        [JsonProperty("answer_ms", Required = Required.Always)]
+        public long AnswerMs { get; set; }
+    }
+
+    /// <summary>
+    /// Result of <c>openrois.lease.query</c>, <c>.request</c> and <c>.take</c>: how things stand now.
+    /// </summary>
+    public sealed class LeaseResult
+    {
+        [JsonProperty("return_code", Required = Required.Always)]
+        public ReturnCode ReturnCode { get; set; }
+
+        [JsonProperty("lease", NullValueHandling = NullValueHandling.Ignore)]
+        public LeaseStatus Lease { get; set; }
+    }
+
+    /// <summary>Who holds a component, as whoever is told sees it.</summary>
+    public enum LeaseState
+    {
+        [EnumMember(Value = "FREE")]
+        Free,
+        [EnumMember(Value = "MINE")]
+        Mine,
+        [EnumMember(Value = "HELD")]
+        Held,
+        [EnumMember(Value = "ABSENT")]
+        Absent,
+    }
+
+    /// <summary>How things stand with one component, as whoever is told sees it.</summary>
+    public sealed class LeaseStatus
+    {
+        [JsonProperty("component_ref")]
+        public string ComponentRef { get; set; } = "";
+
+        [JsonProperty("state")]
+        public LeaseState State { get; set; } = LeaseState.Free;
+
+        [JsonProperty("holder")]
+        public string Holder { get; set; } = "";
+
+        [JsonProperty("epoch")]
+        public long Epoch { get; set; } = 0;
+
+        [JsonProperty("waiting")]
+        public long Waiting { get; set; } = 0;
+
+        [JsonProperty("position")]
+        public long Position { get; set; } = 0;
+    }
+
+    /// <summary>
+    /// Result of <c>openrois.lease.token</c>: good once, for this subject, so long after a lost connection.
+    /// </summary>
+    public sealed class LeaseTokenResult
+    {
+        [JsonProperty("return_code", Required = Required.Always)]
+        public ReturnCode ReturnCode { get; set; }
+
+        [JsonProperty("token")]
+        public string Token { get; set; } = "";
+
+        [JsonProperty("grace_ms")]
+        public long GraceMs { get; set; } = 0;
+    }
+
+    /// <summary>
+    /// Params of the notification <c>openrois.lease.withdrawn</c> to the holder: nobody waits for its
+    /// answer any more.
+    /// </summary>
+    public sealed class LeaseWithdrawnNotification
+    {
+        [JsonProperty("component_ref", Required = Required.Always)]
+        public string ComponentRef { get; set; }
+
+        [JsonProperty("request_id", Required = Required.Always)]
+        public string RequestId { get; set; }
+    }
+
     /// <summary>What a section of a peer connection carries.</summary>
     public enum MediaKind
     {
@@ -632,6 +812,40 @@ namespace OpenRoIS
         public List<Result> Results { get; set; } = new List<Result>();
     }
 
+    /// <summary>
+    /// Params of <c>openrois.lease.resume</c>; <c>command_ids</c> are the commands whose end is not known.
+    /// </summary>
+    public sealed class ResumeParams
+    {
+        [JsonProperty("token", Required = Required.Always)]
+        public string Token { get; set; }
+
+        [JsonProperty("command_ids")]
+        public List<string> CommandIds { get; set; } = new List<string>();
+    }
+
+    /// <summary>
+    /// Result of <c>openrois.lease.resume</c>: the next token, what is held, and which commands are not
+    /// known.
+    /// </summary>
+    public sealed class ResumeResult
+    {
+        [JsonProperty("return_code", Required = Required.Always)]
+        public ReturnCode ReturnCode { get; set; }
+
+        [JsonProperty("token")]
+        public string Token { get; set; } = "";
+
+        [JsonProperty("grace_ms")]
+        public long GraceMs { get; set; } = 0;
+
+        [JsonProperty("leases")]
+        public List<Lease> Leases { get; set; } = new List<Lease>();
+
+        [JsonProperty("unknown")]
+        public List<string> Unknown { get; set; } = new List<string>();
+    }
+
     /// <summary>How an operation ended (RoIS_HRI::ReturnCode_t).</summary>
     public enum ReturnCode
     {
@@ -727,6 +941,35 @@ namespace OpenRoIS
 
         [JsonProperty("command_id")]
         public string CommandId { get; set; } = "";
+    }
+
+    /// <summary>
+    /// Params of <c>openrois.stop_all</c>: an engine, or the one of a component; without both all that one
+    /// may stop.
+    /// </summary>
+    public sealed class StopAllParams
+    {
+        [JsonProperty("engine_id", NullValueHandling = NullValueHandling.Ignore)]
+        public string EngineId { get; set; }
+
+        [JsonProperty("component_ref", NullValueHandling = NullValueHandling.Ignore)]
+        public string ComponentRef { get; set; }
+    }
+
+    /// <summary>
+    /// Result of <c>openrois.stop_all</c>: which components have stopped, and which have not said so in
+    /// time.
+    /// </summary>
+    public sealed class StopAllResult
+    {
+        [JsonProperty("return_code", Required = Required.Always)]
+        public ReturnCode ReturnCode { get; set; }
+
+        [JsonProperty("stopped")]
+        public List<string> Stopped { get; set; } = new List<string>();
+
+        [JsonProperty("failed")]
+        public List<string> Failed { get; set; } = new List<string>();
     }
 
     /// <summary>Params of every method that acts on a connected stream.</summary>

@@ -3,7 +3,7 @@
 import { identity, integer, itself, list, map, object, oneOf, optional, orNull, text } from "../check.ts";
 import type { Check } from "../check.ts";
 import type { MethodName, NotificationName } from "./methods.ts";
-import { CompletedStatus, ComponentFunction, Direction, ErrorType, MediaKind, ReturnCode, StreamStatus } from "./types.ts";
+import { CompletedStatus, ComponentFunction, Direction, ErrorType, LeaseState, MediaKind, ReturnCode, StreamStatus } from "./types.ts";
 
 const isReturnCode: Check = oneOf(ReturnCode);
 
@@ -135,6 +135,53 @@ const isStreamStatusResult: Check = object({
   status: optional(isStreamStatus),
 });
 
+const isLeaseState: Check = oneOf(LeaseState);
+
+const isLeaseStatus: Check = object({
+  component_ref: optional(text),
+  state: optional(isLeaseState),
+  holder: optional(text),
+  epoch: optional(integer),
+  waiting: optional(integer),
+  position: optional(integer),
+});
+
+const isLeaseResult: Check = object({
+  return_code: isReturnCode,
+  lease: optional(orNull(isLeaseStatus)),
+});
+
+const isLeaseRequestResult: Check = object({
+  return_code: isReturnCode,
+  lease: optional(orNull(isLeaseStatus)),
+  request_id: optional(text),
+});
+
+const isLeaseTokenResult: Check = object({
+  return_code: isReturnCode,
+  token: optional(text),
+  grace_ms: optional(integer),
+});
+
+const isLease: Check = object({
+  component_ref: text,
+  epoch: integer,
+});
+
+const isResumeResult: Check = object({
+  return_code: isReturnCode,
+  token: optional(text),
+  grace_ms: optional(integer),
+  leases: optional(list(isLease)),
+  unknown: optional(list(text)),
+});
+
+const isStopAllResult: Check = object({
+  return_code: isReturnCode,
+  stopped: optional(list(text)),
+  failed: optional(list(text)),
+});
+
 const isIceServer: Check = object({
   urls: list(text),
   username: optional(orNull(text)),
@@ -190,6 +237,34 @@ const isStreamStatusNotification: Check = object({
   component_ref: text,
   status: isStreamStatus,
   timestamp: text,
+});
+
+const isLeaseChangedNotification: Check = object({
+  component_ref: optional(text),
+  state: optional(isLeaseState),
+  holder: optional(text),
+  epoch: optional(integer),
+  waiting: optional(integer),
+  position: optional(integer),
+  reason: optional(text),
+});
+
+const isLeaseRequestedNotification: Check = object({
+  component_ref: text,
+  request_id: text,
+  subject: text,
+  answer_ms: integer,
+});
+
+const isLeaseDeclinedNotification: Check = object({
+  component_ref: text,
+  request_id: text,
+  reason: text,
+});
+
+const isLeaseWithdrawnNotification: Check = object({
+  component_ref: text,
+  request_id: text,
 });
 
 const isMediaKind: Check = oneOf(MediaKind);
@@ -251,6 +326,15 @@ export const RESULTS: { readonly [Name in MethodName]: Check } = {
   "rois.stream.resume_stream": isReturnResult,
   "rois.stream.query_stream_status": isStreamStatusResult,
   "rois.stream.report_playout": isReturnResult,
+  "openrois.lease.query": isLeaseResult,
+  "openrois.lease.request": isLeaseRequestResult,
+  "openrois.lease.leave": isReturnResult,
+  "openrois.lease.grant": isReturnResult,
+  "openrois.lease.decline": isReturnResult,
+  "openrois.lease.take": isLeaseResult,
+  "openrois.lease.token": isLeaseTokenResult,
+  "openrois.lease.resume": isResumeResult,
+  "openrois.stop_all": isStopAllResult,
   "signaling.answer": isReturnResult,
   "signaling.candidate": isReturnResult,
   "signaling.restart": isReturnResult,
@@ -267,6 +351,10 @@ export const NOTIFICATIONS: { readonly [Name in NotificationName]: Check } = {
   "openrois.auth.expiring": isAuthExpiringNotification,
   "openrois.reason": isReasonNotification,
   "rois.stream.notify_stream_status": isStreamStatusNotification,
+  "openrois.lease.changed": isLeaseChangedNotification,
+  "openrois.lease.requested": isLeaseRequestedNotification,
+  "openrois.lease.declined": isLeaseDeclinedNotification,
+  "openrois.lease.withdrawn": isLeaseWithdrawnNotification,
   "signaling.offer": isOffer,
   "signaling.candidate": isCandidate,
   "signaling.bye": isBye,

@@ -22,6 +22,15 @@ import type {
   HelloParams,
   HelloResult,
   IceServersResult,
+  LeaseChangedNotification,
+  LeaseDeclinedNotification,
+  LeaseParams,
+  LeaseRequestParams,
+  LeaseRequestResult,
+  LeaseRequestedNotification,
+  LeaseResult,
+  LeaseTokenResult,
+  LeaseWithdrawnNotification,
   NoParams,
   Offer,
   ParametersResult,
@@ -32,10 +41,14 @@ import type {
   ReportPlayoutParams,
   Restart,
   ResultsResult,
+  ResumeParams,
+  ResumeResult,
   ReturnResult,
   SearchResult,
   SetParameterParams,
   SetParameterResult,
+  StopAllParams,
+  StopAllResult,
   StreamParams,
   StreamStatusNotification,
   StreamStatusResult,
@@ -94,6 +107,24 @@ export interface Methods {
   readonly "rois.stream.query_stream_status": { params: StreamParams; result: StreamStatusResult };
   /** Say how long what arrives of a stream waits here until it is played. */
   readonly "rois.stream.report_playout": { params: ReportPlayoutParams; result: ReturnResult };
+  /** Ask who holds a component. */
+  readonly "openrois.lease.query": { params: LeaseParams; result: LeaseResult };
+  /** Ask its holder for it. */
+  readonly "openrois.lease.request": { params: LeaseParams; result: LeaseRequestResult };
+  /** Wait for it no more. */
+  readonly "openrois.lease.leave": { params: LeaseParams; result: ReturnResult };
+  /** Let who asks have it. */
+  readonly "openrois.lease.grant": { params: LeaseRequestParams; result: ReturnResult };
+  /** Keep it. */
+  readonly "openrois.lease.decline": { params: LeaseRequestParams; result: ReturnResult };
+  /** Have it, whoever holds it. */
+  readonly "openrois.lease.take": { params: LeaseParams; result: LeaseResult };
+  /** Ask for a resume token. */
+  readonly "openrois.lease.token": { params: NoParams; result: LeaseTokenResult };
+  /** Go on with a lost session. */
+  readonly "openrois.lease.resume": { params: ResumeParams; result: ResumeResult };
+  /** Stop all that acts on an engine. */
+  readonly "openrois.stop_all": { params: StopAllParams; result: StopAllResult };
   /** Answer an engine's offer. */
   readonly "signaling.answer": { params: Answer; result: ReturnResult };
   /** Tell an engine of a candidate. */
@@ -124,6 +155,14 @@ export interface Notifications {
   readonly "openrois.reason": ReasonNotification;
   /** A stream does something else now. */
   readonly "rois.stream.notify_stream_status": StreamStatusNotification;
+  /** A component has another holder, or another queue. */
+  readonly "openrois.lease.changed": LeaseChangedNotification;
+  /** Somebody asks for a component that the application holds. */
+  readonly "openrois.lease.requested": LeaseRequestedNotification;
+  /** The holder keeps the component, or does not answer. */
+  readonly "openrois.lease.declined": LeaseDeclinedNotification;
+  /** Who has asked for the component does not any more. */
+  readonly "openrois.lease.withdrawn": LeaseWithdrawnNotification;
   /** An engine offers a peer connection. */
   readonly "signaling.offer": Offer;
   /** An engine has a candidate. */

@@ -231,6 +231,97 @@ export interface IceServersResult {
   readonly ttl?: number;
 }
 
+/** What a session holds. */
+export interface Lease {
+  readonly component_ref: string;
+  readonly epoch: number;
+}
+
+/** Params of the notification `openrois.lease.changed`; `reason` is one sentence for a person. */
+export interface LeaseChangedNotification {
+  readonly component_ref?: string;
+  readonly state?: LeaseState;
+  readonly holder?: string;
+  readonly epoch?: number;
+  readonly waiting?: number;
+  readonly position?: number;
+  readonly reason?: string;
+}
+
+/**
+ * Params of the notification `openrois.lease.declined` to who asked, who waits on unless the component
+ * is gone.
+ */
+export interface LeaseDeclinedNotification {
+  readonly component_ref: string;
+  readonly request_id: string;
+  readonly reason: string;
+}
+
+/** Params of `openrois.lease.query`, `.request`, `.leave` and `.take`. */
+export interface LeaseParams {
+  readonly component_ref: string;
+}
+
+/**
+ * Params of `openrois.lease.grant` and `.decline`: the `request_id` of a request that the holder was
+ * told of.
+ */
+export interface LeaseRequestParams {
+  readonly request_id: string;
+}
+
+/** Result of `openrois.lease.request`; `request_id` is empty where nobody has to be asked. */
+export interface LeaseRequestResult {
+  readonly return_code: ReturnCode;
+  readonly lease?: LeaseStatus | null;
+  readonly request_id?: string;
+}
+
+/** Params of the notification `openrois.lease.requested` to the holder: `subject` asks, and waits so long. */
+export interface LeaseRequestedNotification {
+  readonly component_ref: string;
+  readonly request_id: string;
+  readonly subject: string;
+  readonly answer_ms: number;
+}
+
+/** Result of `openrois.lease.query`, `.request` and `.take`: how things stand now. */
+export interface LeaseResult {
+  readonly return_code: ReturnCode;
+  readonly lease?: LeaseStatus | null;
+}
+
+/** Who holds a component, as whoever is told sees it. */
+export const LeaseState = ["FREE", "MINE", "HELD", "ABSENT"] as const;
+export type LeaseState = (typeof LeaseState)[number];
+
+/** How things stand with one component, as whoever is told sees it. */
+export interface LeaseStatus {
+  readonly component_ref?: string;
+  readonly state?: LeaseState;
+  readonly holder?: string;
+  readonly epoch?: number;
+  readonly waiting?: number;
+  readonly position?: number;
+}
+
+/** Result of `openrois.lease.token`: good once, for this subject, so long after a lost connection. */
+export interface LeaseTokenResult {
+  readonly return_code: ReturnCode;
+  readonly token?: string;
+  readonly grace_ms?: number;
+}
+
+/**
+ * Params of the notification `openrois.lease.withdrawn` to the holder: nobody waits for its answer any
+ * more.
+ */
+export interface LeaseWithdrawnNotification {
+  readonly component_ref: string;
+  readonly request_id: string;
+}
+
 /** What a section of a peer connection carries. */
 export const MediaKind = ["audio", "video"] as const;
 export type MediaKind = (typeof MediaKind)[number];
@@ -333,6 +424,21 @@ export interface ResultsResult {
   readonly results?: readonly Result[];
 }
 
+/** Params of `openrois.lease.resume`; `command_ids` are the commands whose end is not known. */
+export interface ResumeParams {
+  readonly token: string;
+  readonly command_ids?: readonly string[];
+}
+
+/** Result of `openrois.lease.resume`: the next token, what is held, and which commands are not known. */
+export interface ResumeResult {
+  readonly return_code: ReturnCode;
+  readonly token?: string;
+  readonly grace_ms?: number;
+  readonly leases?: readonly Lease[];
+  readonly unknown?: readonly string[];
+}
+
 /** How an operation ended (RoIS_HRI::ReturnCode_t). */
 export const ReturnCode = [
   "OK",
@@ -376,6 +482,22 @@ export interface SetParameterParams {
 export interface SetParameterResult {
   readonly return_code: ReturnCode;
   readonly command_id?: string;
+}
+
+/**
+ * Params of `openrois.stop_all`: an engine, or the one of a component; without both all that one may
+ * stop.
+ */
+export interface StopAllParams {
+  readonly engine_id?: string | null;
+  readonly component_ref?: string | null;
+}
+
+/** Result of `openrois.stop_all`: which components have stopped, and which have not said so in time. */
+export interface StopAllResult {
+  readonly return_code: ReturnCode;
+  readonly stopped?: readonly string[];
+  readonly failed?: readonly string[];
 }
 
 /** Params of every method that acts on a connected stream. */

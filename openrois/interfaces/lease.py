@@ -1,0 +1,133 @@
+"""`openrois.lease.*`: who controls a component, asking for it, handing it over, resuming after a lost connection."""
+
+from typing import Any
+
+from openrois.application import ApplicationSession
+from openrois.errors import BadParameter, RoISError, Unsupported
+from openrois.interfaces.operation import operation
+from openrois.jsonrpc.session import Handler, Reply
+from openrois.leases.model import Replayed
+from openrois.types.codes import ComponentFunction
+from openrois.types.leases import (
+    Lease,
+    LeaseParams,
+    LeaseRequestParams,
+    LeaseRequestResult,
+    LeaseResult,
+    LeaseTokenResult,
+    ResumeParams,
+    ResumeResult,
+)
+from openrois.types.messages import NoParams, ReturnResult
+
+__all__ = ["methods"]
+
+
+def methods(app: ApplicationSession) -> dict[str, Handler]:
+    """Return the extension's method table; whoever calls one gets the notifications of extensions."""
+    leases = _Leases(app)
+    table = {
+        "openrois.lease.query": operation(LeaseParams, LeaseResult, leases.query),
+        "openrois.lease.request": operation(LeaseParams, LeaseRequestResult, leases.request),
+        "openrois.lease.leave": operation(LeaseParams, ReturnResult, leases.leave),
+        "openrois.lease.grant": operation(LeaseRequestParams, ReturnResult, leases.grant),
+        "openrois.lease.decline": operation(LeaseRequestParams, ReturnResult, leases.decline),
+        "openrois.lease.take": operation(LeaseParams, LeaseResult, leases.take),
+        "openrois.lease.token": operation(NoParams, LeaseTokenResult, leases.token),
+        "openrois.lease.resume": operation(ResumeParams, ResumeResult, leases.resume),
+    }
+    return {name: _extending(app, handler) for name, handler in table.items()}
+
+
+def _extending(app: ApplicationSession, handler: Handler) -> Handler:
+    async def answer(params: dict[str, Any]) -> Any:
+        app.extended = app.leasing = True
+        return await handler(params)
+
+    return answer
+
+
+class _Leases:
+    """The operations of one application."""
+
+    def __init__(self, app: ApplicationSession) -> None:
+        self._app = app
+        self._keeper = app.host.leases
+        self._grace_ms = round(app.host.leases.model.rules.grace * 1000)
+
+    def _require_leased(self, component_ref: str) -> None:
+        if self._app.engine.require(component_ref).function is not ComponentFunction.ACTUATION:
+            raise Unsupported(f"{component_ref} is no actuation component: nobody holds it for itself")
+
+    async def query(self, params: LeaseParams) -> LeaseResult:
+        self._require_leased(params.component_ref)
+        self._keeper.telling.watch(params.component_ref, self._app)
+        return LeaseResult(lease=self._keeper.telling.status(params.component_ref, self._app))
+
+    async def request(self, params: LeaseParams) -> LeaseRequestResult:
+        self._require_leased(params.component_ref)
+        self._keeper.telling.watch(params.component_ref, self._app)
+        request_id = self._keeper.request(params.component_ref, self._app)
+        self._acted("openrois.lease.request", params.component_ref)
+        lease = self._keeper.telling.status(params.component_ref, self._app)
+        return LeaseRequestResult(lease=lease, request_id=request_id)
+
+    async def leave(self, params: LeaseParams) -> ReturnResult:
+        self._require_leased(params.component_ref)
+        self._keeper.withdraw(params.component_ref, self._app)
+        return ReturnResult()
+
+    async def grant(self, params: LeaseRequestParams) -> ReturnResult:
+        component_ref = self._keeper.grant(params.request_id, self._app)
+        self._acted("openrois.lease.grant", component_ref)
+        return ReturnResult()
+
+    async def decline(self, params: LeaseRequestParams) -> ReturnResult:
+        self._keeper.decline(params.request_id, self._app)
+        return ReturnResult()
+
+    async def take(self, params: LeaseParams) -> LeaseResult:
+        self._require_leased(params.component_ref)
+        if not self._app.principal.is_administrator:
+            raise Unsupported("only an administrator takes what another one holds")
+        self._app.host.audit.require()
+        self._acted("openrois.lease.take", params.component_ref)
+        await self._keeper.take(params.component_ref, self._app)
+        return LeaseResult(lease=self._keeper.telling.status(params.component_ref, self._app))
+
+    async def token(self, _params: NoParams) -> LeaseTokenResult:
+        return LeaseTokenResult(token=self._keeper.token(self._app), grace_ms=self._grace_ms)
+
+    async def resume(self, params: ResumeParams) -> Reply:
+        if self._app.bound or self._app.commands.unfinished:
+            raise BadParameter("a session resumes another before it has bound or executed anything itself")
+        try:
+            former = self._keeper.resume(params.token, self._app)
+        except RoISError as error:
+            reason = "a resume token was used twice" if isinstance(error, Replayed) else str(error)
+            self._app.host.audit.refused(self._app.principal, "openrois.lease.resume", "", reason)
+            raise
+        assert isinstance(former, ApplicationSession)
+        self._app.succeed(former)
+        for component_ref in [ref for ref in self._app.bound if not self._app.engine.sees(ref)]:
+            self._app.give_back(component_ref)
+            self._app.bound.discard(component_ref)
+        held = self._keeper.model.holding.held_by(self._app)
+        self._acted("openrois.lease.resume", " ".join(sorted(held)))
+        result = ResumeResult(
+            token=self._keeper.token(self._app),
+            grace_ms=self._grace_ms,
+            leases=tuple(Lease(component_ref=ref, epoch=epoch) for ref, epoch in held.items()),
+            unknown=tuple(command_id for command_id in params.command_ids if command_id not in self._app.commands),
+        )
+        return Reply(result, lambda: self._tell_missed(params.command_ids))
+
+    def _tell_missed(self, command_ids: tuple[str, ...]) -> None:
+        """Tell how commands ended while nobody was there to hear it; of those that run it is told when they end."""
+        for command_id in command_ids:
+            ending = self._app.commands.ending(command_id)
+            if ending is not None:
+                self._app.completed(command_id, *ending)
+
+    def _acted(self, method: str, component_ref: str) -> None:
+        self._app.host.audit.acted(self._app.principal, method, component_ref)

@@ -1,0 +1,213 @@
+"""Control over real sockets: a lost connection and its resume, asking, granting, taking, and STOP."""
+
+from collections.abc import AsyncIterator
+from dataclasses import dataclass
+from typing import Any
+
+import pytest
+
+from openrois.gateway.server import Gateway
+from tests.support.deployment import Application, Robot, adapter, application, gateway, patience
+
+LAMP = "robot/lamp"
+UNIT = {"component_ref": LAMP, "command_type": "start", "command_id": "glow", "arguments": []}
+
+
+@dataclass
+class House:
+    """A gateway with a robot."""
+
+    gateway: Gateway
+    robot: Robot
+
+
+@pytest.fixture
+async def house() -> AsyncIterator[House]:
+    async with gateway() as running:
+        robot = Robot()
+        async with adapter(running, *robot.parts(), extension=robot.streams):
+            yield House(running, robot)
+
+
+async def holding(app: Application) -> str:
+    """Hold the lamp, let it glow, and return the resume token."""
+    token = await app.ask("openrois.lease.token")
+    assert await app.code("rois.command.bind", component_ref=LAMP) == "OK"
+    assert await app.code("rois.command.execute", command_unit_list=[UNIT]) == "OK"
+    return str(token["token"])
+
+
+async def cut(app: Application, witness: Application) -> None:
+    """Break a connection, and wait until the gateway knows it."""
+    assert (await witness.ask("openrois.lease.query", component_ref=LAMP))["lease"]["state"] == "HELD"
+    app.socket.transport.abort()
+    assert (await witness.next("openrois.lease.changed"))["state"] == "ABSENT"
+
+
+async def glowing(robot: Robot) -> None:
+    async with patience():
+        await robot.lamp.glowing.wait()
+
+
+async def test_a_cut_connection_is_resumed(house: House) -> None:
+    async with application(house.gateway) as ann, application(house.gateway) as bob:
+        token = await holding(ann)
+        await cut(ann, bob)
+        assert await bob.code("rois.command.bind", component_ref=LAMP) == "OUT_OF_RESOURCES"
+        async with application(house.gateway) as again:
+            resumed = await again.ask("openrois.lease.resume", token=token, command_ids=["glow", "who?"])
+            assert [held["component_ref"] for held in resumed["leases"]] == [LAMP]
+            assert (resumed["unknown"], resumed["token"] != token) == (["who?"], True)
+            seen = await bob.next("openrois.lease.changed")
+            assert (seen["state"], seen["epoch"]) == ("HELD", resumed["leases"][0]["epoch"])
+            house.robot.lamp.may_end.set()
+            assert await again.completed("glow") == {"glow": "OK"}
+            assert await again.code("rois.command.execute", command_unit_list=[{**UNIT, "command_id": "b"}]) == "OK"
+            assert await again.completed("b") == {"b": "OK"}
+
+
+async def test_how_a_command_ended_meanwhile_is_told(house: House) -> None:
+    async with application(house.gateway) as ann, application(house.gateway) as bob:
+        token = await holding(ann)
+        await glowing(house.robot)
+        await cut(ann, bob)
+        house.robot.lamp.may_end.set()
+        await bob.eventually("OK", "rois.query.query", query_type="brightness", condition=f"component_ref = '{LAMP}'")
+        async with application(house.gateway) as again:
+            assert await again.code("openrois.lease.resume", token=token, command_ids=["glow"]) == "OK"
+            assert await again.completed("glow") == {"glow": "OK"}
+
+
+async def test_a_token_is_good_once(house: House) -> None:
+    async with application(house.gateway) as ann, application(house.gateway) as bob:
+        token = await holding(ann)
+        assert await bob.code("openrois.lease.resume", token=token) == "OUT_OF_RESOURCES"
+        await cut(ann, bob)
+        async with application(house.gateway) as again, application(house.gateway) as thief:
+            assert await again.code("openrois.lease.resume", token=token) == "OK"
+            assert (await bob.next("openrois.lease.changed"))["state"] == "HELD"
+            assert await thief.code("openrois.lease.resume", token=token) == "UNSUPPORTED"
+            assert await thief.code("openrois.lease.resume", token="guess") == "UNSUPPORTED"
+            # Whoever it was, nobody goes on any more where that session ends.
+            again.socket.transport.abort()
+            assert (await bob.next("openrois.lease.changed"))["state"] == "FREE"
+
+
+async def test_the_grace_ends() -> None:
+    async with (
+        gateway(lease_grace=0.05) as running,
+        adapter(running, *Robot().parts()),
+        application(running) as ann,
+        application(running) as bob,
+        application(running) as again,
+    ):
+        token = await holding(ann)
+        await cut(ann, bob)
+        assert (await bob.next("openrois.lease.changed"))["state"] == "FREE"
+        assert await bob.code("rois.command.bind", component_ref=LAMP) == "OK"
+        assert await again.code("openrois.lease.resume", token=token) == "UNSUPPORTED"
+
+
+async def test_without_a_token_nothing_is_kept(house: House) -> None:
+    async with application(house.gateway) as ann, application(house.gateway) as bob:
+        assert await ann.code("rois.command.bind", component_ref=LAMP) == "OK"
+        assert (await bob.ask("openrois.lease.query", component_ref=LAMP))["lease"]["state"] == "HELD"
+        ann.socket.transport.abort()
+        assert (await bob.next("openrois.lease.changed"))["state"] == "FREE"
+
+
+async def test_who_closes_leaves(house: House) -> None:
+    async with application(house.gateway) as bob:
+        async with application(house.gateway) as ann:
+            await holding(ann)
+            assert (await bob.ask("openrois.lease.query", component_ref=LAMP))["lease"]["state"] == "HELD"
+        assert (await bob.next("openrois.lease.changed"))["state"] == "FREE"
+
+
+async def test_asking_and_granting(house: House) -> None:
+    async with application(house.gateway) as ann, application(house.gateway) as bob, application(house.gateway) as eve:
+        await holding(ann)
+        await glowing(house.robot)
+        asked = await bob.ask("openrois.lease.request", component_ref=LAMP)
+        assert (asked["lease"]["state"], asked["lease"]["position"]) == ("HELD", 1)
+        assert (await eve.ask("openrois.lease.request", component_ref=LAMP))["lease"]["position"] == 2
+        request = await ann.next("openrois.lease.requested")
+        assert (request["request_id"], request["subject"]) == (asked["request_id"], "local")
+        assert await eve.code("openrois.lease.grant", request_id=asked["request_id"]) == "UNSUPPORTED"
+        assert await ann.code("openrois.lease.grant", request_id=asked["request_id"]) == "OK"
+        assert await ann.completed("glow") == {"glow": "ABORT"}
+        await until_state(bob, "MINE")
+        await until_state(ann, "HELD")
+        assert not house.robot.lamp.glowing.is_set()
+        assert (await until_state(eve, "HELD", position=1))["waiting"] == 1
+        assert await ann.code("rois.command.execute", command_unit_list=[{**UNIT, "command_id": "b"}]) == (
+            "OUT_OF_RESOURCES"
+        )
+        assert await bob.code("rois.command.release", component_ref=LAMP) == "OK"
+        await until_state(eve, "MINE")
+
+
+async def until_state(app: Application, state: str, **more: Any) -> dict[str, Any]:
+    """Wait until an application is told that a component is in a state."""
+    while True:
+        told = await app.next("openrois.lease.changed")
+        if {**told, **more, "state": state} == told:
+            return told
+
+
+async def test_declining_and_leaving(house: House) -> None:
+    async with application(house.gateway) as ann, application(house.gateway) as bob:
+        await holding(ann)
+        asked = await bob.ask("openrois.lease.request", component_ref=LAMP)
+        assert await ann.code("openrois.lease.decline", request_id=asked["request_id"]) == "OK"
+        assert (await bob.next("openrois.lease.declined"))["request_id"] == asked["request_id"]
+        again = await bob.ask("openrois.lease.request", component_ref=LAMP)
+        assert again["request_id"] == asked["request_id"]
+        assert await bob.code("openrois.lease.leave", component_ref=LAMP) == "OK"
+        assert (await ann.next("openrois.lease.withdrawn"))["request_id"] == asked["request_id"]
+        assert await ann.code("openrois.lease.grant", request_id=asked["request_id"]) == "UNSUPPORTED"
+
+
+async def test_taking_from_somebody_who_knows_nothing_of_it(house: House) -> None:
+    async with application(house.gateway) as plain, application(house.gateway) as chief:
+        assert await plain.code("rois.command.bind", component_ref=LAMP) == "OK"
+        assert await plain.code("rois.command.execute", command_unit_list=[UNIT]) == "OK"
+        await glowing(house.robot)
+        taken = await chief.ask("openrois.lease.take", component_ref=LAMP)
+        assert taken["lease"]["state"] == "MINE"
+        assert await plain.completed("glow") == {"glow": "ABORT"}
+        assert await plain.code("rois.command.bind", component_ref=LAMP) == "OUT_OF_RESOURCES"
+        assert await plain.settled() == []
+        assert await chief.code("rois.command.execute", command_unit_list=[UNIT]) == "OK"
+        await glowing(house.robot)
+
+
+async def test_what_is_no_lease(house: House) -> None:
+    async with application(house.gateway) as ann:
+        for method in ("query", "request", "take", "leave"):
+            for component_ref in ("robot/bell", "robot/nobody"):
+                assert await ann.code(f"openrois.lease.{method}", component_ref=component_ref) == "UNSUPPORTED"
+
+
+async def test_stop(house: House) -> None:
+    async with application(house.gateway) as ann, application(house.gateway) as bob:
+        await holding(ann)
+        await glowing(house.robot)
+        later = [
+            {**UNIT, "command_id": "first", "command_type": "switch"},
+            {**UNIT, "command_id": "second", "delay_time": 3_600_000},
+        ]
+        assert await ann.code("rois.command.execute", command_unit_list=later) == "OK"
+        assert await ann.completed("first") == {"first": "OK"}
+        assert await bob.ask("openrois.stop_all", engine_id="robot") == {
+            "return_code": "OK",
+            "stopped": [LAMP],
+            "failed": [],
+        }
+        assert await ann.completed("glow", "second") == {"glow": "ABORT", "second": "ABORT"}
+        assert not house.robot.lamp.glowing.is_set()
+        assert await ann.code("openrois.stop_all") == "OK"
+        assert await ann.code("openrois.stop_all", component_ref=LAMP) == "OK"
+        assert await ann.code("openrois.stop_all", component_ref=LAMP, engine_id="robot") == "BAD_PARAMETER"
+        assert await ann.code("openrois.stop_all", component_ref="nobody/x") == "UNSUPPORTED"
+        assert await ann.code("openrois.stop_all", engine_id="nobody") == "UNSUPPORTED"
