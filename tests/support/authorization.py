@@ -14,6 +14,7 @@ from openrois.catalog.component_type import ComponentType
 from openrois.contract import Client, Sink
 from openrois.engine import Engine
 from openrois.gateway.applications import serve_application
+from openrois.gateway.tenure import Tenure
 from openrois.registry import LocalRegistry
 from openrois.transport.memory import memory_pair
 from openrois.transport.stream import MessageStream
@@ -150,7 +151,7 @@ class Place:
     async def application(self, who: Principal) -> AsyncIterator[Wire]:
         """Connect an application of a principal."""
         near, far = memory_pair(capacity=4096)
-        serving = asyncio.ensure_future(serve_application(self.host, far, who))
+        serving = asyncio.ensure_future(serve_application(self.host, far, Tenure(who)))
         try:
             yield Wire(near)
         finally:

@@ -44,6 +44,7 @@ ORACLE: Final = """
     rois.event.unsubscribe              v m o a .   OK              OK
     rois.event.get_event_detail         v m o a .   BAD_PARAMETER   BAD_PARAMETER
     openrois.hello                      v m o a .   -               OK
+    openrois.auth.refresh               v m o a .   -               -
     rois.stream.connect_stream          v . o a .   UNSUPPORTED     OK
     rois.stream.disconnect_stream       v . o a .   UNSUPPORTED     UNSUPPORTED
     rois.stream.suspend_stream          v . o a .   UNSUPPORTED     UNSUPPORTED
