@@ -4,7 +4,7 @@ import asyncio
 import logging
 import os
 import signal
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 from typing import Final
 
@@ -95,8 +95,17 @@ def run(*components: Component, engine_id: str, gateway: str | None = None, verb
         ValueError: `gateway` is no address of a gateway.
     """
     set_up_logging(verbose=verbose)
-    with suppress(KeyboardInterrupt):
-        asyncio.run(_serve_until_stopped(components, engine_id, gateway))
+    with suppress(KeyboardInterrupt), asyncio.Runner(loop_factory=_quick_loop()) as runner:
+        runner.run(_serve_until_stopped(components, engine_id, gateway))
+
+
+def _quick_loop() -> Callable[[], asyncio.AbstractEventLoop] | None:
+    """Return what makes loops that take half the time for what comes and goes; None where there is only asyncio's."""
+    try:
+        import uvloop
+    except ImportError:
+        return None
+    return uvloop.new_event_loop
 
 
 async def _serve_until_stopped(components: tuple[Component, ...], engine_id: str, gateway: str | None) -> None:

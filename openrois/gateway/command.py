@@ -1,11 +1,13 @@
 """`openrois gateway`: run a gateway until it is told to stop."""
 
 import asyncio
+import gc
 import logging
 import os
 import signal
 import sys
 from collections.abc import Sequence
+from typing import Final
 
 import uvloop
 
@@ -18,6 +20,9 @@ from openrois.logs import set_up_logging
 __all__ = ["main"]
 
 _log = logging.getLogger(__name__)
+
+_YOUNG: Final = 20_000
+"""Objects by which there may be more than before until garbage is looked for among the new ones."""
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -55,4 +60,16 @@ async def _run(settings: GatewaySettings) -> None:
     async with run_gateway(settings) as gateway:
         asyncio.get_running_loop().add_signal_handler(signal.SIGHUP, gateway.reload)
         print(f"listening {gateway.url}", flush=True)
+        _calm_the_collector()
         await stopped.wait()
+
+
+def _calm_the_collector() -> None:
+    """Have cycles of garbage looked for less often, and not among what stays for as long as the gateway does.
+
+    Nearly everything here is freed by its last reference. By default a tenth of the time would go into looking, and the
+    longest looks, of tens of milliseconds, go over all modules.
+    """
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(_YOUNG, 10, 10)
