@@ -6,18 +6,21 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Final, Self
+from typing import Final, Self
 
 from openrois.access.principal import Principal
 from openrois.correlation import correlation
 from openrois.errors import ComponentFailed
 from openrois.line_writer import RECORDS_LIMIT, LineWriter
+from openrois.log_lines import Redaction
 
 __all__ = ["Audit"]
 
 _LONGEST: Final = 300
 """Characters of one value in a record; whoever is refused chose them."""
 
+
+_NO_SECRETS: Final = Redaction()
 
 _Record = tuple[float, str, str, str, str, str, str, str]
 
@@ -34,6 +37,7 @@ class Audit(AbstractContextManager["Audit"]):
         path: the file; None for nowhere.
         clock: epoch seconds.
         limit: records that may wait.
+        redact: takes secrets out of what others wrote into a record.
     """
 
     def __init__(
@@ -42,9 +46,11 @@ class Audit(AbstractContextManager["Audit"]):
         *,
         clock: Callable[[], float] = time.time,
         limit: int = RECORDS_LIMIT,
+        redact: Callable[[str], str] = _NO_SECRETS,
     ) -> None:
         self._clock = clock
-        self._writer = None if path is None else LineWriter[_Record](path, _line, self._gap, limit)
+        self._redact = redact
+        self._writer = None if path is None else LineWriter[_Record](path, self._line, self._gap, limit)
         self.refusals = 0
         self.actions = 0
 
@@ -125,20 +131,17 @@ class Audit(AbstractContextManager["Audit"]):
         record = (self._clock(), kind, who, token, method, subject, detail, correlation())
         self._writer.put(record, dispensable=kind == "refused")
 
+    def _line(self, record: _Record) -> str:
+        at, kind, who, token, method, subject, detail, correlation = record
+        told = {"kind": kind, "who": who, "method": method, "subject": subject}
+        told["reason" if kind == "refused" else "detail"] = detail
+        told |= {"token_id": token, "correlation": correlation}
+        # Characters beyond ASCII and controls are escaped: one record is one line, whatever somebody put in it.
+        return json.dumps({"time": round(at, 6), **{name: self._fit(text) for name, text in told.items() if text}})
+
+    def _fit(self, text: str) -> str:
+        text = self._redact(text)
+        return text if len(text) <= _LONGEST else text[:_LONGEST] + "…"
+
     def _gap(self, lost: int) -> str:
         return json.dumps({"time": self._clock(), "kind": "lost", "count": lost})
-
-
-def _line(record: _Record) -> str:
-    at, kind, who, token, method, subject, detail, correlation = record
-    told: dict[str, Any] = {"time": round(at, 6), "kind": kind, "who": who, "method": method, "subject": subject}
-    told["reason" if kind == "refused" else "detail"] = detail
-    told |= {"token_id": token, "correlation": correlation}
-    # Characters beyond ASCII and controls are escaped: one record is one line, whatever somebody put in it.
-    return json.dumps({name: _short(value) for name, value in told.items() if value != ""})
-
-
-def _short(value: Any) -> Any:
-    if isinstance(value, str) and len(value) > _LONGEST:
-        return value[:_LONGEST] + "…"
-    return value

@@ -72,7 +72,7 @@ class TextLine(_Line):
 
     def format(self, record: logging.LogRecord) -> str:
         """Return the record as one line."""
-        told = correlation()
+        told = self._redact(correlation())
         line = f"{_time(record)} {record.levelname[0]} {record.name}: {f'[{told}] ' if told else ''}"
         text = _printable(line + self._message(record))
         trace = self._traceback(record)
@@ -89,7 +89,7 @@ class JsonLine(_Line):
             "level": record.levelname.lower(),
             "logger": record.name,
             "message": self._message(record),
-            "correlation": correlation(),
+            "correlation": self._redact(correlation()),
             "exception": self._traceback(record),
         }
         return json.dumps({name: text for name, text in told.items() if text or name == "message"})

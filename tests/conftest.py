@@ -5,6 +5,7 @@ A test that lacks it is skipped, and one line of pytest's summary says so; where
 
 import importlib
 import importlib.util
+import logging
 import os
 import shutil
 from collections.abc import Generator
@@ -14,6 +15,7 @@ from typing import NoReturn
 import pytest
 from hypothesis import HealthCheck, settings
 
+from tests.support.canary import leak
 from tests.support.mono import Mono
 
 pytest_plugins = ["openrois_streaming.testing.plugin"]
@@ -111,6 +113,11 @@ def _lack(reason: str) -> NoReturn:
     pytest.skip(reason)
 
 
+def pytest_configure() -> None:
+    """Keep the tests' own client from logging what it sends; the product gives the library a logger of its own."""
+    logging.getLogger("websockets.client").setLevel(logging.WARNING)
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """What takes long comes first: the others fill the other processors meanwhile."""
     items.sort(key=lambda item: item.get_closest_marker("long") is None)
@@ -118,8 +125,13 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.TestReport]:
-    """Say of all tests that lack the same thing that they were skipped here: pytest makes one line of that."""
+    """Fail whatever says a secret; and of all tests that lack the same thing say that they were skipped here.
+
+    pytest makes one line of those.
+    """
     report = yield
+    if report.passed and (said := leak(report.sections)):
+        report.outcome, report.longrepr = "failed", said
     if isinstance(report.longrepr, tuple) and report.longrepr[2] in _lacking:
         report.longrepr = (__file__, _lack.__code__.co_firstlineno, report.longrepr[2])
     return report

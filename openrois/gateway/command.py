@@ -38,7 +38,7 @@ def main(arguments: Sequence[str]) -> int:
         return 0
     try:
         set_up_logging(
-            verbose=settings.verbose, form=settings.log_format, file=settings.log_file, secrets=configured.secrets()
+            verbose=settings.verbose, form=settings.log_format, file=settings.log_file, secrets=settings.secrets()
         )
         for warning in configured.warnings:
             _log.warning("%s", warning)

@@ -104,10 +104,6 @@ class Configured:
     warnings: tuple[str, ...]
     print_only: bool
 
-    def secrets(self) -> tuple[str, ...]:
-        """Return the secrets themselves, so that whoever writes can keep them out."""
-        return tuple(str(getattr(self.settings, each.field)) for each in settings_of() if each.is_secret)
-
 
 def settings_of() -> tuple[Setting, ...]:
     """Return every setting, in the order of the configuration file."""

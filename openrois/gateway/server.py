@@ -27,6 +27,7 @@ from openrois.gateway.socket import ADAPTER, APPLICATION, ServerSocket, SocketPr
 from openrois.gateway.tenure import Tenure
 from openrois.journal.journal import Journal
 from openrois.leases.model import Rules
+from openrois.log_lines import Redaction
 from openrois.loop_lag import LoopLag
 from openrois.metrics.server import metrics_address, serving_metrics
 from openrois.schema import openrpc
@@ -83,7 +84,7 @@ async def run_gateway(
     """
     async with AsyncExitStack() as stack:
         ice = IceServers(settings.ice_servers, settings.turn, settings.turn_secret, settings.turn_ttl, time.time)
-        audit = stack.enter_context(Audit(settings.audit_file))
+        audit = stack.enter_context(Audit(settings.audit_file, redact=Redaction(settings.secrets())))
         journal = stack.enter_context(Journal(settings.journal))
         # What runs ends before that is written down no more.
         tasks = await stack.enter_async_context(TaskScope())

@@ -31,3 +31,9 @@ class SettingsGroup(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", hide_input_in_errors=True, allow_inf_nan=False)
 
     table: ClassVar[str] = ""
+
+    def secrets(self) -> tuple[str, ...]:
+        """Return the secrets themselves, so that whoever writes something can keep them out of it."""
+        fields = type(self).model_fields.items()
+        extra = {name: info.json_schema_extra for name, info in fields if isinstance(info.json_schema_extra, dict)}
+        return tuple(str(getattr(self, name)) for name, known in extra.items() if known.get("secret"))

@@ -2,6 +2,7 @@
 
 import asyncio
 import hmac
+import logging
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from typing import Final
@@ -9,6 +10,10 @@ from typing import Final
 from aiohttp import web
 
 __all__ = ["LOOPBACK", "MetricsUnavailable", "metrics_address", "serving_metrics"]
+
+_http = logging.getLogger(f"{__name__}.http")
+# At DEBUG the library logs requests that cannot be read, with their headers, tokens too.
+_http.setLevel(logging.INFO)
 
 LOOPBACK: Final = "127.0.0.1"
 
@@ -59,7 +64,7 @@ async def serving_metrics(
 
     app = web.Application()
     app.router.add_get("/metrics", answer)
-    runner = web.AppRunner(app, access_log=None, shutdown_timeout=_SHUTDOWN_TIMEOUT)
+    runner = web.AppRunner(app, access_log=None, logger=_http, shutdown_timeout=_SHUTDOWN_TIMEOUT)
     await runner.setup()
     try:
         try:

@@ -73,6 +73,12 @@ def test_a_wrong_call_is_a_line_too() -> None:
     assert "'%d' cannot be written: " in text
 
 
+def test_secrets_in_a_correlation_are_hidden() -> None:
+    with correlation.connection("my own secret"):
+        for line in (TextLine(Redaction(["my own secret"])), JsonLine(Redaction(["my own secret"]))):
+            assert "own" not in line.format(record("x"))
+
+
 def test_what_is_long_is_cut_in_the_middle() -> None:
     text = TextLine(Redaction()).format(record("a" * LONGEST + "b" * LONGEST))
     assert len(text) < LONGEST + 100

@@ -123,6 +123,9 @@ async def test_a_key_that_nobody_knows_and_keys_that_nobody_has() -> None:
                 raise KeysUnavailable
             return ()
 
+        def is_usable(self) -> bool:
+            return False
+
     nobody = TokenVerifier(Nothing(), ClaimRules(), lambda: NOW)
     for header, reason in ((HS, Refusal.UNKNOWN_KEY), ({**HS, "kid": "k"}, Refusal.KEYS_UNAVAILABLE)):
         with pytest.raises(TokenRefused) as refused:

@@ -84,7 +84,7 @@ def test_files_that_a_file_names_are_beside_it(tmp_path: Path, secret: Path) -> 
 def test_secrets_are_shown_nowhere(tmp_path: Path, secret: Path) -> None:
     found = configure(["--turn", "turn:t", "--turn-secret-file", str(secret), "--print-config"], {})
     assert found.settings.turn_secret == SECRET
-    assert SECRET in found.secrets()
+    assert SECRET in found.settings.secrets()
     assert found.print_only
     for shown in (printed(found), repr(found), str(found.settings)):
         assert SECRET not in shown
