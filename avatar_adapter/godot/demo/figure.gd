@@ -16,6 +16,9 @@ const MOUTHS := {
 	"ih": [0.3, 0.7, 0.7], "oh": [0.7, -0.55, 0.0], "ou": [0.35, -0.9, 0.0],
 }
 const STRIDE := 0.62  # metres of one step
+const JUMP := 2.4  # m/s upward, of a jump
+const _GRAVITY := 9.8
+const _DUCKED := 0.25  # metres by which it is less tall then
 const _SMOOTH := 16.0  # how fast the body follows what it shall do, per second
 
 export(Color) var skin := Color(0.93, 0.74, 0.6)
@@ -32,6 +35,10 @@ var _shown := {}  # by channel
 var _gaze := Vector2()
 var _gaze_shown := Vector2()
 var _mouth := Vector3()
+var _rising := 0.0  # m/s
+var _height := 0.0  # metres above the floor
+var _ducking := 0.0  # wanted, 0 or 1
+var _ducked := 0.0  # shown
 var _phase := 0.0  # of walking, in steps
 var _sounded := 0  # steps that have been told
 var _stepping := 0.0  # how much of its legs' movement is seen, 0..1
@@ -70,6 +77,16 @@ func look(x: float, y: float) -> void:
 	_gaze = Vector2(x, y)
 
 
+# Jump once; one that is in the air already does not.
+func jump() -> void:
+	if _height == 0.0:
+		_rising = JUMP
+
+
+func duck(on: bool) -> void:
+	_ducking = 1.0 if on else 0.0
+
+
 # What the mouth shall do: weights by the names of visemes.
 func set_mouth(weights: Dictionary) -> void:
 	_mouth = Vector3()
@@ -101,6 +118,9 @@ func _process(delta: float) -> void:
 		var wanted := Reactions.value(_reaction, channel, _reaction_time) if not _reaction.empty() else 0.0
 		_shown[channel] += (wanted - _shown[channel]) * share
 	_gaze_shown += (_gaze - _gaze_shown) * (1.0 - exp(-8.0 * delta))
+	_ducked += (_ducking - _ducked) * share
+	_height = max(0.0, _height + _rising * delta)
+	_rising = _rising - _GRAVITY * delta if _height > 0.0 else 0.0
 	_pose_body()
 	_pose_face()
 
@@ -108,7 +128,8 @@ func _process(delta: float) -> void:
 func _pose_body() -> void:
 	var swing := sin(_phase * PI) * _stepping
 	var breath := sin(_time * 1.6)
-	_spine.translation.y = 0.8 + _shown["hop"] + 0.025 * abs(swing) - 0.02 * _stepping
+	var hips: float = 0.8 + _shown["hop"] + _height - _DUCKED * _ducked
+	_spine.translation.y = hips + 0.025 * abs(swing) - 0.02 * _stepping
 	_spine.rotation = Vector3(_shown["lean"] + 0.05 * _stepping, _shown["twist"] + 0.07 * swing, 0)
 	_spine.scale = Vector3(1.0, 1.0 + 0.006 * breath, 1.0 + 0.012 * breath)
 	_head.rotation = Vector3(
@@ -127,9 +148,9 @@ func _pose_body() -> void:
 	for side in _legs:
 		var ahead := swing if side == "l" else -swing
 		var lift := max(0.0, cos(_phase * PI) * (1.0 if side == "l" else -1.0)) * _stepping
-		_legs[side][0].translation.y = 0.8 + _shown["hop"]
-		_legs[side][0].rotation.x = -0.55 * ahead - 0.2 * lift
-		_legs[side][1].rotation.x = 0.1 * _stepping + 0.75 * lift
+		_legs[side][0].translation.y = hips
+		_legs[side][0].rotation.x = -0.55 * ahead - 0.2 * lift - 0.85 * _ducked
+		_legs[side][1].rotation.x = 0.1 * _stepping + 0.75 * lift + 1.7 * _ducked
 
 
 func _pose_face() -> void:

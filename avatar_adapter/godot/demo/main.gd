@@ -28,6 +28,7 @@ func _ready() -> void:
 	_link.reactions = PoolStringArray(Reactions.ALL.keys())
 	for name in ["connected", "disconnected", "react", "stop", "look"]:
 		_link.connect(name, self, "_on_" + name)
+	$Hands.connect("pressed", self, "_on_pressed")
 	$Walker.set_floor($Stage/Room.OUTLINE, $Stage/Room.obstacles())
 	_stroll.keep_away_from(_figure)
 	_follow(1.0)
@@ -41,6 +42,7 @@ func _process(delta: float) -> void:
 		_link.completed(_playing, "OK")
 		_playing = ""
 	_figure.set_mouth($Mouth.weights())
+	_figure.duck($Hands.is_down("KeyC") or $Hands.is_down("Pad1"))
 	# A step is heard when it is seen: its sound is on its way a little before.
 	if _figure.walk($Walker.ahead, $Walker.left, $Walker.turn, delta, Sound.AHEAD_USEC / 1e6):
 		_link.play(_step, now + Sound.AHEAD_USEC)
@@ -91,6 +93,12 @@ func _on_stop(id: String) -> void:
 
 func _on_look(x: float, y: float) -> void:
 	_figure.look(x, y)
+
+
+# The adapter walks the figure with the operator's keys and sticks; what it knows nothing of is done here.
+func _on_pressed(code: String) -> void:
+	if code in ["Space", "Pad0"]:
+		_figure.jump()
 
 
 # The music box plays a short tune now and then; it is a source of sound as long as it does.

@@ -29,6 +29,7 @@ from openrois_avatar.link.messages import (
     Floor,
     Halt,
     Hello,
+    Input,
     Look,
     Place,
     Quit,
@@ -126,6 +127,7 @@ async def test_it_greets_with_what_it_can_and_tells_where_it_is(engine: Engine) 
     hello = engine.embedded.hello
     assert hello is not None
     assert (hello.name, hello.audio_channels, hello.hears, hello.walks) == ("godot", 1, True, True)
+    assert hello.input
     assert hello.version.startswith("3.")
     assert {"nod", "bow", "wave", "shrug"} <= set(hello.reactions)
     shape = hello.video
@@ -197,6 +199,24 @@ async def test_it_looks_where_it_is_told_to(engine: Engine) -> None:
     engine.send(Look(1.0, 0.5))
     await engine.until(lambda picture: difference(picture, before, slice(60, 160), slice(250, 390)) > 3)
     engine.send(Look(0.0, 0.0))
+
+
+async def test_what_the_operator_holds_and_presses_moves_the_figure(engine: Engine) -> None:
+    head = slice(40, 120), slice(280, 360)
+    before = await engine.take(15)
+    for down, let_go in (
+        ({"keys": ["KeyC"]}, {}),
+        ({"gamepad": {"axes": [0, 0], "buttons": [0, 1]}}, {"event": "release", "why": "lost"}),
+        ({"event": "key", "code": "KeyC", "down": True}, {"event": "key", "code": "KeyC", "down": False}),
+    ):
+        engine.send(Input({"seq": 1, "t": 0, **down}))
+        await engine.until(lambda picture: difference(picture, before, *head) > 40)
+        engine.send(Input({"seq": 2, "t": 1, **let_go}))
+        await engine.until(lambda picture: difference(picture, before, *head) < 25)
+    # A jump is over by itself.
+    engine.send(Input({"seq": 3, "t": 2, "event": "pad", "button": 0, "down": True}))
+    await engine.until(lambda picture: difference(picture, before, *head) > 40)
+    await engine.until(lambda picture: difference(picture, before, *head) < 25)
 
 
 async def test_it_walks_and_tells_what_it_reaches(engine: Engine) -> None:

@@ -32,6 +32,8 @@ signal drive(ahead, left, turn)
 signal halt()
 # The operator's voice, if `hears`: 48 kHz, mono, signed 16 bit.
 signal heard(samples)
+# What the operator does, if `takes_input`: a message of docs/wire.md, "Input". OpenRoISHands keeps what is held.
+signal input(message)
 # The adapter wants the game to end; if `quits`, it does.
 signal quit()
 
@@ -46,10 +48,11 @@ export(int) var width := 640
 export(int) var height := 360
 export(float) var pictures_per_second := 30.0
 export(PoolStringArray) var reactions := PoolStringArray()
-# Whether play() is used, whether `heard` is wanted, and whether the character can be sent about.
+# Whether play() is used, whether `heard` is wanted, whether the character can be sent about, and `input` is wanted.
 export(bool) var has_sound := false
 export(bool) var hears := false
 export(bool) var walks := false
+export(bool) var takes_input := false
 export(bool) var quits := true
 
 const _FIRST_DELAY := 500
@@ -224,6 +227,7 @@ func _open() -> void:
 		"reactions": Array(reactions),
 		"hears": hears,
 		"walks": walks,
+		"input": takes_input,
 	}
 	_carrier = Carrier.new(address.substr(4, cut - 4), int(address.substr(cut + 1)), Wire.json(Wire.HELLO, hello))
 	_carrier.start()
@@ -289,6 +293,8 @@ func _obey(body: Dictionary) -> void:
 			emit_signal("drive", body["ahead"], body["left"], body["turn"])
 		"halt":
 			emit_signal("halt")
+		"input":
+			emit_signal("input", body["message"])
 		"quit":
 			emit_signal("quit")
 			if quits:

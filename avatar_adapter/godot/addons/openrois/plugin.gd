@@ -2,7 +2,12 @@
 tool
 extends EditorPlugin
 
-const NODES := {"OpenRoISLink": preload("link.gd"), "OpenRoISMouth": preload("mouth.gd"), "OpenRoISWalker": preload("walker.gd")}
+const NODES := {
+	"OpenRoISLink": preload("link.gd"),
+	"OpenRoISMouth": preload("mouth.gd"),
+	"OpenRoISWalker": preload("walker.gd"),
+	"OpenRoISHands": preload("hands.gd"),
+}
 
 
 func _enter_tree() -> void:
