@@ -166,6 +166,8 @@ class OddEngine:
         self._sound()
 
     def _show(self, now: float) -> None:
+        if self._odd == "loses the first" and self._number < 2:
+            return
         if self._odd == "shows nothing" or (self._odd == "is slow" and self._number % 5):
             return
         moment = {
@@ -175,7 +177,7 @@ class OddEngine:
             "is ahead": now + 0.2,
             "stands still": self._sound_at - self._number / FPS,
         }.get(self._odd, now)
-        number = {"counts from 1": self._number + 1, "does not count": 0}.get(self._odd, self._number)
+        number = {"counts on": self._number + 1000, "does not count": 0}.get(self._odd, self._number)
         width = WIDTH // 2 if self._odd == "is small" else WIDTH
         shape = number, round(moment * 1e9), width, HEIGHT, 4 * width, PixelFormat.BGRA
         if self._ring is not None and self._odd != "ring unused":

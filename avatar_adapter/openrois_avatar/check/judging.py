@@ -18,6 +18,8 @@ RING: Final = "The ring"
 _TOO_FEW: Final = 0.5
 _TOO_MANY: Final = 1.5
 """Of the pictures per second that were announced: a busy machine draws fewer, and no clock runs so fast."""
+_BEFORE: Final = 2
+"""Pictures that may have been drawn while nobody had noticed the connection yet."""
 _OLD: Final = 1.0
 """Seconds; what claims to be older is not believed."""
 _AHEAD: Final = 0.5
@@ -30,13 +32,16 @@ _MOST: Final = 0.1
 """Share of all that may be wrong: a machine that is busy for a moment is no fault."""
 
 
-def pictures(hello: Hello, seen: Sequence[Picture], paused: bool) -> list[Finding]:
-    """How many there are, how they are counted, which size they have, and which moments they show."""
+def pictures(hello: Hello, seen: Sequence[Picture], paused: bool, opened: float) -> list[Finding]:
+    """How many there are, how they are counted, which size they have, and which moments they show.
+
+    `opened` is when the connection was, in seconds of CLOCK_MONOTONIC.
+    """
     if not seen:
         if paused:
             return [not_tried("pictures", "the engine says that it pauses them", FRAMES)]
         return [failed("pictures", "none has come", FRAMES)]
-    return [_rate(hello, seen, paused), _count(seen), _shape(hello, seen), _moments(seen)]
+    return [_rate(hello, seen, paused), _count(hello, seen, opened), _shape(hello, seen), _moments(seen)]
 
 
 def _rate(hello: Hello, seen: Sequence[Picture], paused: bool) -> Finding:
@@ -50,15 +55,17 @@ def _rate(hello: Hello, seen: Sequence[Picture], paused: bool) -> Finding:
     return judged("pictures", [] if right else [told], told, FRAMES)
 
 
-def _count(seen: Sequence[Picture]) -> Finding:
-    numbers = [picture.sequence for picture in seen]
+def _count(hello: Hello, seen: Sequence[Picture], opened: float) -> Finding:
+    numbers, passed_by = [picture.sequence for picture in seen], seen[0].at - opened
     faults = []
-    if numbers[0]:
-        faults.append(f"the first is number {numbers[0]}: a connection counts from 0")
+    # An engine that sends the newest picture only may have left out the first ones, but none that it has not drawn.
+    if numbers[0] > _BEFORE + _TOO_MANY * hello.video.fps * passed_by:
+        told = f"the first is number {numbers[0]}, {passed_by:.2f} s after the connection"
+        faults.append(f"{told}: every connection counts from 0")
     back = next(((one, other) for one, other in pairwise(numbers) if other <= one), None)
     if back:
         faults.append(f"number {back[1]} follows {back[0]}: they must grow")
-    gaps = numbers[-1] - numbers[0] + 1 - len(numbers)
+    gaps = numbers[-1] + 1 - len(numbers)
     return judged("sequence", faults, f"{len(numbers)} in order, {gaps} left out", FRAMES)
 
 

@@ -78,7 +78,7 @@ class Visit:
 
     async def _greeted(self, line: Line, hello: Hello) -> AsyncIterator[Finding]:
         await line.watch(self._patience.watch)
-        for finding in judging.pictures(hello, line.seen.pictures, line.paused):
+        for finding in judging.pictures(hello, line.seen.pictures, line.paused, line.opened):
             yield finding
         for finding in judging.sound(hello, line.seen.blocks):
             yield finding

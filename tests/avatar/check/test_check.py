@@ -29,7 +29,7 @@ ODD = {
     "wrong secret": ("greeting", "HELLO does not have the secret"),
     "shows nothing": ("pictures", "none has come"),
     "is slow": ("pictures", "a second, 25 announced"),
-    "counts from 1": ("sequence", "the first is number 1: a connection counts from 0"),
+    "counts on": ("sequence", "after the connection: every connection counts from 0"),
     "does not count": ("sequence", "number 0 follows 0"),
     "is small": ("size", "HELLO announced 16x8 bgra, and 8x8 bgra came"),
     "has no time": ("moments", "the timestamp is 0"),
@@ -61,7 +61,7 @@ ODD = {
 }
 """What is wrong with an engine, the check that finds it, and what it says."""
 
-RIGHT = ("nothing", "ring used", "can nothing", "comes back", "pauses", "is mute")
+RIGHT = ("nothing", "ring used", "can nothing", "comes back", "pauses", "is mute", "loses the first")
 """Engines with which nothing is wrong."""
 
 
