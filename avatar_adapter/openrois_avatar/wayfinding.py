@@ -7,7 +7,7 @@ from typing import Final, TypeVar
 from openrois_avatar.link.messages import Floor, Place, Thing, Waypoint
 from openrois_avatar.motion.approach import approach, check_path
 from openrois_avatar.motion.ground import Ground
-from openrois_avatar.motion.planning import Policy, plan
+from openrois_avatar.motion.planning import NoWay, Policy, plan
 from openrois_avatar.motion.targets import Position
 from openrois_avatar.world import World
 
@@ -17,6 +17,9 @@ BODY: Final = 0.25
 """Metres around the middle of the figure that have to be free."""
 _SMALL: Final = 40
 """Corners of a floor on which planning takes no longer than handing it to a thread."""
+
+_TRIES: Final = 5
+"""Floors in succession for which a way is planned that holds no more when it is found."""
 
 _Found = TypeVar("_Found")
 
@@ -71,8 +74,12 @@ class Ways:
             )
 
     async def _on_ground(self, work: Callable[[Ground | None], _Found]) -> _Found:
-        """Do something with the floor; again, where there is another one when it is done."""
-        while True:
+        """Do something with the floor; again, where there is another one when it is done, `_TRIES` times in all.
+
+        Raises:
+            NoWay: as `work`, or the floor has changed each time.
+        """
+        for _ in range(_TRIES):
             floor = self._world.floor
             if _is_small(floor):
                 found = work(self._ground(floor))
@@ -80,6 +87,7 @@ class Ways:
                 found = await asyncio.to_thread(lambda on: work(self._ground(on)), floor)
             if floor is self._world.floor:
                 return found
+        raise NoWay("cannot be reached: the floor changes faster than a way over it is found")
 
     def _ground(self, floor: Floor | None) -> Ground | None:
         known, ground = self._known

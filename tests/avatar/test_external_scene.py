@@ -11,8 +11,10 @@ from openrois_avatar.components.reaction import Reaction
 from openrois_avatar.link.client import LinkClient
 from openrois_avatar.link.messages import Completed, React, VideoShape
 from openrois_avatar.scene import Scene, external_scene
+from openrois_avatar.streams import Published
 from openrois_streaming.codecs import CodecUnavailable
 
+from openrois.errors import Unsupported
 from openrois.types.codes import ComponentStatus
 from tests.support.avatar_link import HELLO
 from tests.support.streaming import VirtualClock, settle
@@ -82,5 +84,11 @@ async def test_the_components_follow_an_engine_that_comes_goes_and_comes_otherwi
         assert avatar.video.codecs() == ("video/H264",)
         with pytest.raises(CodecUnavailable):
             avatar.video.renditions("video/VP8")
+        published = Published(avatar.video, "video", codecs=avatar.video.codecs)
+        assert published.choose(("VP8", "H264")) == ("video/H264",)
+        with pytest.raises(
+            Unsupported, match="the pictures come encoded as video/H264, which the application does not"
+        ):
+            published.choose(("VP8", "VP9"))
         assert sizes()[0] == (640, 360, 30)
         await asyncio.to_thread(third.close)

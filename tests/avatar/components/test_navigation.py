@@ -13,6 +13,7 @@ from openrois_avatar.motion.ground import Ground
 from openrois_avatar.motion.planning import NoWay, plan
 from openrois_avatar.motion.targets import Position
 from openrois_avatar.wayfinding import BODY, Ways
+from openrois_avatar.world import World
 
 from openrois.errors import Aborted, BadParameter, ComponentFailed, RoISError, TimedOut
 from openrois.registry import LocalRegistry
@@ -288,6 +289,30 @@ async def test_a_large_floor_is_planned_beside_the_loop_and_again_if_it_changes(
     await until_it_walks(stage, running)
     await stage.run_until(running)
     assert room_along(floor, stage.engine.track) >= BODY - 1e-3
+
+
+async def test_a_floor_that_changes_faster_than_it_is_planned_for_is_given_up(stage: Stage) -> None:
+    ways, planned = Ways(stage.world), 0
+
+    def floor(number: int) -> Floor:
+        return Floor(SQUARE, (*POSTS, rectangle(-3, 0.9, 3, 1.1 + number / 1000)))
+
+    class Restless(World):
+        """Another floor each time that somebody looks."""
+
+        @property
+        def floor(self) -> Floor | None:
+            nonlocal planned
+            planned += 1
+            return floor(planned)
+
+        @floor.setter
+        def floor(self, _floor: Floor | None) -> None: ...
+
+    ways = Ways(Restless("avatar"))
+    with pytest.raises(NoWay, match="the floor changes faster than a way over it is found"):
+        await ways.to(Place(0, 0, 0), Position(0.5, 3), "time")
+    assert planned < 20
 
 
 async def test_it_does_not_go_on_while_a_large_floor_is_planned_for(stage: Stage) -> None:

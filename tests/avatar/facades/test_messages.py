@@ -99,6 +99,29 @@ def test_the_members_have_the_names_of_their_protocol() -> None:
     }
 
 
+def test_ice_servers_are_read_as_w3c_allows_them() -> None:
+    servers = [
+        {"urls": "stun:stun.example.org"},
+        {"urls": ["turn:a.example.org", "turn:b.example.org"], "username": "u", "credential": "c"},
+        {"urls": "turn:a.example.org", "username": "u", "credential": "c", "credentialType": "password"},
+    ]
+    config = unreal.SERVER_SAYS.read(json.dumps({"type": "config", "peerConnectionOptions": {"iceServers": servers}}))
+    assert isinstance(config, unreal.Config)
+    assert config.peer_connection_options.ice_servers == (
+        IceServer(urls=("stun:stun.example.org",)),
+        IceServer(urls=("turn:a.example.org", "turn:b.example.org"), username="u", credential="c"),
+        IceServer(urls=("turn:a.example.org",), username="u", credential="c"),
+    )
+
+
+@pytest.mark.parametrize(
+    "server", ["stun:a.example.org", {}, {"urls": ""}, {"urls": []}, {"urls": 1}, {"url": "stun:a"}]
+)
+def test_what_is_no_ice_server_is_refused(server: object) -> None:
+    with pytest.raises(ProtocolError, match="config: peerConnectionOptions"):
+        unreal.SERVER_SAYS.read(json.dumps({"type": "config", "peerConnectionOptions": {"iceServers": [server]}}))
+
+
 def test_what_is_said_to_a_sender_is_what_it_reads() -> None:
     for message in (unity.Connected(connection_id="a", polite=True), unity.Failure(message="no")):
         assert unity.SERVER_SAYS.read(message.text()) == message

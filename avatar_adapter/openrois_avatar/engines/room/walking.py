@@ -176,7 +176,9 @@ class Walker:
         limit = sqrt(way.limits[way.next] ** 2 + 2 * _GAINING * distance)
         if goal.th is not None and distance < _ASIDE:
             self._face(goal.th)
-            limit = min(limit, max(_SMALL, way.limits[way.next]))
+            # One that does not face there yet turns before it goes on.
+            passing = way.limits[way.next] if abs(turned(goal.th - self._th)) <= _PASSING else 0.0
+            limit = min(sqrt(passing**2 + 2 * _GAINING * distance), max(_SMALL, way.limits[way.next]))
         else:
             self._face(direction)
             limit *= max(0.0, cos(turned(direction - self._th))) ** 2
@@ -266,10 +268,9 @@ def limits(start: Point, walk: Walk) -> list[float]:
         before, after = hypot(ax, ay), hypot(bx, by)
         straight = (ax * bx + ay * by) / (before * after) if before and after else 1.0
         th = walk.path[index].th
-        if th is not None and abs(turned(th - atan2(ay, ax))) > _PASSING:
-            straight = 0.0  # it has to turn there
+        aside = th is not None and abs(turned(th - atan2(ay, ax))) > _PASSING
         braking = sqrt(passing[index + 1] ** 2 + 2 * _GAINING * after)
-        passing[index] = min(walk.speed * max(0.0, straight) ** 2, braking)
+        passing[index] = min(_SMALL if aside else walk.speed, walk.speed * max(0.0, straight) ** 2, braking)
     return passing
 
 

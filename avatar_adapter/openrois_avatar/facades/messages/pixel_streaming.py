@@ -4,10 +4,10 @@ They are JSON objects in text frames of a WebSocket. The server greets with `con
 its `endpointId`, which is confirmed. From then on the server tells of players; the streamer offers to each of them.
 """
 
-from typing import Annotated, Final, TypeAlias
+from typing import Annotated, Any, Final, TypeAlias
 
 from openrois_signaling.messages import IceServer
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from openrois_avatar.facades.messages.reading import CandidateText, Mid, Name, Part, Reason, Said, Sdp, Vocabulary
 
@@ -37,10 +37,20 @@ Time = Annotated[int | float, Field(ge=-(2**63), le=2**63)]
 """Milliseconds of the asking side's clock; they come back as they were."""
 
 
+def _as_ours(server: Any) -> Any:
+    """An RTCIceServer as W3C allows it, with one address outside of a list too, without members that are not ours."""
+    if not isinstance(server, dict):
+        return server
+    known = {name: member for name, member in server.items() if name in IceServer.model_fields}
+    return {**known, "urls": [known["urls"]]} if isinstance(known.get("urls"), str) else known
+
+
 class PeerConnectionOptions(Part):
     """The part of W3C's RTCConfiguration that matters: which STUN and TURN servers to use."""
 
-    ice_servers: Annotated[tuple[IceServer, ...], Field(strict=False, max_length=32)] = ()
+    ice_servers: Annotated[
+        tuple[Annotated[IceServer, BeforeValidator(_as_ours)], ...], Field(strict=False, max_length=32)
+    ] = ()
 
 
 class Config(Said):

@@ -118,6 +118,32 @@ def test_a_step_aside_is_taken_without_turning_away() -> None:
     assert figure.place == Place(0.4, 0.0, -pi / 2)
 
 
+def test_points_with_a_direction_that_it_faces_already_are_passed_without_a_stop() -> None:
+    figure = walker(Place(0.0, 0.0, 0.0))
+    figure.walk(walk(*(Waypoint(-0.2 * step, 0.0, 0.0) for step in range(1, 6))))
+    speeds = []
+    for number in range(200):
+        figure.advance(number * FRAME)
+        if 0.1 < -figure.place.x < 0.9:
+            speeds.append(figure.pace.ahead)
+    assert figure.place == Place(-1.0, 0.0, 0.0)
+    assert [event.index for event in figure.news() if isinstance(event, Reached)] == [0, 1, 2, 3, 4]
+    # Backwards, in small steps, and in one go.
+    assert min(speeds) > -0.51
+    assert max(speeds) < -0.4
+
+
+def test_where_it_does_not_face_yet_it_turns_before_it_goes_on() -> None:
+    figure = walker(Place(0.0, 0.0, 0.0))
+    figure.walk(walk(Waypoint(0.3, 0.0, -pi / 2), Waypoint(1.0, 0.0), speed=2.0))
+    facing = []
+    for number in range(300):
+        figure.advance(number * FRAME)
+        facing += [figure.place.th for event in figure.news() if event == Reached("a", 0)]
+    assert facing == [pytest.approx(-pi / 2, abs=0.3)]
+    assert figure.place.x == 1.0
+
+
 def test_a_curve_of_many_points_is_one_movement() -> None:
     figure = walker(Place(1.0, 0.0, pi / 2))
     points = [Waypoint(cos(turn / 300 * pi), sin(turn / 300 * pi)) for turn in range(1, 301)]
@@ -139,7 +165,7 @@ def test_corners_are_taken_slowly() -> None:
     wide = limits((0.0, 0.0), walk(Waypoint(1.0, 0.0), Waypoint(3.0, 0.5), Waypoint(5.0, 0.5)))
     assert 0.8 < wide[0] < 1.0
     facing = limits((0.0, 0.0), walk(Waypoint(1.0, 0.0, 0.05), Waypoint(2.0, 0.0, pi), Waypoint(9.0, 0.0)))
-    assert facing == [1.0, 0.0, 0.0]
+    assert facing == [1.0, 0.5, 0.0]
     close = limits((0.0, 0.0), walk(Waypoint(1.0, 0.0), Waypoint(1.02, 0.0)))
     assert 0.1 < close[0] < 0.4
     assert limits((0.0, 0.0), walk(Waypoint(0.0, 0.0), Waypoint(5.0, 0.0)))[0] == 1.0
