@@ -14,9 +14,9 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from openrois_avatar.bench.conditions import conditions, load
 from openrois_avatar.bench.series import Series
 
+from openrois.bench.conditions import conditions, load
 from tests.support.browser import running_browser, visiting
 from tests.support.conversation import meet
 from tests.support.demo import running_demo
