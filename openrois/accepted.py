@@ -16,6 +16,8 @@ class AcceptedCommand:
         component_ref: where it runs, or will.
         owner: the session that sent it.
         end: ends it with ABORT and a reason before its turn has come.
+        sequence: the number of the sequence that it belongs to, in the order of acceptance.
+        starts: whether it starts the component.
         task: runs it; None before its turn.
         aborted: why it was ended from outside; empty unless it was.
     """
@@ -23,6 +25,8 @@ class AcceptedCommand:
     component_ref: str
     owner: object
     end: Callable[[str], None]
+    sequence: int = 0
+    starts: bool = False
     task: asyncio.Task[Any] | None = None
     aborted: str = ""
 
@@ -46,6 +50,12 @@ class AcceptedCommands:
 
     def __init__(self) -> None:
         self._by_component: dict[str, set[AcceptedCommand]] = {}
+        self._sequences = 0
+
+    def next_sequence(self) -> int:
+        """Return the number of a sequence that is accepted now."""
+        self._sequences += 1
+        return self._sequences
 
     def add(self, command: AcceptedCommand) -> None:
         """Note a command until `remove`."""
@@ -57,6 +67,16 @@ class AcceptedCommands:
         commands.remove(command)
         if not commands:
             del self._by_component[command.component_ref]
+
+    def stop(self, component_ref: str, before: int) -> None:
+        """End what would start a component, was accepted before the sequence of this number, and waits for its turn.
+
+        Sequences run side by side: a `stop` would overtake a `start` that waits for another command or for a delay.
+        What a person means by it is that nothing runs afterwards.
+        """
+        for command in self.of(component_ref):
+            if command.starts and command.task is None and command.sequence < before:
+                command.abort(f"{component_ref} was stopped before the turn of its start came")
 
     def of(self, component_ref: str) -> tuple[AcceptedCommand, ...]:
         """Return the commands of a component."""

@@ -13,6 +13,7 @@ from openrois.authoring.reading import AuthoredType, Message, own_type, read_cla
 from openrois.catalog.component_type import ComponentType
 from openrois.catalog.payload import Payload
 from openrois.errors import Aborted, BadParameter, ComponentFailed, RoISError, TimedOut, Unsupported, require_usable
+from openrois.starts import Starts
 from openrois.types.codes import ComponentFunction, ComponentStatus, ErrorType
 from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIComponentProfile
@@ -51,8 +52,9 @@ class Component:
     Its type and profile are read from it when the class is made; what cannot be on the wire is a TypeError then.
 
     Of `start` one runs at a time: `stop` ends it with ABORT once the component's own `stop` has run, and so does the
-    next `start`. Other commands run side by side. A failure is a `RoISError`, which keeps its kind; whatever else a
-    message raises is the component's ERROR, and is reported.
+    next `start`. A `stop` ends what was started before it came, and nothing else. Other commands run side by side. A
+    failure is a `RoISError`, which keeps its kind; whatever else a message raises is the component's ERROR, and is
+    reported.
 
     Class arguments:
         code: the code of the type; the class's name unless given. A subclass is of the same type unless it says so.
@@ -76,7 +78,7 @@ class Component:
     __kind: ClassVar[ComponentType | None] = None
     __omitted: ClassVar[frozenset[str]] = frozenset()
     __running: int
-    __start: asyncio.Task[tuple[Result, ...]] | None
+    __starts: Starts[tuple[Result, ...]]
     __loop: asyncio.AbstractEventLoop | None
     __report: Report
     __standing: ComponentStatus
@@ -107,7 +109,7 @@ class Component:
         self.report = _nobody_watches
         self.parameters = ParameterStore(cls.__authored.parameters)
         self.__running = 0
-        self.__start = None
+        self.__starts = Starts()
         self.__loop = None
         connects = cls.connect is not Component.connect
         self.__standing = ComponentStatus.UNINITIALIZED if connects else ComponentStatus.READY
@@ -251,7 +253,7 @@ class Component:
     @final
     async def take_down(self) -> None:
         """End what runs and run `disconnect`, which has `DISCONNECT_TIMEOUT` seconds; a failure is logged."""
-        await self.__abort_start()
+        await self.__starts.end()
         was_up, self.__standing = self.__standing is ComponentStatus.READY, ComponentStatus.UNINITIALIZED
         if was_up:
             try:
@@ -287,36 +289,12 @@ class Component:
 
     async def __run_checked(self, message: Message, given: Payload | None) -> tuple[Result, ...]:
         if message.name == "start":
-            return await self.__run_start(message, given)
+            return await self.__starts.run(self.name, lambda: self.__call(message, given))
+        before = self.__starts.came
         results = await self.__call(message, given)
         if message.name == "stop":
-            await self.__abort_start()
+            await self.__starts.stop(before)
         return results
-
-    async def __run_start(self, message: Message, given: Payload | None) -> tuple[Result, ...]:
-        await self.__abort_start()
-        task = asyncio.ensure_future(self.__call(message, given))
-        self.__start = task
-        try:
-            await asyncio.wait({task})
-        except asyncio.CancelledError:
-            task.cancel()
-            await asyncio.gather(task, return_exceptions=True)
-            raise
-        finally:
-            if self.__start is task:
-                self.__start = None
-        if task.cancelled():
-            raise Aborted(f"{self.name} was stopped")
-        return task.result()
-
-    async def __abort_start(self) -> None:
-        # While this waits for one to end, another may have begun.
-        while (task := self.__start) is not None:
-            task.cancel()
-            await asyncio.wait({task})
-            if self.__start is task:
-                self.__start = None
 
     async def __call(self, message: Message, given: Payload | None) -> tuple[Result, ...]:
         method = getattr(self, message.attribute)

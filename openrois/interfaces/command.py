@@ -142,9 +142,11 @@ class _Commands:
             for unit in units:
                 self._finish(unit, CompletedStatus.ABORT, (), "the application went before the command was accepted")
             raise
+        sequence = app.host.accepted.next_sequence()
         for unit in units:
             abort = partial(self._finish, unit, CompletedStatus.ABORT, ())
-            command = AcceptedCommand(unit.component_ref, app, abort)
+            starts = unit.command_type == "start"
+            command = AcceptedCommand(unit.component_ref, app, abort, sequence, starts)
             self._accepted[unit.command_id] = command
             app.host.accepted.add(command)
 
@@ -220,6 +222,8 @@ class _Commands:
             reason = f"{unit.component_ref} is bound by another application by now"
             self._app.host.audit.refused(self._app.principal, unit.command_type, unit.component_ref, reason)
             raise OutOfResources(reason)
+        if unit.command_type == "stop":
+            self._app.host.accepted.stop(unit.component_ref, self._accepted[unit.command_id].sequence)
         self._acted("rois.command.execute", unit.component_ref, f"{unit.command_type} {unit.command_id}")
         if stream.is_verb(unit.command_type) and stream.has_streams(self._app, unit.component_ref):
             return await stream.run_verb(self._app, unit)

@@ -75,6 +75,8 @@ class Outbox:
         self._empty = asyncio.Event()
         self._empty.set()
         self._roomy = asyncio.Event()
+        self._asking = 0
+        self._asking_in_turn = asyncio.Lock()
         self._closed = False
         self.gap: Callable[[int], str | None] = _silence
         self._missing = 0
@@ -151,10 +153,20 @@ class Outbox:
         return self._events.take()
 
     async def room(self) -> None:
-        """Wait until one may ask: half of what may wait is kept for what cannot be put off. Closed, it returns."""
-        while not self._closed and not self.is_roomy:
-            self._roomy.clear()
-            await self._roomy.wait()
+        """Wait until one may ask: half of what may wait is kept for what cannot be put off. Closed, it returns.
+
+        Whoever asked first has room first.
+        """
+        if self.is_roomy and not self._asking:
+            return
+        self._asking += 1
+        try:
+            async with self._asking_in_turn:
+                while not self._closed and not self.is_roomy:
+                    self._roomy.clear()
+                    await self._roomy.wait()
+        finally:
+            self._asking -= 1
 
     def close(self) -> None:
         """Let go of everybody who waits for room: nothing more will be sent."""

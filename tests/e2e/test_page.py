@@ -24,6 +24,11 @@ _READABLE: Final = 4.5
 _MARKED: Final = "document.querySelector('[data-testid=say-words] mark')?.textContent"
 _TOO_EARLY: Final = 60
 """Milliseconds by which `completed` may come before the last sound: how exactly the page is listened to."""
+_START_AND_STOP: Final = """async (milliseconds) => {
+    document.querySelector("[data-testid=say-text]").form.requestSubmit();
+    if (milliseconds) await new Promise((resolve) => setTimeout(resolve, milliseconds));
+    document.querySelector("[data-testid=say-stop]").click();
+}"""
 _FOCUS: Final = """(() => {
     const { dataset, className } = document.activeElement;
     const { outlineStyle, outlineWidth } = getComputedStyle(document.activeElement);
@@ -172,3 +177,18 @@ async def test_stop_silences_what_the_browser_has_buffered(guest: Visit) -> None
     await expect(guest.item("say-state")).to_contain_text("stopped at the word")
     await guest.until("openrois.audio.track.enabled")  # the buffer has run out
     await guest.until(f"probe.sound.slice(-20).every(({{ rms }}) => rms < {AUDIBLE})")
+
+
+async def test_a_stop_right_behind_the_start_is_enough(guest: Visit) -> None:
+    await guest.listen()
+    for milliseconds in (0, 5, 20, 60):
+        await guest.item("say-text").fill("Once upon a time there was an avatar that told long stories.")
+        await guest.page.evaluate(_START_AND_STOP, milliseconds)
+        await guest.until(f"{SAYING} === 'stopped'")
+        assert await guest.read(f"{SAYING}") == "stopped"
+    stops = len(guest.executed("avatar/SpeechSynthesis", "stop"))
+    assert stops <= 4
+    ended = await guest.read("performance.now()")
+    await guest.until(f"probe.sound.at(-1).at > {ended} + 1000")
+    assert await guest.read(f"probe.sound.slice(-30).every(({{ rms }}) => rms < {AUDIBLE})")
+    assert len(guest.executed("avatar/SpeechSynthesis", "stop")) == stops

@@ -8,7 +8,6 @@ import { byRole, byTestId, make, setText } from "./dom.ts";
 import { languageChoice } from "./languages.ts";
 import { describeEnd, describeFailure } from "./outcome.ts";
 import { SpeechWords } from "./speech_words.ts";
-import { stopUntilEnded } from "./stopping.ts";
 
 type State = "idle" | "speaking" | "paused" | "done" | "stopped" | "failed" | "refused" | "unavailable";
 
@@ -29,6 +28,7 @@ export class SayLine {
   #speech: SpeechSynthesis | null = null;
   #usable = false;
   #performance = 0;
+  #stopping = new AbortController();
   #last = "";
 
   /** @param onCut is told that speech is being broken off, and when that is done */
@@ -70,9 +70,9 @@ export class SayLine {
   }
 
   stop(): void {
-    const performance = this.#performance;
-    const runs = (): boolean => performance === this.#performance && this.#speaking;
-    if (this.#speech && runs()) this.#onCut(stopUntilEnded(this.#speech, runs));
+    if (!this.#speech || !this.#speaking) return;
+    this.#stopping.abort();
+    if (this.#speech.inUse) this.#onCut(this.#speech.stop().catch(() => undefined));
   }
 
   get #speaking(): boolean {
@@ -103,9 +103,14 @@ export class SayLine {
     const performance = ++this.#performance;
     const language = this.#language.value;
     const parameters = { speech_text: text, ...(language !== "" && { language }) };
+    const { signal } = (this.#stopping = new AbortController());
     this.#show("speaking", "speaking");
     await this.#words.begin(text);
     if (performance !== this.#performance) return;
+    if (signal.aborted) {
+      this.#words.end();
+      return this.#show("stopped", "stopped");
+    }
     const spoken = speech.perform(parameters, () => {
       this.#last = text;
       if (this.#input.value.trim() === text) this.#input.value = "";

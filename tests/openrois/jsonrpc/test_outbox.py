@@ -76,6 +76,26 @@ async def test_room_comes_back_as_messages_are_taken() -> None:
     assert outbox.dropped == 0
 
 
+async def test_whoever_asks_first_has_room_first() -> None:
+    outbox, asked = Outbox(control_limit=2), list[str]()
+
+    async def ask(name: str) -> None:
+        await outbox.room()
+        asked.append(name)
+        outbox.put(name)
+
+    outbox.put("a")
+    tasks = [asyncio.ensure_future(ask(name)) for name in ("first", "second")]
+    await asyncio.sleep(0)
+    assert asked == []
+    assert await outbox.get() == "a"
+    # There is room, and nobody who waits for it has noticed.
+    tasks.append(asyncio.ensure_future(ask("third")))
+    async with asyncio.timeout(1):
+        assert [await outbox.get() for _ in range(3)] == ["first", "second", "third"]
+    await asyncio.gather(*tasks)
+
+
 async def test_drops_are_logged_ever_more_seldom(caplog: pytest.LogCaptureFixture) -> None:
     outbox = Outbox(event_limit=1)
     with caplog.at_level(logging.WARNING):

@@ -3,7 +3,6 @@
 import { CommandFailed, Follow, Navigation } from "../../sdk/index.ts";
 import type { Client, Subscription } from "../../sdk/index.ts";
 import { describeFailure } from "../outcome.ts";
-import { stopUntilEnded } from "../stopping.ts";
 import type { Place } from "./geometry.ts";
 import { ahead } from "./scene.ts";
 import type { Thing } from "./scene.ts";
@@ -33,6 +32,7 @@ export class Walk {
   #state: WalkState = "idle";
   #words = "";
   #number = 0;
+  #stopping = new AbortController();
 
   /** @param onChange is called when any of the properties has changed */
   constructor(client: Client, onChange: () => void) {
@@ -80,8 +80,9 @@ export class Walk {
     const [first] = targets;
     const words =
       targets.length > 1 ? `Walking to ${targets.length} places` : `Walking to ${first?.words ?? ""}`;
-    void this.#run(words, targets, null, async () => {
+    void this.#run(words, targets, null, async (signal) => {
       await this.#hear(navigation);
+      if (signal.aborted) throw new Stopped();
       await navigation.perform({ target_positions: targets.map(({ text }) => text) });
     });
   }
@@ -95,10 +96,10 @@ export class Walk {
   }
 
   stop(): void {
-    const number = this.#number;
+    if (this.#state !== "walking") return;
+    this.#stopping.abort();
     const component = this.#followed ? this.#follow : this.#navigation;
-    const runs = (): boolean => number === this.#number && this.#state === "walking";
-    if (component) void stopUntilEnded(component, runs);
+    if (component?.inUse) void component.stop().catch(() => undefined);
   }
 
   async #hear(navigation: Navigation): Promise<void> {
@@ -114,13 +115,14 @@ export class Walk {
     words: string,
     targets: readonly Target[],
     followed: Thing | null,
-    perform: () => Promise<void>,
+    perform: (signal: AbortSignal) => Promise<void>,
   ): Promise<void> {
     const number = ++this.#number;
     const began = Date.now();
     [this.#targets, this.#followed] = [targets, followed];
     this.#show("walking", words);
-    const [state, outcome] = await perform().then(
+    this.#stopping = new AbortController();
+    const [state, outcome] = await perform(this.#stopping.signal).then(
       () => ["done", `Arrived after ${((Date.now() - began) / 1000).toFixed(1)} s`] as const,
       (error: unknown) => failure(error),
     );
@@ -137,7 +139,11 @@ export class Walk {
   }
 }
 
+/** Nothing was begun: it was stopped before. */
+class Stopped extends Error {}
+
 function failure(error: unknown): readonly [WalkState, string] {
+  if (error instanceof Stopped) return ["stopped", "Stopped"];
   if (!(error instanceof CommandFailed)) {
     const { state, text } = describeFailure(error, BUSY);
     return [state, sentence(text)];

@@ -46,6 +46,7 @@ export class ComponentProxy<Parameters extends object = object, ReadOnly extends
   /** The `data_type_ref` of each parameter. */
   protected readonly parameterTypes: Types<Parameters> = {} as Types<Parameters>;
   readonly #client: Client;
+  readonly #unsent = new Set<{ stopped: boolean }>();
   #works = 0;
 
   constructor(client: Client, componentRef: string) {
@@ -95,7 +96,8 @@ export class ComponentProxy<Parameters extends object = object, ReadOnly extends
 
   /**
    * The standard's pattern for a component that acts: binds it, sets parameters, starts it, waits until it has ended,
-   * and releases it. Starting it once more meanwhile makes most components abort what they do.
+   * and releases it. Starting it once more meanwhile makes most components abort what they do; `stop` ends it, also
+   * while it has not begun.
    *
    * @param onStart is called when the engine has accepted it
    * @throws CommandFailed (ABORT: it was stopped) | RoISError (OUT_OF_RESOURCES: another application has it)
@@ -105,8 +107,13 @@ export class ComponentProxy<Parameters extends object = object, ReadOnly extends
     onStart: () => void = () => undefined,
   ): Promise<void> {
     const parameters = encode(this.parameterTypes, values);
-    await this.bound(async () => {
+    const unsent = { stopped: false };
+    this.#unsent.add(unsent);
+    const work = async (): Promise<void> => {
       const { componentRef: component_ref } = this;
+      this.#unsent.delete(unsent);
+      if (unsent.stopped)
+        throw new CommandFailed(`start of ${component_ref}`, "", "ABORT", "it was stopped before it began");
       const ids = await this.#client.execute([
         { component_ref, command_type: "set_parameter", arguments: parameters },
         { component_ref, command_type: "start" },
@@ -115,11 +122,13 @@ export class ComponentProxy<Parameters extends object = object, ReadOnly extends
       const [set = "", start = ""] = ids;
       await this.#ended("set_parameter", set);
       await this.#ended("start", start);
-    });
+    };
+    await this.bound(work).finally(() => this.#unsent.delete(unsent));
   }
 
   /** Runs a command to its end. */
   protected async execute(commandType: string, values?: readonly Result[]): Promise<void> {
+    if (commandType === "stop") for (const each of this.#unsent) each.stopped = true;
     await this.#run(commandType, values);
   }
 

@@ -389,6 +389,22 @@ describe("perform", () => {
     expect(steps().at(-1)).toBe("release");
   });
 
+  it("is not begun when it is stopped before it could be", async () => {
+    const speech = new SpeechSynthesis(client, "a/speech");
+    const performance = speech.perform({ speech_text: "Hello" });
+    const stopping = speech.stop();
+    await expect(performance).rejects.toMatchObject({
+      status: "ABORT",
+      reason: "it was stopped before it began",
+    });
+    await vi.waitFor(() => expect(units()).toMatchObject([{ command_type: "stop" }]));
+    complete(0, "OK");
+    await stopping;
+    expect(speech.inUse).toBe(false);
+    completeAtOnce();
+    await speech.perform({ speech_text: "Again" });
+  });
+
   it("throws when somebody else holds the component, and can be used again", async () => {
     gateway.on("rois.command.bind", () => ({ return_code: "OUT_OF_RESOURCES" }));
     const speech = new SpeechSynthesis(client, "a/speech");
