@@ -11,6 +11,7 @@ from websockets.exceptions import InvalidHandshake
 from openrois.application import EngineHost
 from openrois.backoff import Backoff, asked_to_wait
 from openrois.remote.serve import serve_engine
+from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from openrois.transport.stream import POLICY_VIOLATION
 from openrois.transport.websocket import dial
 
@@ -23,6 +24,7 @@ async def serve_parent(
     host: EngineHost,
     url: str,
     *,
+    credentials: Credentials = NO_CREDENTIALS,
     sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
     clock: Callable[[], float] = time.monotonic,
     chance: Callable[[], float] = random.random,
@@ -32,6 +34,7 @@ async def serve_parent(
     Args:
         host: the engine.
         url: `ws://host:port/adapter` of the gateway.
+        credentials: what is shown to the gateway; a token is read at every attempt.
         sleep: waits for some seconds between attempts: up to 1 s, then half as long again each time, at most 5 s, and
             by chance less, so that a fleet does not come at once; longer by what a gateway that restarts asks for.
         clock: monotonic seconds, to tell a connection that lasted from one that was refused.
@@ -44,10 +47,10 @@ async def serve_parent(
     while True:
         lasted, asked = 0.0, 0.0
         try:
-            async with dial(url) as stream:
+            async with dial(url, credentials=credentials) as stream:
                 _log.info("connected to %s", url)
                 connected = clock()
-                closed = await serve_engine(host, stream)
+                closed = await serve_engine(host, stream, credentials)
                 lasted, asked = clock() - connected, asked_to_wait(closed.reason)
                 if closed.code == POLICY_VIOLATION:
                     _log.warning("the gateway refuses this adapter: %s", closed.reason)
@@ -55,6 +58,8 @@ async def serve_parent(
                     _log.info("the gateway is gone: %s", closed)
         except InvalidHandshake as error:
             _log.warning("what answers at %s takes no adapters: %s", url, error)
+        except ValueError as error:
+            _log.warning("the gateway at %s is not dialled: %s", url, error)
         except (OSError, TimeoutError) as error:
             _log.info("no gateway at %s (`openrois gateway` starts one here): %s", url, error)
         delay = backoff.after(lasted) * chance() + asked

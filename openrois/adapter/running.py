@@ -5,7 +5,8 @@ import logging
 import os
 import signal
 from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager, suppress
+from contextlib import AbstractAsyncContextManager, asynccontextmanager, suppress
+from pathlib import Path
 from typing import Final
 
 from openrois.adapter.blocking import told_of_blocking
@@ -19,6 +20,7 @@ from openrois.logs import set_up_logging
 from openrois.registry import LocalRegistry
 from openrois.tasks import TaskScope
 from openrois.transport.address import adapter_url
+from openrois.transport.credentials import Credentials
 
 __all__ = ["GATEWAY", "GATEWAY_VARIABLE", "hosted", "run", "serve"]
 
@@ -57,7 +59,13 @@ async def hosted(
 
 
 @asynccontextmanager
-async def serve(*components: Component, engine_id: str, gateway: str | None = None) -> AsyncIterator[EngineHost]:
+async def serve(
+    *components: Component,
+    engine_id: str,
+    gateway: str | None = None,
+    token_file: Path | None = None,
+    ca_file: Path | None = None,
+) -> AsyncIterator[EngineHost]:
     """Serve components to a gateway while the block runs; a connection that ends is made again.
 
     Args:
@@ -65,6 +73,10 @@ async def serve(*components: Component, engine_id: str, gateway: str | None = No
         engine_id: unique behind its gateway; leads every component_ref.
         gateway: its address, `ws://host:port/adapter` or the `http://host:port/` that it prints; unless given that of
             the environment (`OPENROIS_GATEWAY`), or else `ws://127.0.0.1:8765/adapter`.
+        token_file: holds the token that the gateway wants, and is read whenever it is needed; unless given that of
+            the environment (`OPENROIS_TOKEN_FILE`).
+        ca_file: authorities (PEM) that may have signed the gateway's certificate; unless given those of the
+            environment (`OPENROIS_CA_FILE`), or else the system's.
 
     Raises:
         BadParameter: `engine_id` or a component's name cannot be part of a reference, or a name stands twice.
@@ -74,11 +86,18 @@ async def serve(*components: Component, engine_id: str, gateway: str | None = No
     url = adapter_url(address)
     async with hosted(engine_id, *components) as host, TaskScope() as tasks:
         with told_of_blocking():
-            tasks.start(serve_parent(host, url))
+            tasks.start(serve_parent(host, url, credentials=Credentials.of_files(token_file, ca_file)))
             yield host
 
 
-def run(*components: Component, engine_id: str, gateway: str | None = None, verbose: bool = False) -> None:
+def run(
+    *components: Component,
+    engine_id: str,
+    gateway: str | None = None,
+    token_file: Path | None = None,
+    ca_file: Path | None = None,
+    verbose: bool = False,
+) -> None:
     """Serve components to a gateway until the process is told to stop (Ctrl-C, SIGTERM): the main of an adapter.
 
     The gateway need not be there yet, and may go and come back: the log, on standard error, says how things stand.
@@ -88,6 +107,10 @@ def run(*components: Component, engine_id: str, gateway: str | None = None, verb
         engine_id: unique behind its gateway; leads every component_ref.
         gateway: its address, `ws://host:port/adapter` or the `http://host:port/` that it prints; unless given that of
             the environment (`OPENROIS_GATEWAY`), or else `ws://127.0.0.1:8765/adapter`.
+        token_file: holds the token that the gateway wants, and is read whenever it is needed; unless given that of
+            the environment (`OPENROIS_TOKEN_FILE`).
+        ca_file: authorities (PEM) that may have signed the gateway's certificate; unless given those of the
+            environment (`OPENROIS_CA_FILE`), or else the system's.
         verbose: log more.
 
     Raises:
@@ -95,8 +118,9 @@ def run(*components: Component, engine_id: str, gateway: str | None = None, verb
         ValueError: `gateway` is no address of a gateway.
     """
     set_up_logging(verbose=verbose)
+    serving = serve(*components, engine_id=engine_id, gateway=gateway, token_file=token_file, ca_file=ca_file)
     with suppress(KeyboardInterrupt), asyncio.Runner(loop_factory=_quick_loop()) as runner:
-        runner.run(_serve_until_stopped(components, engine_id, gateway))
+        runner.run(_serve_until_stopped(serving, engine_id))
 
 
 def _quick_loop() -> Callable[[], asyncio.AbstractEventLoop] | None:
@@ -108,14 +132,14 @@ def _quick_loop() -> Callable[[], asyncio.AbstractEventLoop] | None:
     return uvloop.new_event_loop
 
 
-async def _serve_until_stopped(components: tuple[Component, ...], engine_id: str, gateway: str | None) -> None:
+async def _serve_until_stopped(serving: AbstractAsyncContextManager[EngineHost], engine_id: str) -> None:
     stopped = asyncio.Event()
     loop = asyncio.get_running_loop()
     for name in _STOP_SIGNALS:
         with suppress(NotImplementedError):
             # Where the loop takes no signals, Ctrl-C is a KeyboardInterrupt.
             loop.add_signal_handler(name, stopped.set)
-    async with serve(*components, engine_id=engine_id, gateway=gateway):
+    async with serving:
         await stopped.wait()
         for name in _STOP_SIGNALS:
             with suppress(NotImplementedError):

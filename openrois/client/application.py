@@ -15,6 +15,9 @@ from openrois.client.restoring import Restorer
 from openrois.client.subscriptions import Asker, Subscriptions
 from openrois.jsonrpc.protocol import METHOD_NOT_FOUND
 from openrois.jsonrpc.session import NotificationHandler, RpcError, RpcSession
+from openrois.renewing import renewing
+from openrois.tasks import TaskScope
+from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from openrois.types.messages import Completed, ErrorNotification, EventNotification, NoParams, ReturnResult
 from openrois.types.reasons import ReasonNotification, sentence
 from openrois.types.streams import EXTENSION_VERSION, EXTENSIONS, HelloParams, HelloResult
@@ -33,7 +36,13 @@ class Application:
         notifications: takes whatever the gateway tells.
     """
 
-    def __init__(self, asker: Callable[[], Asker], reconnect: Reconnect, request_timeout: float) -> None:
+    def __init__(
+        self,
+        asker: Callable[[], Asker],
+        reconnect: Reconnect,
+        request_timeout: float,
+        credentials: Credentials = NO_CREDENTIALS,
+    ) -> None:
         self.commands = Commands()
         self.bindings = Bindings(self.tell)
         self.subscriptions = Subscriptions(asker, self.tell)
@@ -45,6 +54,8 @@ class Application:
         self._restorer = Restorer(self.bindings, self.subscriptions, reconnect, request_timeout)
         self._timeout = request_timeout
         self._session: RpcSession | None = None
+        self._credentials = credentials
+        self._expiring: Mapping[str, NotificationHandler] = {}
 
     async def move_in(self, session: RpcSession) -> None:
         """Say who is there and learn what the gateway speaks."""
@@ -69,7 +80,12 @@ class Application:
 
     async def stay(self, session: RpcSession) -> None:
         """Keep bindings and subscriptions as they should be."""
-        await self._restorer.run(session)
+        async with TaskScope() as tasks:
+            self._expiring = renewing(session, self._credentials, tasks)
+            try:
+                await self._restorer.run(session)
+            finally:
+                self._expiring = {}
 
     def move_out(self, reason: str) -> None:
         """Lose what the connection held; no command of it will be told of any more."""
@@ -91,6 +107,8 @@ class Application:
     def _take(self, method: str, params: dict[str, Any]) -> None:
         for feed in tuple(self.listeners):
             feed.offer(Notification(method, params))
+        if method in self._expiring:
+            self._expiring[method](params)
         match method:
             case ReasonNotification.method:
                 self._take_reason(read_message(ReasonNotification, params))

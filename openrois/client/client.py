@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
+from pathlib import Path
 from types import TracebackType
 from typing import Any, Final, Self, TypeVar, overload
 
@@ -20,6 +21,7 @@ from openrois.client.notices import Connected, Notice, Notification, ProfileChan
 from openrois.client.operations import Operations
 from openrois.client.reconnect import Reconnect
 from openrois.errors import BadParameter, RoISError, Unsupported
+from openrois.transport.credentials import Credentials, Token
 from openrois.types.codes import ComponentStatus
 from openrois.types.messages import ReturnResult
 from openrois.types.model import Model
@@ -42,7 +44,9 @@ class Client(Operations):
     Args:
         url: the gateway's address.
         dial: opens connections in place of a WebSocket to `url`.
-        token: a JSON Web Token for the gateway, where it wants one.
+        token: a JSON Web Token for the gateway, where it wants one; or a function that returns the newest: it is called
+            at every connection, and before the present one ends.
+        ca_file: authorities (PEM) that may have signed the gateway's certificate, in place of the system's.
         connect_timeout: seconds that connecting may take.
         request_timeout: seconds that an answer may take.
         reconnect: when a lost connection is made again; None for never.
@@ -53,18 +57,21 @@ class Client(Operations):
         url: str = "ws://127.0.0.1:8765/",
         *,
         dial: Dial | None = None,
-        token: str | None = None,
+        token: Token | None = None,
+        ca_file: Path | None = None,
         connect_timeout: float = 10.0,
         request_timeout: float = 30.0,
         reconnect: Reconnect | None = _RECONNECT,
     ) -> None:
-        self._application = Application(lambda: self._connection, reconnect or _RECONNECT, request_timeout)
+        credentials = Credentials(token, ca_file)
+        self._application = Application(lambda: self._connection, reconnect or _RECONNECT, request_timeout, credentials)
         connection = Connection(
-            dial or websocket(url, token),
+            dial or websocket(url, credentials),
             self._application,
             connect_timeout=connect_timeout,
             request_timeout=request_timeout,
             reconnect=reconnect,
+            renewable=callable(token),
         )
         super().__init__(
             connection, self._application.commands, self._application.bindings, self._application.subscriptions

@@ -80,10 +80,18 @@ class Connection:
         connect_timeout: seconds that opening and greeting may take together.
         request_timeout: seconds that an answer may take.
         reconnect: when it is made again; None for never.
+        renewable: a token that has ended is no reason to give up: the next connection shows a newer one.
     """
 
     def __init__(
-        self, dial: Dial, tenant: Tenant, *, connect_timeout: float, request_timeout: float, reconnect: Reconnect | None
+        self,
+        dial: Dial,
+        tenant: Tenant,
+        *,
+        connect_timeout: float,
+        request_timeout: float,
+        reconnect: Reconnect | None,
+        renewable: bool = False,
     ) -> None:
         self.state = ConnectionState.CLOSED
         self.request_timeout = request_timeout
@@ -91,6 +99,7 @@ class Connection:
         self._tenant = tenant
         self._connect_timeout = connect_timeout
         self._reconnect = reconnect
+        self._renewable = renewable
         self._session: RpcSession | None = None
         self._changed = asyncio.Event()
         self._over: str | None = None
@@ -236,7 +245,7 @@ class Connection:
                 raise ConnectionFailed(self._over)
             if self._reconnect is None:
                 raise ConnectionFailed(f"the connection ended: {closed}")
-            if closed.code == _TOKEN_ENDED:
+            if closed.code == _TOKEN_ENDED and not self._renewable:
                 raise ConnectionFailed(f"the gateway does not let this application in any more: {closed.reason}")
             delay = again.spread(backoff.after(lasted)) + asked_to_wait(closed.reason)
             self.state = ConnectionState.WAITING

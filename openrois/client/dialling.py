@@ -7,6 +7,7 @@ from websockets.exceptions import InvalidHandshake, InvalidStatus
 
 from openrois.client.errors import ConnectionFailed
 from openrois.transport.address import gateway_url
+from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from openrois.transport.stream import MessageStream
 from openrois.transport.websocket import dial
 
@@ -16,24 +17,25 @@ Dial = Callable[[], AbstractAsyncContextManager[MessageStream]]
 """Opens a connection for as long as the block runs; raises `OSError` or `TimeoutError` where there is none."""
 
 
-def websocket(url: str, token: str | None = None) -> Dial:
+def websocket(url: str, credentials: Credentials = NO_CREDENTIALS) -> Dial:
     """Return how to reach the gateway at `url`.
 
     Args:
         url: as `gateway_url` takes it.
-        token: a JSON Web Token; it travels in the `Authorization` header.
+        credentials: what is shown to it; a token travels in the `Authorization` header.
 
     Raises:
         ValueError: `url` is no address of a gateway, or carries a password.
     """
     address = gateway_url(url)
-    headers = {} if token is None else {"Authorization": f"Bearer {token}"}
 
     @asynccontextmanager
     async def connect() -> AsyncIterator[MessageStream]:
-        opening = dial(address, headers=headers, open_timeout=None)
+        opening = dial(address, credentials=credentials, open_timeout=None)
         try:
             stream = await opening.__aenter__()
+        except ValueError as error:
+            raise ConnectionFailed(str(error)) from error
         except InvalidStatus as refusal:
             raise _refused(address, refusal) from refusal
         except InvalidHandshake as error:

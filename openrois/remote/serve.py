@@ -14,6 +14,8 @@ from openrois.jsonrpc.session import Handler, InvalidParams, NotificationHandler
 from openrois.lost_streams import lost_streams
 from openrois.ordering import ReplyFirst
 from openrois.remote.extension import CLIENT_GONE, EXTENSION_METHODS
+from openrois.renewing import renewing
+from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from openrois.transport.stream import MessageStream, StreamClosed
 from openrois.types.codes import StreamStatus
 from openrois.types.references import engine_of
@@ -37,7 +39,9 @@ _DISCONNECT: Final = STREAM_METHODS["disconnect_stream"]
 _ENDED: Final = StreamStatus.STREAMING_NOT_CONNECTED.value
 
 
-async def serve_engine(host: EngineHost, stream: MessageStream) -> StreamClosed:
+async def serve_engine(
+    host: EngineHost, stream: MessageStream, credentials: Credentials = NO_CREDENTIALS
+) -> StreamClosed:
     """Serve an engine to the parent at the other end until the connection ends; return why it did.
 
     The parent is trusted: it checks reservations, this side does not. The streams of the parent's applications go on
@@ -50,7 +54,7 @@ async def serve_engine(host: EngineHost, stream: MessageStream) -> StreamClosed:
     session.on_failure = host.crashed
     session.explain = app.explain
     session.methods = {**base_methods(app), **served.methods()}
-    session.notifications = served.notifications()
+    session.notifications = {**served.notifications(), **renewing(session, credentials, host.tasks)}
     try:
         with connection(f"gateway-{app.client_id[:8]}"):
             return await session.run()

@@ -2,9 +2,8 @@
 
 import asyncio
 import logging
-from collections.abc import AsyncIterator, Mapping, Sequence
+from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
-from types import MappingProxyType
 from typing import Final
 
 from websockets.asyncio.client import ClientConnection, connect
@@ -12,14 +11,13 @@ from websockets.exceptions import ConnectionClosed
 from websockets.frames import Frame, Opcode
 from websockets.protocol import State
 
+from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from openrois.transport.stream import StreamClosed, close_reason
 
 __all__ = ["WebSocketStream", "dial"]
 
 MAX_MESSAGE: Final = 4 << 20
 """Bytes of one incoming message; a profile of a whole fleet fits."""
-
-NO_HEADERS: Final[Mapping[str, str]] = MappingProxyType({})
 
 OPEN_TIMEOUT: Final = 10.0
 _CLOSE_TIMEOUT: Final = 1.0
@@ -82,16 +80,17 @@ def _closed(closed: ConnectionClosed) -> StreamClosed:
 
 @asynccontextmanager
 async def dial(
-    url: str, *, headers: Mapping[str, str] = NO_HEADERS, open_timeout: float | None = OPEN_TIMEOUT
+    url: str, *, credentials: Credentials = NO_CREDENTIALS, open_timeout: float | None = OPEN_TIMEOUT
 ) -> AsyncIterator[WebSocketStream]:
     """Open a WebSocket to `url` (`ws://` or `wss://`) for as long as the block runs.
 
     Args:
         url: the address.
-        headers: what the opening request carries beside its own.
+        credentials: what is shown to the other side.
         open_timeout: seconds that the handshake may take; None where the caller sees to it.
 
     Raises:
+        ValueError: the credentials cannot be had.
         OSError: nothing listens there, or the network refuses.
         TimeoutError: no handshake in time.
         websockets.exceptions.InvalidHandshake: something answers, but not as a WebSocket server.
@@ -99,7 +98,8 @@ async def dial(
     """
     async with connect(
         url,
-        additional_headers=headers,
+        additional_headers=credentials.headers(),
+        ssl=credentials.context(url),
         compression=None,
         max_size=MAX_MESSAGE,
         open_timeout=open_timeout,

@@ -1,0 +1,97 @@
+"""What whoever dials shows to a gateway, and how it knows that it is the right one."""
+
+import os
+import ssl
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final
+
+__all__ = ["CA_FILE_VARIABLE", "NO_CREDENTIALS", "TOKEN_FILE_VARIABLE", "Credentials", "Token", "read_token"]
+
+TOKEN_FILE_VARIABLE: Final = "OPENROIS_TOKEN_FILE"  # noqa: S105
+"""The environment's word for the file with the token."""
+
+CA_FILE_VARIABLE: Final = "OPENROIS_CA_FILE"
+"""The environment's word for the file with the authorities that may have signed the gateway's certificate."""
+
+MAX_TOKEN_FILE: Final = 64 << 10
+
+Token = str | Callable[[], str]
+"""A token, or what gets the newest one whenever it is needed; it may raise `ValueError` with a sentence."""
+
+
+@dataclass(frozen=True, slots=True)
+class Credentials:
+    """Shown to a gateway each time it is dialled.
+
+    Attributes:
+        token: the token; None for nothing.
+        ca_file: the authorities (PEM) that may have signed a gateway's certificate; None for those of the system.
+    """
+
+    token: Token | None = field(default=None, repr=False)
+    ca_file: Path | None = None
+
+    @classmethod
+    def of_files(cls, token_file: Path | None, ca_file: Path | None) -> "Credentials":
+        """Return credentials from files, or those that the environment names; the token is read at each use."""
+        named, authorities = os.environ.get(TOKEN_FILE_VARIABLE), os.environ.get(CA_FILE_VARIABLE)
+        path = token_file or (Path(named) if named else None)
+        return cls(
+            None if path is None else lambda: read_token(path),
+            ca_file or (Path(authorities) if authorities else None),
+        )
+
+    def newest(self) -> str | None:
+        """Return the token as it is now.
+
+        Raises:
+            ValueError: it cannot be had.
+        """
+        return self.token() if callable(self.token) else self.token
+
+    def headers(self) -> Mapping[str, str]:
+        """Return what the opening request carries.
+
+        Raises:
+            ValueError: the token cannot be had.
+        """
+        token = self.newest()
+        return {} if token is None else {"Authorization": f"Bearer {token}"}
+
+    def context(self, url: str) -> ssl.SSLContext | None:
+        """Return what TLS to `url` is done with; None where there is none.
+
+        Raises:
+            ValueError: the file with the authorities cannot be used.
+        """
+        if not url.startswith("wss:"):
+            return None
+        try:
+            context = ssl.create_default_context(cafile=None if self.ca_file is None else str(self.ca_file))
+        except OSError as error:
+            raise ValueError(f"{self.ca_file} cannot be used as authorities: {error.strerror or error}") from None
+        context.minimum_version = ssl.TLSVersion.TLSv1_2
+        return context
+
+
+NO_CREDENTIALS: Final = Credentials()
+
+
+def read_token(path: Path) -> str:
+    """Return the token in a file.
+
+    Raises:
+        ValueError: it cannot be read, or is none; the message does not say what is in it.
+    """
+    try:
+        with path.open("rb") as file:
+            text = file.read(MAX_TOKEN_FILE).decode("ascii").strip()
+    except OSError as error:
+        raise ValueError(f"the token cannot be read from {path}: {error.strerror}") from None
+    except UnicodeDecodeError:
+        raise ValueError(f"there is no token in {path}") from None
+    if not text or not text.isprintable() or " " in text:
+        raise ValueError(f"there is no token in {path}: it is one line, as `openrois token issue` prints it")
+    return text
