@@ -81,3 +81,7 @@ class AcceptedCommands:
     def of(self, component_ref: str) -> tuple[AcceptedCommand, ...]:
         """Return the commands of a component."""
         return tuple(self._by_component.get(component_ref, ()))
+
+    def components(self) -> tuple[str, ...]:
+        """Return the components that have commands."""
+        return tuple(self._by_component)

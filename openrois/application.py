@@ -10,7 +10,7 @@ import secrets
 import time
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Final
 
 from openrois.accepted import AcceptedCommands
 from openrois.access.principal import LOCAL, Principal
@@ -42,9 +42,11 @@ from openrois.types.streams import (
 from openrois.visible_engine import VisibleEngine
 from openrois.withdrawal import Claims, end_streams
 
-__all__ = ["ApplicationSession", "EngineHost"]
+__all__ = ["RESTARTS", "ApplicationSession", "EngineHost"]
 
 _log = logging.getLogger(__name__)
+
+RESTARTS: Final = "the gateway is about to restart"
 
 Notify = Callable[..., None]
 
@@ -70,6 +72,7 @@ class EngineHost:
         lease_rules: how long leases last.
         first_epoch: the number of the first lease.
         clock: monotonic seconds.
+        draining: it is about to end, and begins nothing new.
     """
 
     engine: Engine
@@ -87,6 +90,7 @@ class EngineHost:
     lease_rules: Rules = field(default_factory=Rules)
     first_epoch: int = 1
     clock: Callable[[], float] = time.monotonic
+    draining: bool = False
     leases: LeaseKeeper = field(init=False)
 
     def __post_init__(self) -> None:

@@ -103,6 +103,10 @@ class Traffic:
             code = session.closed.code if session.closed is not None else 1006
             self.closed[code] = self.closed.get(code, 0) + 1
 
+    def sessions(self, kind: str) -> tuple[RpcSession, ...]:
+        """Return the connections of one kind that live."""
+        return tuple(session for session, _ in self._living.get(kind, ()))
+
     def turn_away(self, reason: str) -> None:
         """Count a connection that was refused."""
         self.turned_away[reason] = self.turned_away.get(reason, 0) + 1

@@ -57,7 +57,7 @@ def _is_free(port: int) -> bool:
 
 
 async def _run(port: int, engine: str, more: Sequence[str], of_avatar: Sequence[str]) -> int:
-    gateway = Program(("gateway", "--port", str(port), *more), announces="listening ")
+    gateway = Program(("gateway", "--port", str(port), "--drain", "0", *more), announces="listening ")
     avatar = Program(
         ("avatar", "--gateway", f"ws://{_HOST}:{port}/adapter", "--engine", engine, *of_avatar), announces="ready "
     )

@@ -12,10 +12,11 @@ from typing import Final
 import uvloop
 
 from openrois.gateway.configuration import configure, printed
-from openrois.gateway.server import run_gateway
+from openrois.gateway.server import Gateway, run_gateway
 from openrois.gateway.settings import GatewaySettings
 from openrois.journal.file import JournalUnusable
 from openrois.logs import set_up_logging
+from openrois.tasks import TaskScope
 
 __all__ = ["main"]
 
@@ -54,14 +55,28 @@ def main(arguments: Sequence[str]) -> int:
 
 
 async def _run(settings: GatewaySettings) -> None:
-    stopped = asyncio.Event()
-    for name in (signal.SIGINT, signal.SIGTERM):
-        asyncio.get_running_loop().add_signal_handler(name, stopped.set)
-    async with run_gateway(settings) as gateway:
-        asyncio.get_running_loop().add_signal_handler(signal.SIGHUP, gateway.reload)
+    loop, at_once, in_good_order = asyncio.get_running_loop(), asyncio.Event(), asyncio.Event()
+
+    def terminate() -> None:
+        (at_once if in_good_order.is_set() else in_good_order).set()
+
+    loop.add_signal_handler(signal.SIGINT, at_once.set)
+    loop.add_signal_handler(signal.SIGTERM, terminate)
+    async with run_gateway(settings) as gateway, TaskScope() as tasks:
+        loop.add_signal_handler(signal.SIGHUP, gateway.reload)
         print(f"listening {gateway.url}", flush=True)
         _calm_the_collector()
-        await stopped.wait()
+        draining = tasks.start(_drain(in_good_order, gateway))
+        await asyncio.wait({draining, tasks.start(_wait(at_once))}, return_when=asyncio.FIRST_COMPLETED)
+
+
+async def _drain(told: asyncio.Event, gateway: Gateway) -> None:
+    await told.wait()
+    await gateway.drain()
+
+
+async def _wait(told: asyncio.Event) -> None:
+    await told.wait()
 
 
 def _calm_the_collector() -> None:

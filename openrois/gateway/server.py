@@ -11,12 +11,13 @@ from typing import Final
 
 from aiohttp import WSCloseCode, web
 
-from openrois.application import EngineHost
+from openrois.application import RESTARTS, EngineHost
 from openrois.audit import Audit
 from openrois.engine import Engine
 from openrois.gateway.adapters import serve_adapter
 from openrois.gateway.admission import guard
 from openrois.gateway.applications import serve_application
+from openrois.gateway.draining import RETRY_AFTER, Drain
 from openrois.gateway.entrance import Entrance
 from openrois.gateway.health import Readiness, healthz, readyz
 from openrois.gateway.ice import IceServers
@@ -49,6 +50,10 @@ _OPENRPC: Final = "openrpc.json"
 _SHUTDOWN_TIMEOUT: Final = 1.0
 
 
+async def _nothing() -> None:
+    """Stand in for what a gateway need not do."""
+
+
 @dataclass(frozen=True, slots=True)
 class Gateway:
     """A gateway that runs.
@@ -57,6 +62,7 @@ class Gateway:
         url: where a browser finds it.
         engine: the main HRI engine.
         metrics: where Prometheus finds figures; empty for nowhere.
+        drain: lets nobody in any more, waits for what runs, and closes every connection.
         reload: reads keys, certificates and revocations again.
     """
 
@@ -64,6 +70,7 @@ class Gateway:
     engine: Engine
     metrics: str = ""
     reload: Callable[[], None] = lambda: None
+    drain: Callable[[], Awaitable[None]] = _nothing
 
 
 @asynccontextmanager
@@ -103,6 +110,7 @@ async def run_gateway(
         )
         entrance = Entrance.open(settings, audit, tasks, host.traffic.turn_away)
         readiness = Readiness()
+        readiness.require("time", lambda: not host.draining)
         readiness.require("audit trail", lambda: audit.is_kept)
         readiness.require("journal", lambda: not journal.failing)
         if (verifier := entrance.admission.verifier) is not None:
@@ -126,7 +134,9 @@ async def run_gateway(
             _log.info("metrics: %s", metrics)
         scheme = "http" if context is None else "https"
         url = f"{scheme}://{shown}:{port}/"
-        yield Gateway(url, host.engine, metrics, lambda: entrance.reloader.look(at_all=True))
+        yield Gateway(
+            url, host.engine, metrics, lambda: entrance.reloader.look(at_all=True), Drain(host, settings.drain).run
+        )
 
 
 class _Server:
@@ -190,6 +200,9 @@ class _Server:
         tenure: Tenure,
         serve: Callable[[MessageStream], Awaitable[object]],
     ) -> web.StreamResponse:
+        if self._host.draining:
+            self._host.traffic.turn_away("draining")
+            raise web.HTTPServiceUnavailable(text=f"{RESTARTS}\n", headers={"Retry-After": str(RETRY_AFTER)})
         if len(self._sockets) >= MAX_CONNECTIONS:
             self._host.traffic.turn_away("full")
             raise web.HTTPServiceUnavailable(text="the gateway has as many connections as it takes\n")

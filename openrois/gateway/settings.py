@@ -111,11 +111,14 @@ class Operation(SettingsGroup):
     log_file: Path | None = setting(None, "append log lines instead of writing them to standard error", metavar="FILE")
     metrics: str | None = setting(None, "serve figures for Prometheus there, at /metrics", metavar="HOST:PORT")
     metrics_token: str = setting("", "what whoever reads the figures shows as a bearer token", secret=True)
+    drain: float = setting(20.0, "how long what runs has to end when the gateway is told to stop", metavar="SECONDS")
     journal: Path | None = setting(None, "keep what runs, for whoever asks after a restart", metavar="FILE")
     audit_file: Path | None = setting(None, "append who did what and what was refused, as JSON lines", metavar="FILE")
 
     @model_validator(mode="after")
     def _check_operation(self) -> Self:
+        if not 0 <= self.drain <= 3600:
+            raise ValueError("drain is 0 to 3600 seconds for what runs")
         if self.metrics is not None and not is_loopback(metrics_address(self.metrics)[0]) and not self.metrics_token:
             raise ValueError(f"figures at {self.metrics!r}, beyond this machine, need metrics_token_file")
         if self.metrics_token and len(self.metrics_token) < SECRET_LENGTH:

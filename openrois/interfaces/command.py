@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from functools import partial
 
 from openrois.accepted import AcceptedCommand
-from openrois.application import ApplicationSession
+from openrois.application import RESTARTS, ApplicationSession
 from openrois.arguments import check_arguments
 from openrois.command_log import MAX_ID
 from openrois.condition import parse_condition
@@ -63,6 +63,7 @@ class _Commands:
     def __init__(self, app: ApplicationSession) -> None:
         self._app = app
         self._accepted: dict[str, AcceptedCommand] = {}
+        self._unreplied: set[str] = set()
 
     async def search(self, params: ConditionParams) -> SearchResult:
         condition = parse_condition(params.condition, COMPONENT_PROPERTIES)
@@ -112,7 +113,6 @@ class _Commands:
             arguments=tuple(Argument.model_validate(p.model_dump()) for p in params.parameters),
         )
         self._check_operable(unit)
-        self._check_arguments(unit)
         await self._accept((unit,))
         return Reply(
             SetParameterResult(command_id=unit.command_id),
@@ -126,7 +126,6 @@ class _Commands:
         seen: set[str] = set()
         for unit in units:
             self._check_operable(unit)
-            self._check_arguments(unit)
             self._check_id(unit.command_id, seen)
         await self._accept(units)
         return Reply(ReturnResult(), lambda: self._start(params))
@@ -135,20 +134,26 @@ class _Commands:
         app = self._app
         commands = {unit.command_id: unit.component_ref for unit in units}
         app.commands.accept(commands)
+        sequence = app.host.accepted.next_sequence()
+        for unit in units:
+            starts = unit.command_type == "start"
+            command = AcceptedCommand(unit.component_ref, app, partial(self._end_early, unit), sequence, starts)
+            self._accepted[unit.command_id] = command
+            app.host.accepted.add(command)
+        self._unreplied.update(commands)
         try:
             await app.host.journal.accepted(app.client_id, app.principal.subject, commands)
         except asyncio.CancelledError:
             # The connection ended before the reply, so that nothing was promised.
             for unit in units:
+                self._unreplied.discard(unit.command_id)
                 self._finish(unit, CompletedStatus.ABORT, (), "the application went before the command was accepted")
             raise
-        sequence = app.host.accepted.next_sequence()
-        for unit in units:
-            abort = partial(self._finish, unit, CompletedStatus.ABORT, ())
-            starts = unit.command_type == "start"
-            command = AcceptedCommand(unit.component_ref, app, abort, sequence, starts)
-            self._accepted[unit.command_id] = command
-            app.host.accepted.add(command)
+
+    def _end_early(self, unit: CommandUnit, reason: str) -> None:
+        """End a command before its turn, but not before the reply that accepts it."""
+        if unit.command_id not in self._unreplied:
+            self._finish(unit, CompletedStatus.ABORT, (), reason)
 
     def _check_operable(self, unit: CommandUnit) -> None:
         profile = self._app.engine.require(unit.component_ref)
@@ -160,9 +165,8 @@ class _Commands:
             raise Unsupported(f"{unit.component_ref} has no command {unit.command_type[:200]!r}")
         if profile.function is ComponentFunction.ACTUATION and not self._app.may_operate(unit.component_ref):
             raise OutOfResources(f"{unit.component_ref} has to be bound first")
-
-    def _check_arguments(self, unit: CommandUnit) -> None:
-        profile = self._app.engine.require(unit.component_ref)
+        if self._app.host.draining and unit.command_type != "stop":
+            raise OutOfResources(f"{RESTARTS}, and begins nothing new")
         command = profile.command(unit.command_type)
         check_arguments(profile.parameter_profiles if command is None else command.arguments, unit.arguments)
 
@@ -176,6 +180,10 @@ class _Commands:
         seen.add(command_id)
 
     def _start(self, params: ExecuteParams) -> None:
+        for unit in commands_of(params.command_unit_list):
+            self._unreplied.discard(unit.command_id)
+            if reason := self._accepted[unit.command_id].aborted:
+                self._finish(unit, CompletedStatus.ABORT, (), reason)
         self._app.host.tasks.start(run_sequence(params.command_unit_list, self._run, self._skip, self._app.host.sleep))
 
     async def _run(self, unit: CommandUnit) -> CompletedStatus:

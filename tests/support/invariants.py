@@ -310,7 +310,7 @@ async def calm(log: pytest.LogCaptureFixture) -> AsyncIterator[None]:
     loop.set_exception_handler(None)
     async with asyncio.timeout(PATIENCE):
         # What was closed a moment ago may be closed by the loop's next turns.
-        while _descriptors() > descriptors:
+        while _descriptors() > descriptors:  # noqa: ASYNC110 - the kernel tells nobody
             await asyncio.sleep(0.01)
 
 

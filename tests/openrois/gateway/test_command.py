@@ -1,10 +1,12 @@
 """`openrois gateway`: what it prints, how it ends."""
 
+import asyncio
 import os
 import signal
 import socket
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -34,6 +36,40 @@ def test_it_says_where_it_listens_and_ends_when_it_is_told(
     shown = capfd.readouterr()
     assert shown.out.startswith("listening http://127.0.0.1:")
     assert shown.err == ""
+
+
+def test_a_second_sigterm_stops_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    started: list[None] = []
+
+    async def drain_for_ever() -> None:
+        started.append(None)
+        os.kill(os.getpid(), signal.SIGTERM)
+        await asyncio.Event().wait()
+
+    @asynccontextmanager
+    async def run_and_be_told(settings: GatewaySettings) -> AsyncIterator[Gateway]:
+        async with run_gateway(settings) as gateway:
+            os.kill(os.getpid(), signal.SIGTERM)
+            yield replace(gateway, drain=drain_for_ever)
+
+    monkeypatch.setattr(command, "run_gateway", run_and_be_told)
+    assert command.main(["--port", "0"]) == 0
+    assert started == [None]
+
+
+@pytest.mark.parametrize("seconds", ["-1", "nan", "3601"])
+def test_a_time_to_drain_that_is_none(seconds: str, capfd: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        command.main(["--drain", seconds])
+    assert "drain" in capfd.readouterr().err
+
+
+def test_a_journal_that_cannot_be_used_is_one_line(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    (tmp_path / "diary").write_text("dear diary\n")
+    assert command.main(["--port", "0", "--journal", str(tmp_path / "diary")]) == 1
+    shown = capfd.readouterr()
+    assert shown.err.startswith("openrois gateway: ")
+    assert shown.err.endswith("diary is no journal of a gateway; name another file, or move it away\n")
 
 
 def test_the_secret_of_a_turn_server_is_read_from_a_file(

@@ -1,0 +1,94 @@
+"""The end of a gateway that is told to stop: nobody new, what runs comes to its end, all hear when to come back."""
+
+import asyncio
+import logging
+import random
+import time
+from collections.abc import Awaitable, Callable
+from typing import Final
+
+from openrois.application import RESTARTS, EngineHost
+from openrois.jsonrpc.session import RpcSession
+from openrois.stopping import stop_components
+
+__all__ = ["RETRY_AFTER", "SERVICE_RESTART", "Drain"]
+
+_log = logging.getLogger(__name__)
+
+SERVICE_RESTART: Final = 1012
+"""The close code of a gateway that is about to be there again (RFC 6455, IANA registry)."""
+
+RETRY_AFTER: Final = 2
+"""Seconds that whoever is turned away meanwhile is asked to wait."""
+
+PER_SECOND: Final = 200
+"""Applications that are asked to come back within one second; adapters come before them."""
+
+MOST: Final = 8.0
+"""Seconds over which they are spread at most."""
+
+_ADAPTERS: Final = 0.25, 0.75
+_APPLICATIONS: Final = 1.0
+_LOOK: Final = 0.05
+_LAST_WORDS: Final = 1.0
+
+
+class Drain:
+    """Ends the work of a gateway in good order.
+
+    Args:
+        host: the gateway's engine.
+        patience: seconds that what runs has to end by itself.
+        sleep: waits for some seconds.
+        clock: monotonic seconds.
+        chance: a number from 0 up to 1.
+    """
+
+    def __init__(
+        self,
+        host: EngineHost,
+        patience: float,
+        *,
+        sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
+        clock: Callable[[], float] = time.monotonic,
+        chance: Callable[[], float] = random.random,
+    ) -> None:
+        self._host = host
+        self._patience = patience
+        self._sleep = sleep
+        self._clock = clock
+        self._chance = chance
+
+    async def run(self) -> None:
+        """Let nobody in, wait for what runs, hand back what still does, and close every connection.
+
+        Of what is handed back the component is told to stop, and the command ends with ABORT.
+        """
+        host = self._host
+        host.draining = True
+        _log.info("stopping: %d commands run, and have %.0f s", host.commands.taken, self._patience)
+        await self._until_idle(self._patience)
+        if left := host.commands.taken:
+            _log.warning("stopping: %d commands are handed back", left)
+            busy = host.accepted.components()
+            for command in (command for ref in busy for command in host.accepted.of(ref)):
+                # Before the component says that it was stopped: why it was is worth more.
+                command.abort(RESTARTS)
+            await stop_components(host.engine, host.accepted, busy, RESTARTS)
+            await self._until_idle(_LAST_WORDS)
+        applications = host.traffic.sessions("application")
+        spread = min(len(applications) / PER_SECOND, MOST)
+        await self._close(applications, _APPLICATIONS, spread)
+        await self._close(host.traffic.sessions("adapter"), *_ADAPTERS)
+
+    async def _until_idle(self, patience: float) -> None:
+        deadline = self._clock() + patience
+        while self._host.commands.taken and self._clock() < deadline:
+            await self._sleep(_LOOK)
+
+    async def _close(self, sessions: tuple[RpcSession, ...], least: float, spread: float) -> None:
+        """Close connections, each with a time of its own to come back at."""
+        closing = (
+            session.close(SERVICE_RESTART, f"retry_after={least + spread * self._chance():.2f}") for session in sessions
+        )
+        await asyncio.gather(*closing)
