@@ -102,6 +102,7 @@ class EngineHost:
             first_epoch=self.first_epoch,
             clock=self.clock,
             sleep=self.sleep,
+            acted=self.audit.acted,
         )
 
     def crashed(self, what: str) -> None:

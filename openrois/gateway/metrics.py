@@ -15,7 +15,7 @@ from openrois.metrics.exposition import families, written
 from openrois.metrics.figure import Figure
 from openrois.traffic import Seen
 
-__all__ = ["FIGURES", "HISTOGRAMS", "figures"]
+__all__ = ["FIGURES", "HISTOGRAMS", "LABELLED", "figures"]
 
 _CODES: Final = frozenset({*range(1000, 1016), 4401})
 KINDS: Final = ("application", "adapter")
@@ -93,6 +93,24 @@ GATEWAY: Final[tuple[Figure[EngineHost], ...]] = (
         lambda h: h.commands.most,
     ),
     Figure(
+        "openrois_gateway_leases",
+        "gauge",
+        "Components that somebody holds.",
+        lambda h: len(h.leases.model.holding.held()),
+    ),
+    Figure(
+        "openrois_gateway_lease_requests",
+        "gauge",
+        "Requests for a component that wait.",
+        lambda h: h.leases.model.waiting.count(),
+    ),
+    Figure(
+        "openrois_gateway_absent_holders",
+        "gauge",
+        "Holders whose connection was lost and may be resumed.",
+        lambda h: len(h.leases.model.absent),
+    ),
+    Figure(
         "openrois_gateway_journal_waiting",
         "gauge",
         "Journal records that wait to be written.",
@@ -161,6 +179,11 @@ TURNED_AWAY: Final[tuple[Figure[int], ...]] = (
 )
 """With the label `reason`."""
 
+LEASES_ENDED: Final[tuple[Figure[int], ...]] = (
+    Figure("openrois_gateway_leases_ended_total", "counter", "Leases that ended, by reason.", float),
+)
+"""With the label `reason`."""
+
 CLOSED: Final[tuple[Figure[int], ...]] = (
     Figure("openrois_gateway_closed_connections_total", "counter", "Connections that ended, by close code.", float),
 )
@@ -171,7 +194,10 @@ ADAPTER: Final[tuple[Figure[int], ...]] = (
 )
 """With the label `engine`."""
 
-FIGURES: Final[tuple[Figure[Any], ...]] = (*CONNECTION, *GATEWAY, *LAG, *LIMITS, *TURNED_AWAY, *CLOSED, *ADAPTER)
+LABELLED: Final = (*TURNED_AWAY, *LEASES_ENDED, *CLOSED, *ADAPTER)
+"""Each has as many samples as there are values of its label; at first none."""
+
+FIGURES: Final[tuple[Figure[Any], ...]] = (*CONNECTION, *GATEWAY, *LAG, *LIMITS, *LABELLED)
 
 HISTOGRAMS: Final = {
     "openrois_gateway_request_seconds": "Time from a request of an application to its reply, by method.",
@@ -199,6 +225,7 @@ def _families(host: EngineHost, lag: LoopLag, connections_limit: int) -> Iterato
     yield from families(LAG, (), [((), lag)])
     yield from families(LIMITS, (), [((), connections_limit)])
     yield from families(TURNED_AWAY, ("reason",), [((why,), count) for why, count in traffic.turned_away.items()])
+    yield from families(LEASES_ENDED, ("reason",), [((why,), count) for why, count in host.leases.ended.items()])
     yield from families(CLOSED, ("code",), [((code,), count) for code, count in _codes(traffic.closed)])
     yield from families(ADAPTER, ("engine",), [((engine_id,), 1) for engine_id in _engines(host)])
     for name, latencies in zip(HISTOGRAMS, (traffic.latencies, traffic.call_latencies), strict=True):

@@ -6,6 +6,7 @@ from collections.abc import Awaitable, Callable, Iterable
 from typing import Final
 
 from openrois.accepted import AcceptedCommands
+from openrois.access.principal import Principal
 from openrois.engine import Engine
 from openrois.leases.alarm import Alarm
 from openrois.leases.changes import Change, Gained, Lost, Queued, Why
@@ -30,10 +31,13 @@ class LeaseKeeper:
         first_epoch: the number of the first epoch; greater than all that a former process of this gateway gave.
         clock: monotonic seconds.
         sleep: waits for some seconds.
+        acted: hears of components that change hands without their new or former holder asking for it at that moment:
+            whose, what, which component, and why.
 
     Attributes:
         model: the rules, and how things stand.
         telling: tells of it.
+        ended: how many leases ended, by the reason.
     """
 
     def __init__(
@@ -46,7 +50,10 @@ class LeaseKeeper:
         first_epoch: int = 1,
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
+        acted: Callable[[Principal, str, str, str], None] = lambda _who, _method, _component_ref, _detail: None,
     ) -> None:
+        self.ended: dict[Why, int] = {}
+        self._acted = acted
         self.model = LeaseModel(rules, first_epoch)
         self._engine = engine
         self._tasks = tasks
@@ -191,11 +198,16 @@ class LeaseKeeper:
 
     def _lost(self, component_ref: str, holder: Holder, epoch: int, why: Why) -> None:
         holder.bound.discard(component_ref)
+        self.ended[why] = self.ended.get(why, 0) + 1
+        if why is not Why.RELEASED:
+            self._acted(holder.principal, "lease.lost", component_ref, f"epoch {epoch}: {why}")
         if why is Why.RELEASED or why in _HANDED:
             self.telling.adapter(component_ref, holder, epoch, holds=False)
 
     def _gained(self, component_ref: str, holder: Holder, epoch: int, why: Why) -> None:
         holder.bound.add(component_ref)
+        if why is not Why.BOUND:
+            self._acted(holder.principal, "lease.gained", component_ref, f"epoch {epoch}: {why}")
         if why not in _HANDED:
             self.telling.adapter(component_ref, holder, epoch, holds=True)
             return

@@ -35,6 +35,10 @@ class Waiting:
         self._queues: dict[str, list[Request]] = {}
         self._by_id: dict[str, Request] = {}
 
+    def count(self) -> int:
+        """Return how many requests wait."""
+        return len(self._by_id)
+
     def add(self, request: Request) -> None:
         """Put a request at the end of the queue of its component.
 

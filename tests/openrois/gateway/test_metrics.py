@@ -38,7 +38,7 @@ async def scraped(gateway: Gateway) -> dict[str, Samples]:
 async def test_what_happened_is_counted(gateway: Gateway) -> None:
     async with deployment.adapter(gateway, *Robot().parts()), deployment.application(gateway) as app:
         await app.ask("rois.system.connect")
-        await app.ask("rois.command.bind", component_ref="robot/door")
+        await app.ask("rois.command.bind", component_ref="robot/lamp")
         await app.ask("rois.command.bind", component_ref="robot/nothing")
         await app.ask("rois.event.subscribe", event_type="rang")
         await app.send("no JSON")
@@ -55,6 +55,11 @@ async def test_what_happened_is_counted(gateway: Gateway) -> None:
         assert found["openrois_gateway_adapters"] == {(): 1}
         assert found["openrois_gateway_refusals_total"] == {(): 1}
         assert found["openrois_gateway_actions_total"] == {(): 1}
+        assert found["openrois_gateway_leases"] == {(): 1}
+        await app.ask("rois.command.release", component_ref="robot/lamp")
+        found = await scraped(gateway)
+        assert found["openrois_gateway_leases"] == {(): 0}
+        assert found["openrois_gateway_leases_ended_total"] == {("released",): 1}
         assert found["openrois_gateway_request_seconds_count"][("rois.command.bind",)] == 2
         assert found["openrois_gateway_request_seconds_bucket"][("+Inf", "rois.command.bind")] == 2
         assert ("rois.system.get_profile",) in found["openrois_gateway_call_seconds_count"]
@@ -64,7 +69,7 @@ async def test_what_happened_is_counted(gateway: Gateway) -> None:
         while (found := await scraped(gateway))["openrois_gateway_connections"][application]:
             pass
     assert found["openrois_gateway_connections_total"][application] == 1
-    assert found["openrois_gateway_requests_total"][application] == 4
+    assert found["openrois_gateway_requests_total"][application] == 5
     assert found["openrois_gateway_subscriptions"][application] == 0
     assert sum(found["openrois_gateway_closed_connections_total"].values()) >= 1
 
@@ -87,7 +92,9 @@ async def test_every_figure_is_there_and_in_the_table_for_operators(gateway: Gat
     listed = [line.split("|")[1:4] for line in page.splitlines() if line.startswith("| `openrois_gateway_")]
     assert [tuple(cell.strip() for cell in cells) for cells in listed] == rows()
     found = await scraped(gateway)
-    labelled = {figure.name for figure in (*metrics.TURNED_AWAY, *metrics.CLOSED, *metrics.ADAPTER)}
+    labelled = {
+        figure.name for figure in (*metrics.TURNED_AWAY, *metrics.LEASES_ENDED, *metrics.CLOSED, *metrics.ADAPTER)
+    }
     assert {figure.name for figure in FIGURES} - labelled <= set(found)
     for figure in FIGURES:
         assert figure.name.endswith("_total") is (figure.kind == "counter")
