@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import shutil
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -94,9 +95,9 @@ async def of_thread(odd: str, turn: asyncio.Semaphore) -> Found:
     return Found(found)
 
 
-async def of_process(*program: str) -> Found:
+async def of_process(*arguments: str, program: str = sys.executable) -> Found:
     """Check an engine that the check starts."""
-    async with visiting("tcp:127.0.0.1:0", SECRET, [sys.executable, *program], LONG) as visit:
+    async with visiting("tcp:127.0.0.1:0", SECRET, [program, *arguments], LONG) as visit:
         return Found([finding async for finding in visit.findings()])
 
 
@@ -111,6 +112,9 @@ def found() -> dict[str, Found]:
             running["puppet"] = tasks.create_task(of_process(*PUPPET))
             running["encoder"] = tasks.create_task(of_process("-m", "tests.support.encoding_engine"))
             running["example"] = tasks.create_task(of_process(str(ROOT / "docs/examples/engine.py")))
+            if (node := shutil.which("node")) is not None:
+                script = str(ROOT / "docs/examples/engine.mjs")
+                running["script"] = tasks.create_task(of_process(script, program=node))
         return {odd: task.result() for odd, task in running.items()}
 
     return asyncio.run(check_all())
@@ -128,6 +132,13 @@ def test_what_is_wrong_is_named(found: dict[str, Found], odd: str) -> None:
 @pytest.mark.parametrize("engine", [*RIGHT, "puppet", "encoder", "example"])
 def test_what_is_right_passes(found: dict[str, Found], engine: str) -> None:
     assert found[engine].failed == []
+
+
+@pytest.mark.engine
+def test_the_example_in_javascript_passes_and_comes_back(node: Path, found: dict[str, Found]) -> None:
+    assert found["script"].failed == []
+    assert found["script"]["walk"].outcome is Outcome.PASSED
+    assert found["script"]["adapter gone"].seen == "the engine connected again, and greeted anew"
 
 
 @pytest.mark.engine
