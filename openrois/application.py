@@ -20,10 +20,12 @@ from openrois.contract import Client, Fault
 from openrois.engine import Engine
 from openrois.error_log import ErrorLog
 from openrois.event_log import EventLog
+from openrois.fence import Fence
 from openrois.journal.journal import Journal
 from openrois.jsonrpc.protocol import Peer, RequestId
 from openrois.leases.keeper import LeaseKeeper
 from openrois.leases.model import Rules
+from openrois.lifeline import Lifeline
 from openrois.lost_streams import lost_streams
 from openrois.ordering import ReplyFirst
 from openrois.shown import ShownDirectories
@@ -73,6 +75,8 @@ class EngineHost:
         first_epoch: the number of the first lease.
         clock: monotonic seconds.
         draining: it is about to end, and begins nothing new.
+        lifeline: to the parent, for what moves.
+        fence: which parent told of the latest holder.
     """
 
     engine: Engine
@@ -91,6 +95,8 @@ class EngineHost:
     first_epoch: int = 1
     clock: Callable[[], float] = time.monotonic
     draining: bool = False
+    lifeline: Lifeline = field(default_factory=Lifeline)
+    fence: Fence = field(default_factory=Fence)
     leases: LeaseKeeper = field(init=False)
 
     def __post_init__(self) -> None:
@@ -182,7 +188,9 @@ class ApplicationSession:
 
     def may_operate(self, component_ref: str) -> bool:
         """Tell whether this session may change what the component does."""
-        return self.trusted or self.host.leases.is_held(component_ref, self)
+        if self.trusted:
+            return self.host.fence.admits(self, component_ref)
+        return self.host.leases.is_held(component_ref, self)
 
     def is_barred_from(self, component_ref: str) -> bool:
         """Tell whether another session has the component now; one that nobody has is open to what was accepted."""

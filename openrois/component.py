@@ -19,7 +19,7 @@ from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIComponentProfile
 from openrois.types.references import flaw_of_name
 
-__all__ = ["Component", "Emit", "Report"]
+__all__ = ["DEAD_MAN", "Component", "Emit", "Report"]
 
 _log = logging.getLogger(__name__)
 
@@ -27,6 +27,9 @@ Emit = Callable[[str, tuple[Result, ...]], None]
 """Announces an event of the component: its type and its results."""
 Report = Callable[[ErrorType, str], None]
 """Reports a fault of the component: its kind, and a sentence for a person."""
+
+DEAD_MAN: Final = 0.5
+"""Seconds within which `stop` of a component is called when nobody is in control of it: its `dead_man` says so."""
 
 DISCONNECT_TIMEOUT: Final = 5.0
 """Seconds that a component has to let go of what it is connected to."""
@@ -74,6 +77,7 @@ class Component:
     emit: Emit
     parameters: ParameterStore
     component_type: ClassVar[ComponentType]
+    dead_man: ClassVar[float | None] = None
     __authored: ClassVar[AuthoredType]
     __kind: ClassVar[ComponentType | None] = None
     __omitted: ClassVar[frozenset[str]] = frozenset()
@@ -111,8 +115,7 @@ class Component:
         self.__running = 0
         self.__starts = Starts()
         self.__loop = None
-        connects = cls.connect is not Component.connect
-        self.__standing = ComponentStatus.UNINITIALIZED if connects else ComponentStatus.READY
+        self.__standing = ComponentStatus.READY if cls.connect is Component.connect else ComponentStatus.UNINITIALIZED
         return self
 
     def __init__(self, name: str | None = None) -> None:

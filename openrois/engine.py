@@ -29,7 +29,7 @@ from openrois.types.codes import ErrorType
 from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIEngineProfile, RoISIdentifier
 from openrois.types.references import engine_of, flaw_of_name
-from openrois.types.streams import subject_of
+from openrois.types.streams import HolderNotification, subject_of
 
 __all__ = ["Engine", "leads_to"]
 
@@ -307,9 +307,17 @@ class _TreeExtension:
                 return extension
         raise Unsupported(f"there is no engine with streams for {subject[:200]!r}")
 
+    def _told(self, component_ref: str) -> Extension:
+        """Return who hears who holds a component: its engine, whether or not that has streams."""
+        extension: Extension | None = getattr(self.engine.route(component_ref), "extension", None)
+        if extension is None:
+            raise Unsupported(f"the engine of {component_ref[:200]!r} does not want to know who holds it")
+        return extension
+
     async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
         """Pass a call to the engine named by its component_ref, stream_id or peer_id."""
-        extension = self._of(subject_of(params))
+        subject = subject_of(params)
+        extension = self._told(subject) if method == HolderNotification.method else self._of(subject)
         try:
             return await extension.call(method, params, client)
         except NotResponding as silence:

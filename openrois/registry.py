@@ -3,9 +3,9 @@
 import asyncio
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Awaitable, Callable, Coroutine, Iterable
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 from openrois.component import Component
 from openrois.contract import Directory, Event, Extension, OnFault, Sink, ignore_fault
@@ -31,6 +31,17 @@ QUERY_TIMEOUT: Final = 60.0
 _AT_ONCE: Final = ("component_status", "get_parameter")
 
 
+Guard = Callable[[str, Component, str, Coroutine[Any, Any, tuple[Result, ...]]], Awaitable[tuple[Result, ...]]]
+"""Runs a command: whose it is, by reference and as an object, which, and what is to be awaited."""
+
+
+async def _unguarded(
+    _component_ref: str, _component: Component, _command_type: str, work: Coroutine[Any, Any, tuple[Result, ...]]
+) -> tuple[Result, ...]:
+    """Run a command to its end."""
+    return await work
+
+
 @dataclass(frozen=True, slots=True)
 class _Subscription:
     component_ref: str
@@ -46,6 +57,9 @@ class LocalRegistry:
         components: named by their profiles, each name once.
         extension: answers the streaming and signaling methods, where the engine has streams.
         wall_clock: epoch seconds, for the expiry of events.
+
+    Attributes:
+        guard: runs commands.
 
     Raises:
         BadParameter: `engine_id` or a component's name cannot be part of a reference, or a name stands twice.
@@ -64,6 +78,7 @@ class LocalRegistry:
             raise BadParameter(f"{engine_id!r} is no engine id: {flaw}")
         self.engine_id = engine_id
         self.extension = extension
+        self.guard: Guard = _unguarded
         self.on_fault: OnFault = ignore_fault
         self._wall_clock = wall_clock
         self._mint = FaultMint(engine_id, wall_clock)
@@ -126,7 +141,8 @@ class LocalRegistry:
         self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = ()
     ) -> tuple[Result, ...]:
         """Run a command of a component to its end."""
-        return await self._component(component_ref).run(command_type, arguments)
+        component = self._component(component_ref)
+        return await self.guard(component_ref, component, command_type, component.run(command_type, arguments))
 
     async def subscribe(self, component_ref: str, event_type: str, sink: Sink) -> str:
         """Listen to a component's event."""

@@ -22,6 +22,9 @@ from `openrois.catalog`.
 
 _BASIC: Final = "BasicComponent"
 
+_MOVING: Final = frozenset({"Navigation", "Follow", "Move"})
+"""What moves a robot has a dead man's switch unless its author says otherwise."""
+
 
 def emit(types: Iterable[ComponentType]) -> str:
     """Return the module `openrois/adapter/components.py`, formatted as the rest of the code is."""
@@ -35,7 +38,7 @@ def _imports(kinds: tuple[ComponentType, ...]) -> str:
         "datetime": {"datetime"},
         "openrois.authoring.marks": {"command", "event", "optional", "query"},
         "openrois.authoring.parameters": {"parameter"},
-        "openrois.component": {"Component"},
+        "openrois.component": {"DEAD_MAN", "Component"},
     }
     for kind in kinds:
         constant, module = _constant(kind)
@@ -93,6 +96,8 @@ def _component(kind: ComponentType) -> str:
     constant, _ = _constant(kind)
     base = _BASIC if ROIS_COMMON in kind.includes else "Component"
     sections = [f"class {kind.code}({base}, implements={constant}):\n{_docstring(kind.description, 4)}"]
+    if kind.code in _MOVING:
+        sections.append("    dead_man = DEAD_MAN")
     if kind.parameters is not None:
         sections.append("\n".join(_parameter(kind.parameters, name) for name in kind.parameters.model_fields))
     sections += [_message(command) for command in kind.commands]

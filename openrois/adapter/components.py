@@ -23,7 +23,7 @@ from openrois.catalog.sensing import (
 )
 from openrois.catalog.streaming import AUDIO_STREAMING, VIDEO_STREAMING
 from openrois.catalog.system_information import SYSTEM_INFORMATION, EngineStatusResult, RobotPositionResult
-from openrois.component import Component
+from openrois.component import DEAD_MAN, Component
 from openrois.types.codes import StreamStatus
 
 __all__ = [
@@ -242,6 +242,8 @@ class Reaction(BasicComponent, implements=REACTION):
 class Navigation(BasicComponent, implements=NAVIGATION):
     """Goes to a place; `start` is completed at the last position."""
 
+    dead_man = DEAD_MAN
+
     target_positions: tuple[str, ...] | None = parameter(
         None, description="the positions to pass, the last one is the destination"
     )
@@ -256,6 +258,8 @@ class Navigation(BasicComponent, implements=NAVIGATION):
 class Follow(BasicComponent, implements=FOLLOW):
     """Follows a person or thing until it is stopped."""
 
+    dead_man = DEAD_MAN
+
     target_object_ref: str | None = parameter(None, description="whom or what to follow")
     distance: int | None = parameter(None, description="the millimetres to stay behind")
     time_limit: int | None = parameter(None, description="the milliseconds to follow for at most")
@@ -263,6 +267,8 @@ class Follow(BasicComponent, implements=FOLLOW):
 
 class Move(BasicComponent, implements=MOVE):
     """Makes a motion; `start` is completed at its end."""
+
+    dead_man = DEAD_MAN
 
     line: tuple[int, ...] | None = parameter(None, description="the millimetres to go and the degrees to turn")
     curve: tuple[int, ...] | None = parameter(

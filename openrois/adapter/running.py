@@ -10,12 +10,14 @@ from pathlib import Path
 from typing import Final
 
 from openrois.adapter.blocking import told_of_blocking
+from openrois.adapter.deadman import DeadMan, HolderExtension
 from openrois.adapter.lifecycle import connected
 from openrois.application import EngineHost
 from openrois.component import Component
 from openrois.contract import Extension
 from openrois.dialer import serve_parent
 from openrois.engine import Engine
+from openrois.lifeline import Lifeline
 from openrois.logs import set_up_logging
 from openrois.registry import LocalRegistry
 from openrois.tasks import TaskScope
@@ -55,7 +57,10 @@ async def hosted(
     await engine.attach(registry)
     # What runs is cancelled before anything is disconnected.
     async with connected(components), TaskScope() as tasks:
-        yield EngineHost(engine, tasks)
+        lifeline = Lifeline()
+        deadman = DeadMan(lifeline, tasks)
+        registry.guard, registry.extension = deadman.guard, HolderExtension(deadman, extension)
+        yield EngineHost(engine, tasks, lifeline=lifeline)
 
 
 @asynccontextmanager

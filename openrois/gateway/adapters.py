@@ -10,6 +10,7 @@ from openrois.application import EngineHost
 from openrois.contract import Directory
 from openrois.correlation import connection
 from openrois.errors import BadParameter, RoISError
+from openrois.gateway.heartbeat import Heartbeat
 from openrois.gateway.renewal import Renewal, expiring
 from openrois.gateway.tenure import Tenure
 from openrois.jsonrpc.session import CALL_TIMEOUT, RpcSession
@@ -55,7 +56,8 @@ async def serve_adapter(
     changed = asyncio.Event()
     proxy = RemoteProxy(session, changed.set, host.tasks)
     proxy.accepts = lambda directory: _require_scope(tenure.principal, directory)
-    session.notifications = proxy.notifications()
+    heartbeat = Heartbeat(session, host.tasks, host.sleep)
+    session.notifications = {**proxy.notifications(), **heartbeat.notifications()}
     tenure.on_principal = lambda _principal: None if tenure.is_over else changed.set()
     tenure.on_expiring = expiring(session.notify, lambda: proxy.speaks_extensions)
     if renewal is not None:
@@ -71,6 +73,7 @@ async def serve_adapter(
         if not attaching.done():
             _log.info("%s left: %s", ", ".join(proxy.engine_ids) or "an adapter that told no profile", closed)
         attaching.cancel()
+        heartbeat.stop()
         well = closed.code in _FAREWELLS
         engine.detach(proxy, lost="" if well else f"the connection to its engine has ended: {closed}")
         proxy.lost("the connection to the engine has ended")

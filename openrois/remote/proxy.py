@@ -28,6 +28,7 @@ from openrois.remote.faults import RemoteFaults
 from openrois.remote.subscriptions import SharedSubscriptions
 from openrois.tasks import TaskScope
 from openrois.types.codes import CompletedStatus
+from openrois.types.leases import LEASES
 from openrois.types.messages import (
     Argument,
     CommandUnit,
@@ -137,7 +138,7 @@ class RemoteProxy:
         return directory
 
     async def _hello(self, profile: HRIEngineProfile) -> None:
-        params = {"version": EXTENSION_VERSION, "extensions": list(EXTENSIONS)}
+        params = {"version": EXTENSION_VERSION, "extensions": [*EXTENSIONS, LEASES]}
         try:
             result = await self._asking.ask("openrois.hello", params, HelloResult)
         except Unsupported:
@@ -147,9 +148,10 @@ class RemoteProxy:
             if not self._plain:
                 raise
         else:
-            self.extension = self._remote_extension if "rois.stream" in result.extensions else None
+            streams = "rois.stream" in result.extensions
+            self.extension = self._remote_extension if streams or LEASES in result.extensions else None
             named = result.engines or (profile.identifier.code,)
-            self._remote_extension.limit_to(set(named).intersection(profile.engine_ids()))
+            self._remote_extension.limit_to(set(named).intersection(profile.engine_ids()) if streams else ())
 
     async def query(self, component_ref: str, query_type: str) -> tuple[Result, ...]:
         """Ask a component."""

@@ -1,5 +1,6 @@
 """The sub-engine's half of the wire: an engine served to its parent over a connection."""
 
+import logging
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
@@ -11,6 +12,7 @@ from openrois.errors import Aborted, EngineUnreachable, RoISError
 from openrois.holders import tell_holder
 from openrois.interfaces import base_methods
 from openrois.jsonrpc.session import Handler, InvalidParams, NotificationHandler, Reply, RpcSession, method
+from openrois.lifeline import ALIVE, WATCH
 from openrois.lost_streams import lost_streams
 from openrois.ordering import ReplyFirst
 from openrois.remote.extension import CLIENT_GONE, EXTENSION_METHODS
@@ -18,6 +20,7 @@ from openrois.renewing import renewing
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from openrois.transport.stream import MessageStream, StreamClosed
 from openrois.types.codes import StreamStatus
+from openrois.types.leases import LEASES
 from openrois.types.references import engine_of
 from openrois.types.streams import (
     EXTENSIONS,
@@ -30,6 +33,8 @@ from openrois.types.streams import (
 )
 
 __all__ = ["serve_engine"]
+
+_log = logging.getLogger(__name__)
 
 STREAM_GRACE: Final = 10.0
 """Seconds for which streams go on when the connection to the parent has ended."""
@@ -54,12 +59,19 @@ async def serve_engine(
     session.on_failure = host.crashed
     session.explain = app.explain
     session.methods = {**base_methods(app), **served.methods()}
-    session.notifications = {**served.notifications(), **renewing(session, credentials, host.tasks)}
+    session.notifications = {
+        **served.notifications(),
+        **renewing(session, credentials, host.tasks),
+        ALIVE: lambda _params: host.lifeline.sign(),
+    }
     try:
         with connection(f"gateway-{app.client_id[:8]}"):
             return await session.run()
     finally:
-        # First of all, what is held is let go: an engine below that does not answer must not delay that.
+        # Before anything else, what moves stops.
+        host.lifeline.cut("the connection to the gateway has ended")
+        host.fence.forget(app)
+        # Then what is held is let go: an engine below that does not answer must not delay that.
         host.tasks.start(served.close())
         await app.close()
 
@@ -82,10 +94,12 @@ class _ServedExtension:
     def methods(self) -> dict[str, Handler]:
         """Return `openrois.hello` and the extension methods."""
 
-        async def hello(_params: HelloParams) -> HelloResult:
+        async def hello(params: HelloParams) -> HelloResult:
             self._parent.extended = True
+            if LEASES in params.extensions:
+                self._host.lifeline.attach(lambda wanted: self._notify(WATCH, {"wanted": wanted}))
             engines = tuple(sorted(self._host.engine.extension.engines()))
-            return HelloResult(extensions=EXTENSIONS if engines else (), engines=engines)
+            return HelloResult(extensions=(*EXTENSIONS, LEASES) if engines else (LEASES,), engines=engines)
 
         return {"openrois.hello": method(HelloParams, hello), **{m: self._calling(m) for m in EXTENSION_METHODS}}
 
@@ -100,6 +114,9 @@ class _ServedExtension:
         def holder(params: dict[str, Any]) -> None:
             client_id = str(params.pop("client_id", ""))
             told = HolderNotification.model_validate(params)
+            if not self._host.fence.note(self._parent, told.component_ref, told.epoch):
+                _log.warning("a gateway tells of a former holder of %s, which is passed over", told.component_ref[:200])
+                return
             self._host.tasks.start(self._take_holder(told, client_id))
 
         def client_gone(params: dict[str, Any]) -> None:

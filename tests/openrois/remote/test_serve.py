@@ -98,14 +98,14 @@ class TestHello:
         assert answer == {
             "return_code": "OK",
             "version": "1",
-            "extensions": ["rois.stream", "signaling"],
+            "extensions": ["rois.stream", "signaling", "openrois.lease"],
             "engines": ["robot"],
             "client_id": "",
         }
 
     async def test_an_engine_without(self, child: Child, parent: Parent) -> None:
         child.registry.extension = None
-        assert (await parent.ask("openrois.hello", version="1"))["extensions"] == []
+        assert (await parent.ask("openrois.hello", version="1"))["extensions"] == ["openrois.lease"]
 
 
 class TestTrust:

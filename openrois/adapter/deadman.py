@@ -1,0 +1,199 @@
+"""The dead man's switch: what moves is stopped when nobody is in control of it any more, or nobody can tell."""
+
+import asyncio
+import logging
+import time
+from collections.abc import Awaitable, Callable, Coroutine, Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Final
+
+from openrois.component import Component
+from openrois.contract import Client, Extension
+from openrois.errors import Aborted, RoISError, Unsupported
+from openrois.lifeline import Lifeline
+from openrois.stopping import STOP_TIMEOUT
+from openrois.tasks import TaskScope
+from openrois.types.messages import Result
+from openrois.types.streams import HolderNotification
+
+__all__ = ["DeadMan", "HolderExtension"]
+
+_log = logging.getLogger(__name__)
+
+ALLOWANCE: Final = 0.05
+"""Seconds that are left for calling `stop` once the last sign of life is too old."""
+
+_LATE: Final = 0.02
+"""Seconds after which this process has slept itself: what came meanwhile is read first."""
+
+_AT_ONCE: Final = frozenset({"stop", "set_parameter"})
+"""Commands that move nothing, or end it."""
+
+Outcome = tuple[Result, ...]
+
+
+@dataclass(eq=False)
+class _Moving:
+    """A command that may move something."""
+
+    component_ref: str
+    component: Component
+    patience: float
+    tripped: "asyncio.Future[str]" = field(default_factory=lambda: asyncio.get_running_loop().create_future())
+
+
+class DeadMan:
+    """Watches over the commands of components that have a dead man's switch.
+
+    It trips when the connection to the gateway ends, when the gateway gives no sign of life, and when the application
+    that held the component does not hold it any more, whatever the reason. Then the component's own `stop` is
+    called at once, and its commands end with ABORT.
+
+    Args:
+        lifeline: to the gateway.
+        tasks: owns the watching.
+        clock: monotonic seconds.
+        sleep: waits for some seconds.
+    """
+
+    def __init__(
+        self,
+        lifeline: Lifeline,
+        tasks: TaskScope,
+        clock: Callable[[], float] = time.monotonic,
+        sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
+    ) -> None:
+        self._lifeline = lifeline
+        self._tasks = tasks
+        self._clock = clock
+        self._sleep = sleep
+        self._moving: set[_Moving] = set()
+        self._watching: asyncio.Task[None] | None = None
+        self._stopping: dict[Component, asyncio.Task[None]] = {}
+        self._holders: dict[str, tuple[Client, int]] = {}
+        lifeline.on_cut.add(lambda reason: self._trip(self._moving, reason))
+
+    async def guard(
+        self, component_ref: str, component: Component, command_type: str, work: Coroutine[Any, Any, Outcome]
+    ) -> Outcome:
+        """Run a command of a component to its end, or until the switch trips.
+
+        Raises:
+            Aborted: it has tripped.
+            RoISError: whatever the command raises.
+        """
+        if component.dead_man is None or command_type in _AT_ONCE:
+            return await work
+        moving = _Moving(component_ref, component, max(component.dead_man - ALLOWANCE, 0.0))
+        task = asyncio.ensure_future(work)
+        self._begin(moving)
+        try:
+            either: set[asyncio.Future[Any]] = {task, moving.tripped}
+            await asyncio.wait(either, return_when=asyncio.FIRST_COMPLETED)
+            if moving.tripped.done():
+                await asyncio.wait({self._stopping[component]})
+                raise Aborted(moving.tripped.result())
+            return await task
+        finally:
+            self._end(moving)
+            task.cancel()
+            await asyncio.gather(task, return_exceptions=True)
+
+    def take_holder(self, told: HolderNotification, client: Client) -> None:
+        """Learn who holds a component: what moves for somebody else stops."""
+        held = self._holders.get(told.component_ref)
+        if told.holds:
+            self._holders[told.component_ref] = client, told.epoch
+            if held is not None and held[1] < told.epoch:
+                self._trip_component(told.component_ref, "another application has control now")
+        elif held is not None and held[0] is client:
+            del self._holders[told.component_ref]
+            self._trip_component(told.component_ref, "nobody has control any more")
+
+    def forget(self, client: Client) -> None:
+        """Learn that an application is gone: what moves for it stops."""
+        for component_ref in [ref for ref, (holder, _) in self._holders.items() if holder is client]:
+            del self._holders[component_ref]
+            self._trip_component(component_ref, "the application that had control is gone")
+
+    def _trip_component(self, component_ref: str, reason: str) -> None:
+        self._trip((moving for moving in self._moving if moving.component_ref == component_ref), reason)
+
+    def _trip(self, chosen: Iterable[_Moving], reason: str) -> None:
+        for moving in [moving for moving in chosen if not moving.tripped.done()]:
+            stopping = self._stopping.get(moving.component)
+            if stopping is None or stopping.done():
+                self._stopping[moving.component] = self._tasks.start(self._stop(moving.component, reason))
+            moving.tripped.set_result(f"{moving.component.name} was stopped: {reason}")
+
+    async def _stop(self, component: Component, reason: str) -> None:
+        _log.warning("%s is stopped: %s", component.name, reason)
+        try:
+            async with asyncio.timeout(STOP_TIMEOUT):
+                if component.profile.command("stop") is not None:
+                    await component.run("stop", ())
+        except (RoISError, TimeoutError) as error:
+            _log.error("%s did not stop: %s", component.name, str(error) or f"no answer within {STOP_TIMEOUT:g} s")
+
+    def _begin(self, moving: _Moving) -> None:
+        self._moving.add(moving)
+        self._lifeline.want(True)
+        if self._watching is None:
+            self._watching = self._tasks.start(self._watch())
+
+    def _end(self, moving: _Moving) -> None:
+        self._moving.discard(moving)
+        if all(other.component is not moving.component for other in self._moving):
+            self._stopping.pop(moving.component, None)
+        if not self._moving:
+            self._lifeline.want(False)
+
+    async def _watch(self) -> None:
+        """Trip what has waited too long for a sign of life, while anything moves."""
+        while free := [moving for moving in self._moving if not moving.tripped.done()]:
+            due = self._lifeline.seen_at + min(moving.patience for moving in free)
+            left = due - self._clock()
+            await self._sleep(max(left, 0.0))
+            if left > 0 and self._clock() - due > _LATE:
+                # This process did not run itself.
+                await self._sleep(_LATE)
+            if not self._lifeline.is_alive:
+                # A gateway that gives none is missed when its connection ends; until then there is nothing to see.
+                self._lifeline.sign()
+            now = self._clock()
+            overdue = (moving for moving in self._moving if now >= self._lifeline.seen_at + moving.patience)
+            self._trip(overdue, f"no sign of life from the gateway for {now - self._lifeline.seen_at:.2f} s")
+        self._watching = None
+
+
+class HolderExtension:
+    """The extension of an engine, with somebody who also hears who holds its components; an `Extension`.
+
+    Args:
+        deadman: hears it.
+        inner: answers the streaming and signaling methods, where the engine has streams.
+    """
+
+    def __init__(self, deadman: DeadMan, inner: Extension | None) -> None:
+        self._deadman = deadman
+        self._inner = inner
+
+    def engines(self) -> frozenset[str]:
+        """Return the ids of the engines that have streams."""
+        return frozenset() if self._inner is None else self._inner.engines()
+
+    async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
+        """Hear who holds a component; pass on what is of streams."""
+        if method == HolderNotification.method:
+            self._deadman.take_holder(HolderNotification.model_validate(params), client)
+        if self._inner is None:
+            if method != HolderNotification.method:
+                raise Unsupported("the engine has no streams")
+            return {}
+        return await self._inner.call(method, params, client)
+
+    async def forget(self, client: Client) -> None:
+        """Hear that an application is gone, and pass it on."""
+        self._deadman.forget(client)
+        if self._inner is not None:
+            await self._inner.forget(client)

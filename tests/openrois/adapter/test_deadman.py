@@ -1,0 +1,262 @@
+"""What moves stops when nobody is in control of it, or nobody can tell."""
+
+import asyncio
+from collections.abc import AsyncIterator
+from dataclasses import dataclass, field
+
+import pytest
+
+from openrois.adapter import components
+from openrois.adapter.deadman import ALLOWANCE, DeadMan, HolderExtension
+from openrois.authoring.marks import command
+from openrois.component import DEAD_MAN, Component
+from openrois.contract import Client
+from openrois.errors import Aborted, ComponentFailed, Unsupported
+from openrois.lifeline import Lifeline
+from openrois.registry import LocalRegistry
+from openrois.tasks import TaskScope
+from openrois.types.streams import HolderNotification
+from tests.support.components import Lamp
+from tests.support.deployment import patience
+from tests.support.streams import FakeStreams
+
+ROVER = "r/rover"
+
+
+class Rover(Component, authority="Test", function="actuation"):
+    """Drives until it is stopped."""
+
+    dead_man = DEAD_MAN
+
+    def __init__(self) -> None:
+        super().__init__("rover")
+        self.driving = asyncio.Event()
+        self.stopped = asyncio.Event()
+        self.fails = False
+
+    @command
+    async def start(self) -> None:
+        self.driving.set()
+        await asyncio.Event().wait()
+
+    @command
+    async def turn(self) -> None:
+        self.driving.set()
+        await asyncio.Event().wait()
+
+    @command
+    async def stop(self) -> None:
+        self.stopped.set()
+        if self.fails:
+            raise ComponentFailed("the brake is broken")
+
+
+class Winch(Component, authority="Test", function="actuation"):
+    """Has no `stop`."""
+
+    dead_man = 0.2
+
+    @command
+    async def pull(self) -> None:
+        await asyncio.Event().wait()
+
+
+@dataclass
+class Time:
+    """Passes when a test says so; whoever sleeps wakes when its time has come."""
+
+    now: float = 100.0
+    sleepers: list[tuple[float, asyncio.Future[None]]] = field(default_factory=list)
+
+    def clock(self) -> float:
+        return self.now
+
+    async def sleep(self, seconds: float) -> None:
+        if seconds > 0:
+            woken: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+            self.sleepers.append((self.now + seconds, woken))
+            await woken
+
+    async def pass_by(self, seconds: float) -> None:
+        self.now += seconds
+        for due, woken in self.sleepers:
+            if due <= self.now + 1e-9 and not woken.done():
+                woken.set_result(None)
+        await settle()
+
+
+async def settle() -> None:
+    for _ in range(20):
+        await asyncio.sleep(0)
+
+
+@dataclass
+class Robot:
+    time: Time
+    lifeline: Lifeline
+    deadman: DeadMan
+    registry: LocalRegistry
+    rover: Rover
+    asked: list[bool]
+
+    def run(self, command_type: str = "start", component_ref: str = ROVER) -> "asyncio.Task[object]":
+        return asyncio.ensure_future(self.registry.invoke(component_ref, command_type))
+
+    async def driving(self, command_type: str = "start") -> "asyncio.Task[object]":
+        running = self.run(command_type)
+        await settle()
+        assert self.rover.driving.is_set()
+        return running
+
+
+@pytest.fixture
+async def robot() -> AsyncIterator[Robot]:
+    time, asked = Time(), list[bool]()
+    lifeline, rover = Lifeline(time.clock), Rover()
+    async with TaskScope() as tasks:
+        deadman = DeadMan(lifeline, tasks, time.clock, time.sleep)
+        registry = LocalRegistry("r", (rover, Winch("winch"), Lamp()))
+        registry.guard = deadman.guard
+        lifeline.attach(asked.append)
+        yield Robot(time, lifeline, deadman, registry, rover, asked)
+
+
+async def aborted(running: "asyncio.Task[object]") -> str:
+    with pytest.raises(Aborted) as ended:
+        async with patience():
+            await running
+    return str(ended.value)
+
+
+def test_what_moves_has_one_by_itself() -> None:
+    moving = (components.Navigation, components.Move, components.Follow)
+    assert {kind.dead_man for kind in moving} == {DEAD_MAN} == {0.5}
+    assert components.SpeechSynthesis.dead_man is None
+
+
+@pytest.mark.parametrize("command_type", ["start", "turn"])
+async def test_without_a_sign_of_life_it_stops(robot: Robot, command_type: str) -> None:
+    running = await robot.driving(command_type)
+    await robot.time.pass_by(0.4)
+    robot.lifeline.sign()
+    await robot.time.pass_by(0.05)
+    await robot.time.pass_by(DEAD_MAN - ALLOWANCE - 0.06)
+    assert not robot.rover.stopped.is_set()
+    await robot.time.pass_by(0.015)
+    assert robot.rover.stopped.is_set()
+    assert "no sign of life from the gateway for 0.4" in await aborted(running)
+
+
+async def test_signs_are_wanted_only_while_something_moves(robot: Robot) -> None:
+    running = await robot.driving()
+    assert robot.asked == [True]
+    assert await robot.registry.invoke(ROVER, "stop") == ()
+    await aborted(running)
+    assert robot.asked == [True, False]
+    await robot.time.pass_by(10)
+
+
+async def test_what_came_while_this_process_did_not_run_is_read_first(robot: Robot) -> None:
+    running = await robot.driving()
+    await robot.time.pass_by(5)
+    assert not robot.rover.stopped.is_set()
+    robot.lifeline.sign()
+    await robot.time.pass_by(0.1)
+    assert not running.done()
+    robot.lifeline.cut("the cable is out")
+    assert "the cable is out" in await aborted(running)
+
+
+async def test_a_gateway_that_gives_no_signs_is_missed_when_it_is_gone(robot: Robot) -> None:
+    robot.lifeline.cut("gone")
+    running = await robot.driving()
+    await robot.time.pass_by(0.45)
+    await robot.time.pass_by(10)
+    assert not robot.rover.stopped.is_set()
+    robot.lifeline.attach(robot.asked.append)
+    assert robot.asked == [True]
+    robot.lifeline.cut("gone again")
+    await aborted(running)
+    assert robot.rover.stopped.is_set()
+
+
+async def test_a_brake_that_fails_is_no_reason_to_wait(robot: Robot) -> None:
+    robot.rover.fails = True
+    running = await robot.driving("turn")
+    robot.lifeline.cut("gone")
+    await aborted(running)
+
+
+async def test_what_has_no_stop_is_cancelled(robot: Robot) -> None:
+    running = robot.run("pull", "r/winch")
+    await settle()
+    await robot.time.pass_by(0.15)
+    assert "winch" in await aborted(running)
+
+
+async def test_what_may_go_on_goes_on(robot: Robot) -> None:
+    running = robot.run("start", "r/lamp")
+    await settle()
+    robot.lifeline.cut("gone")
+    await robot.time.pass_by(10)
+    assert not running.done()
+    running.cancel()
+
+
+async def test_twice_is_stopped_twice(robot: Robot) -> None:
+    for _ in range(2):
+        running = await robot.driving()
+        robot.rover.driving.clear()
+        robot.rover.stopped.clear()
+        robot.lifeline.cut("gone")
+        await aborted(running)
+        assert robot.rover.stopped.is_set()
+
+
+async def test_who_is_cancelled_does_not_leave_anything_running(robot: Robot) -> None:
+    running = await robot.driving()
+    running.cancel()
+    await asyncio.wait({running})
+    assert robot.asked == [True, False]
+
+
+def client(name: str) -> Client:
+    return Client(name, lambda _method, _params: None)
+
+
+def held(by: Client, epoch: int, robot: Robot, *, holds: bool = True) -> None:
+    robot.deadman.take_holder(HolderNotification(component_ref=ROVER, holds=holds, epoch=epoch), by)
+
+
+async def test_it_moves_only_for_who_holds_it(robot: Robot) -> None:
+    ann, bob = client("ann"), client("bob")
+    held(ann, 1, robot)
+    running = await robot.driving()
+    held(ann, 1, robot)
+    held(bob, 1, robot, holds=False)
+    robot.deadman.forget(bob)
+    await settle()
+    assert not running.done()
+    held(ann, 1, robot, holds=False)
+    assert "nobody has control" in await aborted(running)
+    held(ann, 2, robot)
+    running = await robot.driving()
+    held(bob, 3, robot)
+    assert "another application" in await aborted(running)
+    running = await robot.driving()
+    robot.deadman.forget(bob)
+    assert "is gone" in await aborted(running)
+
+
+async def test_the_extension_below_hears_the_same(robot: Robot) -> None:
+    streams = FakeStreams()
+    both, none = HolderExtension(robot.deadman, streams), HolderExtension(robot.deadman, None)
+    ann = client("ann")
+    told = HolderNotification(component_ref=ROVER, holds=True, epoch=1).model_dump(mode="json")
+    assert (both.engines(), none.engines()) == (streams.engines(), frozenset())
+    for extension in (both, none):
+        await extension.call(HolderNotification.method, told, ann)
+        await extension.forget(ann)
+    assert [name for name, _, _ in streams.calls] == [HolderNotification.method]
+    with pytest.raises(Unsupported):
+        await none.call("rois.stream.connect_stream", {}, ann)
