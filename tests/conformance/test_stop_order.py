@@ -77,18 +77,17 @@ class Stage:
         """A sequence that starts the arm sooner or later, and the id of the command that does."""
         setting, start, delayed = self.unit("set_parameter"), self.unit("start"), self.unit("start", delay=5)
         stretch = self.unit("stretch", HAND)
-        items, starting = self.random.choice(
-            (
-                ([start], start),
-                ([setting, start], start),
-                ([delayed], delayed),
-                ([stretch, start], start),
-                ([setting, stretch, delayed], delayed),
-                ([{"command_list": [stretch, start]}], start),
-                ([{"command_list": [start], "delay_time": 2}], start),
-                ([{"command_list": [stretch, setting]}, start], start),
-            )
+        choices: tuple[tuple[list[Any], dict[str, Any]], ...] = (
+            ([start], start),
+            ([setting, start], start),
+            ([delayed], delayed),
+            ([stretch, start], start),
+            ([setting, stretch, delayed], delayed),
+            ([{"command_list": [stretch, start]}], start),
+            ([{"command_list": [start], "delay_time": 2}], start),
+            ([{"command_list": [stretch, setting]}, start], start),
         )
+        items, starting = self.random.choice(choices)
         units = [unit for item in items for unit in item.get("command_list", [item])]
         self.beside += [each["command_id"] for each in units if each is not starting]
         return items, starting["command_id"]
