@@ -59,6 +59,23 @@ class Talker(Viewer):
             await track.aclose()
 
 
+class CarefulTalker(Talker):
+    """Answers what is idle as `docs/wire.md` wants it, and lets go of the device as a person's application does."""
+
+    async def respond(self, offer: Offer) -> None:
+        connection = self.connections.get(offer.peer_id)
+        carried = {each.mid for each in offer.streams}
+        for transceiver in () if connection is None else connection.getTransceivers():
+            track = transceiver.sender.track
+            if transceiver.mid in carried or track is None:
+                continue
+            # In this order: aiortc ends the sender of a track that ends, and nothing begins it again.
+            transceiver.sender.replaceTrack(None)
+            track.stop()
+            transceiver.direction = "inactive"
+        await super().respond(offer)
+
+
 class Ears:
     """The inlets of an engine."""
 
@@ -171,3 +188,32 @@ async def test_what_is_declined_ends_or_narrows_that_stream_alone(ears: Ears, ta
     await engine.until("talk", StreamStatus.RUNNING)
     assert await ears.until_heard() < -3
     assert engine.byes == []
+
+
+@pytest.mark.parametrize("kind", ["video", "audio"])
+async def test_a_device_that_is_let_go_is_connected_again_on_the_same_peer(ears: Ears, kind: str) -> None:
+    engine, talker = ears.engine, CarefulTalker(ears.engine)
+    try:
+        for stream_id in ("one", "two", "three"):
+            ears.connect(stream_id, kind)
+            await engine.until(stream_id, StreamStatus.RUNNING)
+            engine.session.disconnect(stream_id)
+            await engine.until(stream_id, StreamStatus.NOT_CONNECTED)
+        assert {each.mid for offer in engine.offers for each in offer.streams} == {"0"}
+        assert len(talker.tracks) == 3
+        assert len(talker.connections) == 1
+    finally:
+        await talker.close()
+
+
+async def test_a_sender_of_aiortc_whose_track_ends_is_done_for_good(ears: Ears, talker: Talker) -> None:
+    ears.connect("camera", "video")
+    await ears.engine.until("camera", StreamStatus.RUNNING)
+    (connection,) = talker.connections.values()
+    [transceiver] = connection.getTransceivers()
+    talker.tracks[0].stop()
+    async with asyncio.timeout(loopback.PATIENCE):
+        await vars(transceiver.sender)["_RTCRtpSender__rtp_exited"].wait()
+    transceiver.sender.replaceTrack(talker._track("video"))
+    await ears.engine.until("camera", StreamStatus.NOT_RUNNING)
+    assert vars(transceiver.sender)["_RTCRtpSender__rtp_task"].done()
