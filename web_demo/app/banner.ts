@@ -11,8 +11,19 @@ export class Banner {
   readonly #wait = byRole("banner-wait", HTMLElement);
   readonly #action = byTestId("banner-action", HTMLButtonElement);
 
-  constructor(onTryNow: () => void) {
+  readonly #form = byTestId("token-form", HTMLFormElement);
+  readonly #token = byTestId("token", HTMLInputElement);
+
+  /** @param onToken takes what was pasted; returns false where it is no token */
+  constructor(onTryNow: () => void, onToken: (text: string) => boolean) {
     this.#action.addEventListener("click", onTryNow);
+    this.#token.addEventListener("input", () => this.#token.setCustomValidity(""));
+    this.#form.addEventListener("submit", (event) => {
+      event.preventDefault();
+      if (onToken(this.#token.value)) return void (this.#token.value = "");
+      this.#token.setCustomValidity("This is no token: three parts with points between them.");
+      this.#token.reportValidity();
+    });
   }
 
   render(trouble: Trouble | null): void {
@@ -20,6 +31,7 @@ export class Banner {
     this.#element.dataset["kind"] = trouble?.kind ?? "";
     setText(this.#title, trouble?.title ?? "");
     setText(this.#text, trouble?.text ?? "");
+    this.#form.hidden = trouble?.kind !== "no-token";
     const { retryAt } = trouble ?? {};
     this.#action.hidden = retryAt === undefined;
     // Outside the alert's words: a countdown that is read aloud every second is a nuisance.

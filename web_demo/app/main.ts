@@ -29,6 +29,7 @@ import { installShortcuts } from "./shortcuts.ts";
 import { Sound } from "./sound.ts";
 import { Stage } from "./stage.ts";
 import { StreamCard } from "./stream_card.ts";
+import { PageToken, gatewayIsThere } from "./token.ts";
 import { findTrouble } from "./trouble.ts";
 import { Views } from "./views.ts";
 
@@ -48,12 +49,16 @@ declare global {
 const canStream = "RTCPeerConnection" in globalThis;
 const codecs = canStream ? decodableCodecs("video") : [];
 
-const client = new Client();
+const token = new PageToken(sessionStorage);
+// Before anything reads the address.
+token.takeFrom(location, history);
+let unwelcome = false;
+const client = new Client("./", { token: () => token.value });
 const receiver = new MediaReceiver(client, { input: true });
 let before = recall(sessionStorage, Date.now());
 const directory = new AvatarDirectory(client, avatarChanged, before?.engineId);
 const header = new Header(directory);
-const banner = new Banner(() => client.retryNow());
+const banner = new Banner(() => client.retryNow(), takeToken);
 const stage = new Stage();
 const sound = new Sound();
 const videoCard = new StreamCard("video");
@@ -76,6 +81,21 @@ const views = new Views(client, render);
 if (before?.muted === true) sound.muted = true;
 overlay.shown = before?.statistics ?? false;
 if (before && before.picture !== "") void stage.picture.restore(before.picture).then(render, () => undefined);
+
+/** Somebody has pasted a token: the next attempt shows it at once. */
+function takeToken(text: string): boolean {
+  if (!token.give(text)) return false;
+  client.retryNow();
+  return true;
+}
+
+/** A browser does not say why a WebSocket was refused: a gateway that answers otherwise did not want this page. */
+async function askWhy(): Promise<void> {
+  if (client.state.name === "connected") unwelcome = false;
+  if (client.state.name !== "waiting") return;
+  unwelcome = await gatewayIsThere();
+  render();
+}
 
 /** The profile was read, another avatar was chosen, or the gateway came or went. */
 function avatarChanged(): void {
@@ -145,6 +165,7 @@ function render(): void {
   const trouble = findTrouble({
     canStream,
     connection: client.state,
+    unwelcome,
     streaming: client.extensions !== null,
     avatar:
       directory.avatars === null
@@ -161,7 +182,8 @@ function render(): void {
     },
   });
   // What is wrong with the avatar is of no concern to whoever looks at the inspector.
-  const concerns = views.current === "avatar" || trouble?.kind === "no-gateway";
+  const concerns =
+    views.current === "avatar" || trouble?.kind === "no-gateway" || trouble?.kind === "no-token";
   banner.render(concerns ? trouble : null);
 }
 
@@ -201,6 +223,12 @@ function toggleVideo(): void {
 
 stage.frames.onFrame(() => readings.frameShown());
 client.on("state", avatarChanged);
+client.on("state", () => void askWhy());
+globalThis.addEventListener("hashchange", () => {
+  const former = token.value;
+  token.takeFrom(location, history);
+  if (token.value !== former) client.retryNow();
+});
 globalThis.addEventListener("online", () => {
   client.networkChanged();
   receiver.networkChanged();

@@ -7,6 +7,8 @@ export interface Situation {
   /** The browser has WebRTC. */
   readonly canStream: boolean;
   readonly connection: ConnectionState;
+  /** The gateway is there and does not let the page in. */
+  readonly unwelcome: boolean;
   /** The gateway has the streaming extension; false for one that speaks plain RoIS. */
   readonly streaming: boolean;
   /** Null while the profile has not been read. */
@@ -26,6 +28,7 @@ export interface Trouble {
   readonly kind:
     | "no-webrtc"
     | "no-gateway"
+    | "no-token"
     | "no-streaming"
     | "no-adapter"
     | "adapter-gone"
@@ -49,7 +52,7 @@ export function findTrouble(situation: Situation): Trouble | null {
   return connectionTrouble(situation) ?? avatarTrouble(situation) ?? streamTrouble(situation);
 }
 
-function connectionTrouble({ canStream, connection, streaming }: Situation): Trouble | null {
+function connectionTrouble({ canStream, connection, unwelcome, streaming }: Situation): Trouble | null {
   if (!canStream) {
     return {
       kind: "no-webrtc",
@@ -58,6 +61,13 @@ function connectionTrouble({ canStream, connection, streaming }: Situation): Tro
     };
   }
   if (connection.name === "waiting" || (connection.name === "connecting" && connection.attempt > 0)) {
+    if (unwelcome) {
+      return {
+        kind: "no-token",
+        title: "The gateway asks for a token",
+        text: "Paste the one that you were given. It stays in this tab, until the tab is closed or the token ends.",
+      };
+    }
     return {
       kind: "no-gateway",
       title: "The gateway does not answer",

@@ -23,8 +23,11 @@ export interface ConnectionEvents {
 }
 
 export interface ConnectionOptions {
-  /** A JSON Web Token. It travels as a subprotocol, never in the URL, where logs would keep it. */
-  readonly token?: string;
+  /**
+   * A JSON Web Token, or what returns the newest: it is called at every connection, and before the present one ends.
+   * It travels as a subprotocol, never in the URL, where logs would keep it.
+   */
+  readonly token?: string | (() => string | undefined);
   /** How long to wait between attempts. */
   readonly backoff?: BackoffOptions;
   /** Milliseconds a socket may take to open. */
@@ -191,7 +194,8 @@ export class Connection {
   }
 
   #createSocket(): SocketLike {
-    const { token, webSocket = openWebSocket } = this.#options;
+    const { token: given, webSocket = openWebSocket } = this.#options;
+    const token = typeof given === "function" ? given() : given;
     const protocols = token === undefined ? [] : ["openrois.v1", `openrois.bearer.${token}`];
     return webSocket(this.#url, protocols);
   }

@@ -94,6 +94,7 @@ export abstract class Link {
   protected readonly emitter = new Emitter<ClientEvents>();
   readonly #connection: Connection;
   readonly #idleProbe: number;
+  readonly #token: ClientOptions["token"];
   #probe: ReturnType<typeof setInterval> | undefined;
   #doubt: ReturnType<typeof setTimeout> | undefined;
   #extensions: readonly string[] | null = null;
@@ -107,6 +108,7 @@ export abstract class Link {
    */
   constructor(url: string | URL = "./", options: ClientOptions = {}) {
     this.#idleProbe = options.idleProbe ?? 20_000;
+    this.#token = options.token;
     this.#connection = new Connection(url, options, (session) => this.#handshake(session));
     this.#connection.events.on("state", (state) => this.#stateChanged(state));
     this.#connection.events.on("notification", (notification) => this.#notified(notification));
@@ -254,6 +256,9 @@ export abstract class Link {
       case "rois.system.notify_error":
         this.emitter.emit("fault", params as unknown as ErrorNotification);
         break;
+      case "openrois.auth.expiring":
+        this.#renew();
+        break;
       case "openrois.events_dropped":
         this.emitter.emit("dropped", (params as unknown as EventsDroppedNotification).count);
         break;
@@ -263,6 +268,12 @@ export abstract class Link {
         break;
     }
     this.emitter.emit("notification", notification);
+  }
+
+  /** The gateway ends the connection with its token: a newer one, if there is one, is shown on this connection. */
+  #renew(): void {
+    const token = typeof this.#token === "function" ? this.#token() : undefined;
+    if (token !== undefined) void this.call("openrois.auth.refresh", { token }).catch(() => undefined);
   }
 
   /** It stands right before what it explains, so that nothing but the last one has to be kept. */

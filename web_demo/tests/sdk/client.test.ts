@@ -54,6 +54,28 @@ describe("connecting", () => {
     expect(gateway.socket.url).toBe("ws://test/");
   });
 
+  it("shows the newest token at each connection, and when the gateway says that the present one ends", async () => {
+    const tokens = ["a.b.1", "a.b.2", "a.b.3"];
+    const client = clientOf({ token: () => tokens.shift() });
+    await client.connect();
+    expect(gateway.socket.protocols).toEqual(["openrois.v1", "openrois.bearer.a.b.1"]);
+    gateway.notify("openrois.auth.expiring", { seconds: 60 });
+    await vi.waitFor(() => expect(gateway.called("openrois.auth.refresh")).toEqual([{ token: "a.b.2" }]));
+    gateway.socket.close(4401, "the token has expired");
+    await vi.waitFor(() => expect(client.state.name).toBe("waiting"));
+    client.retryNow();
+    await vi.waitFor(() => expect(client.state.name).toBe("connected"));
+    expect(gateway.socket.protocols).toEqual(["openrois.v1", "openrois.bearer.a.b.3"]);
+  });
+
+  it("has one token and no other", async () => {
+    const client = clientOf({ token: "a.b.c" });
+    await client.connect();
+    gateway.notify("openrois.auth.expiring", { seconds: 60 });
+    await vi.advanceTimersByTimeAsync(100);
+    expect(gateway.called("openrois.auth.refresh")).toEqual([]);
+  });
+
   it("says goodbye and stays away", async () => {
     const client = clientOf();
     await client.connect();

@@ -1,0 +1,62 @@
+import { describe, expect, it, vi } from "vitest";
+import { PageToken } from "../../app/token.ts";
+
+const TOKEN = "eyJh.eyJz.c2ln_-";
+
+class Store {
+  text: string | null = null;
+  closed = false;
+  getItem(): string | null {
+    if (this.closed) throw new DOMException("", "SecurityError");
+    return this.text;
+  }
+  setItem(_: string, text: string): void {
+    if (this.closed) throw new DOMException("", "SecurityError");
+    this.text = text;
+  }
+}
+
+describe("the page's token", () => {
+  it("is kept for the tab", () => {
+    const store = new Store();
+    const token = new PageToken(store);
+    expect(token.value).toBeUndefined();
+    expect(token.give(`  Bearer ${TOKEN}\n`)).toBe(true);
+    expect(token.value).toBe(TOKEN);
+    expect(new PageToken(store).value).toBe(TOKEN);
+  });
+
+  it.each(["", "a", "a.b", "a.b.c.d", "a.b.c d", "a,b.c.d", "ä.b.c", `${"a".repeat(6144)}.b.c`])(
+    "is not %s",
+    (text) => {
+      const store = new Store();
+      const token = new PageToken(store);
+      token.give(TOKEN);
+      expect(token.give(text)).toBe(false);
+      expect(token.value).toBe(TOKEN);
+      store.text = text;
+      expect(new PageToken(store).value).toBeUndefined();
+    },
+  );
+
+  it("comes out of the address, and stands there no more", () => {
+    const token = new PageToken(new Store());
+    const history = { replaceState: vi.fn() };
+    token.takeFrom({ hash: `#token=${TOKEN}`, pathname: "/page", search: "?a" }, history);
+    expect(token.value).toBe(TOKEN);
+    expect(history.replaceState).toHaveBeenCalledWith(null, "", "/page?a");
+    token.takeFrom({ hash: "#inspector/token=x.y.z", pathname: "/", search: "" }, history);
+    expect(history.replaceState).toHaveBeenCalledTimes(1);
+    token.takeFrom({ hash: "#token=nonsense", pathname: "/", search: "" }, history);
+    expect(history.replaceState).toHaveBeenCalledTimes(2);
+    expect(token.value).toBe(TOKEN);
+  });
+
+  it("holds without a place to keep it", () => {
+    const store = new Store();
+    store.closed = true;
+    const token = new PageToken(store);
+    expect(token.give(TOKEN)).toBe(true);
+    expect(token.value).toBe(TOKEN);
+  });
+});
