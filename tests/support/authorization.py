@@ -148,10 +148,11 @@ class Place:
     robots: dict[str, Watched]
 
     @asynccontextmanager
-    async def application(self, who: Principal) -> AsyncIterator[Wire]:
-        """Connect an application of a principal."""
+    async def application(self, who: Principal | Tenure) -> AsyncIterator[Wire]:
+        """Connect an application of a principal, which a tenure can change."""
         near, far = memory_pair(capacity=4096)
-        serving = asyncio.ensure_future(serve_application(self.host, far, Tenure(who)))
+        tenure = Tenure(who) if isinstance(who, Principal) else who
+        serving = asyncio.ensure_future(serve_application(self.host, far, tenure))
         try:
             yield Wire(near)
         finally:

@@ -1,0 +1,128 @@
+"""Who may send a microphone or a camera into an engine: its operator, and nobody else."""
+
+import json
+from typing import Any
+
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from openrois.access.principal import LOCAL, Principal
+from openrois.interfaces.uplinks import may_be_uplink
+from openrois.types.messages import Parameter
+from tests.openrois.interfaces.test_matrix import unit
+from tests.support.authorization import Place, Watched, Wire, place, principal
+
+CAMERA, NAVIGATION = "fleet/video_streaming", "fleet/navigation"
+
+
+def transport(text: str) -> Parameter:
+    return Parameter(name="transport_parameters", data_type_ref="string", value=text)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "{}", '{"direction": "recvonly"}', '{"input": true}', '{"direction": "recvonly", "more": [1, {"a": 2}]}'],
+)
+def test_what_is_received(text: str) -> None:
+    assert not may_be_uplink([transport(text)])
+    assert not may_be_uplink([])
+    assert not may_be_uplink(
+        [Parameter(name="encoding_parameters", data_type_ref="", value='{"direction": "sendonly"}')]
+    )
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '{"direction": "sendonly"}',
+        '{"direction": "sendrecv"}',
+        '{"direction": "RECVONLY"}',
+        '{"direction": null}',
+        '{"direction": ["recvonly"]}',
+        '{"direction": "recvonly", "direction": "sendonly"}',
+        '{"direction": "sendonly", "direction": "recvonly"}',
+        '{"dir\\u0065ction": "sendonly"}',
+        '[{"direction": "recvonly"}]',
+        '"recvonly"',
+        "{",
+        "no JSON",
+        "[" * 20_000,
+        "NaN",
+    ],
+)
+def test_what_could_be_sent(text: str) -> None:
+    assert may_be_uplink([transport(text)])
+
+
+def test_a_parameter_that_stands_twice_is_not_believed() -> None:
+    assert may_be_uplink([transport(""), transport('{"direction": "recvonly"}')])
+
+
+@given(st.recursive(st.none() | st.booleans() | st.text(), lambda inner: st.dictionaries(st.text(), inner)))
+@example({"direction": "sendonly"})
+def test_whatever_another_reader_takes_for_sending_is_an_uplink(told: Any) -> None:
+    text = json.dumps(told)
+    direction = told.get("direction", "recvonly") if isinstance(told, dict) else "none"
+    assert may_be_uplink([transport(text)]) == (direction != "recvonly")
+
+
+def connecting(text: str = '{"direction": "sendonly"}', ref: str = CAMERA) -> dict[str, Any]:
+    return {"component_ref": ref, "parameters": [transport(text).model_dump()]}
+
+
+async def strictly(wire: Wire, text: str = '{"direction": "sendonly"}') -> str:
+    """Connect a stream in strict RoIS; return how the command ended."""
+    parameters = [transport(text).model_dump()]
+    set_first = await wire.result("rois.command.set_parameter", {"component_ref": CAMERA, "parameters": parameters})
+    assert await wire.completed(set_first["command_id"]) == "OK"
+    command = unit(CAMERA, "connect_stream")
+    assert await wire.code("rois.command.execute", {"command_unit_list": [command]}) == "OK"
+    return await wire.completed(command["command_id"])
+
+
+def sent(where: Place) -> int:
+    """Return how many streams there are."""
+    return len(where.robots["fleet"].streams.streams)
+
+
+@pytest.mark.parametrize("role", ["operator", "administrator"])
+async def test_the_operator_sends_and_nobody_else(role: str) -> None:
+    async with place("fleet") as where, where.application(principal(role, "*")) as wire:
+        assert await wire.code("rois.stream.connect_stream", connecting()) == "OUT_OF_RESOURCES"
+        assert await wire.code("rois.stream.connect_stream", connecting('{"direction": "recvonly"}')) == "OK"
+        assert await strictly(wire) == "OUT_OF_RESOURCES"
+        assert sent(where) == 1
+        await wire.result("rois.command.bind", {"component_ref": CAMERA})
+        assert await wire.code("rois.stream.connect_stream", connecting()) == "OUT_OF_RESOURCES"
+        await wire.result("rois.command.bind", {"component_ref": NAVIGATION})
+        assert await wire.code("rois.stream.connect_stream", connecting()) == "OK"
+        assert await strictly(wire, '{"direction": "sendrecv"}') == "OK"
+        assert sent(where) == 3
+
+
+async def test_a_viewer_only_receives() -> None:
+    async with place("fleet") as where, where.application(principal("viewer", "*")) as wire:
+        assert await wire.code("rois.stream.connect_stream", connecting()) == "UNSUPPORTED"
+        assert await wire.code("rois.stream.connect_stream", connecting("")) == "OK"
+        assert sent(where) == 1
+
+
+async def test_another_engine_is_another_matter() -> None:
+    async with place("fleet", "other") as where, where.application(principal("operator", "*")) as wire:
+        await wire.result("rois.command.bind", {"component_ref": "other/navigation"})
+        assert await wire.code("rois.stream.connect_stream", connecting()) == "OUT_OF_RESOURCES"
+        assert await wire.code("rois.stream.connect_stream", connecting(ref="other/video_streaming")) == "OK"
+
+
+@pytest.mark.parametrize("scope", [(CAMERA,), (CAMERA, "fleet/person_detecter")])
+async def test_of_an_engine_that_shows_nothing_to_hold_the_role_is_enough(scope: tuple[str, ...]) -> None:
+    for robot in (Watched("fleet"), Watched("fleet")):
+        async with place(robot) as where, where.application(principal("operator", *scope)) as wire:
+            assert await wire.code("rois.stream.connect_stream", connecting()) == "OK"
+
+
+@pytest.mark.parametrize("who", [LOCAL])
+async def test_without_authentication_nobody_is_asked(who: Principal) -> None:
+    async with place("fleet") as where, where.application(who) as wire:
+        assert await wire.code("rois.stream.connect_stream", connecting()) == "OK"
