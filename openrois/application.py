@@ -10,7 +10,7 @@ import secrets
 import time
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, Final
+from typing import Any, Final, cast
 
 from openrois.accepted import AcceptedCommands
 from openrois.access.principal import LOCAL, Principal
@@ -25,6 +25,7 @@ from openrois.journal.journal import Journal
 from openrois.jsonrpc.protocol import Peer, RequestId
 from openrois.leases.keeper import LeaseKeeper
 from openrois.leases.model import Rules
+from openrois.leases.telling import Holder
 from openrois.lifeline import Lifeline
 from openrois.lost_streams import lost_streams
 from openrois.ordering import ReplyFirst
@@ -42,7 +43,7 @@ from openrois.types.streams import (
     subject_of,
 )
 from openrois.visible_engine import VisibleEngine
-from openrois.withdrawal import Claims, end_streams
+from openrois.withdrawal import Claims, end_streams, lost_uplinks
 
 __all__ = ["RESTARTS", "ApplicationSession", "EngineHost"]
 
@@ -109,11 +110,21 @@ class EngineHost:
             clock=self.clock,
             sleep=self.sleep,
             acted=self.audit.acted,
+            on_lost=_end_uplinks,
         )
 
     def crashed(self, what: str) -> None:
         """Report that something went wrong inside the engine, which is nobody else's fault."""
         self.engine.report(ErrorType.ENGINE_INTERNAL_ERROR, f"{what} failed inside the engine")
+
+
+def _end_uplinks(component_ref: str, holder: Holder) -> None:
+    """End what a session sends into an engine when it does not operate anything there any more."""
+    session = cast(ApplicationSession, holder)
+    held = session.host.leases.model.holding.held_by(session)
+    lost = lost_uplinks(component_ref, session.uplinks, held)
+    if lost:
+        session.host.tasks.start(end_streams(session.host.engine, lost, session.client))
 
 
 class ApplicationSession:
@@ -130,6 +141,8 @@ class ApplicationSession:
 
     Attributes:
         engine: what the principal is shown of the engine: whatever an application names is looked up there.
+        streams: the component_ref of each of its streams, by stream_id.
+        uplinks: those of them that it may have only as long as it operates their engine.
     """
 
     def __init__(
@@ -154,6 +167,7 @@ class ApplicationSession:
         self.client_id = secrets.token_hex(16)
         self.client = self._new_client()
         self.streams: dict[str, str] = {}
+        self.uplinks: dict[str, str] = {}
         self.stream_parameters = StreamParameters()
         self.connecting = 0
         self.order = ReplyFirst()
@@ -181,6 +195,8 @@ class ApplicationSession:
         for component_ref in claims.lost_bindings(tuple(self.bound)):
             self.give_back(component_ref)
             self.bound.discard(component_ref)
+        for component_ref in claims.lost_bindings(self.host.leases.waited_for(self)):
+            self.host.leases.withdraw(component_ref, self)
         if lost := claims.lost_streams(self.streams):
             self.host.tasks.start(end_streams(self.host.engine, lost, self.client))
         self.host.tasks.start(self.events.drop(claims.loses_subscription))
@@ -284,6 +300,7 @@ class ApplicationSession:
             self.events.stream_status(notice)
             if notice.status is StreamStatus.STREAMING_NOT_CONNECTED:
                 self.streams.pop(notice.stream_id, None)
+                self.uplinks.pop(notice.stream_id, None)
         if self.extended:
             self._notify(method, params)
 
@@ -300,6 +317,7 @@ class ApplicationSession:
             self.host.leases.leave(self)
             self.bound.clear()
         self.streams.clear()
+        self.uplinks.clear()
         self.stream_parameters.keep_only(())
         self.order.clear()
         self._left()

@@ -19,6 +19,7 @@ from openrois.types.leases import (
     ResumeResult,
 )
 from openrois.types.messages import NoParams, ReturnResult
+from openrois.withdrawal import Claims
 
 __all__ = ["methods"]
 
@@ -109,7 +110,7 @@ class _Leases:
             raise
         assert isinstance(former, ApplicationSession)
         self._app.succeed(former)
-        for component_ref in [ref for ref in self._app.bound if not self._app.engine.sees(ref)]:
+        for component_ref in Claims(self._app.principal).lost_bindings(tuple(self._app.bound)):
             self._app.give_back(component_ref)
             self._app.bound.discard(component_ref)
         held = self._keeper.model.holding.held_by(self._app)

@@ -18,6 +18,7 @@ from openrois.errors import (
     EngineUnreachable,
     NotResponding,
     OutOfResources,
+    RoISError,
     Unsupported,
     error_for,
 )
@@ -130,8 +131,7 @@ async def connect_stream(app: ApplicationSession, component_ref: str, parameters
         raise Aborted("the application is gone")
     if len(app.streams) + app.connecting >= MAX_STREAMS:
         raise OutOfResources(f"one application has at most {MAX_STREAMS} streams")
-    if may_be_uplink(parameters):
-        require_may_send(app, component_ref)
+    operated = may_be_uplink(parameters) and require_may_send(app, component_ref)
     params: dict[str, Any] = {
         "component_ref": component_ref,
         "parameters": [p.model_dump(mode="json") for p in parameters],
@@ -149,17 +149,34 @@ async def connect_stream(app: ApplicationSession, component_ref: str, parameters
         # It left while the stream was made, and has been forgotten already: that has to be said again.
         await app.engine.extension.forget(client)
         raise Aborted("the application has left")
-    if Claims(app.principal).lost_streams({result.stream_id: component_ref}):
+    try:
+        _require_still(app, component_ref, parameters)
+    except RoISError:
         await end_streams(app.host.engine, (result.stream_id,), client)
-        raise Unsupported(f"there is no component {component_ref[:200]!r}")
+        raise
     if not app.engine.leads_to(component_ref, bus):
         # Whatever the engine says of the stream goes where nobody listens any more; it ends it after a while.
         raise EngineUnreachable("the connection to the engine ended while the stream was made")
     if not app.engine.leads_alike(result.stream_id, component_ref):
         raise ComponentFailed(f"the engine minted the stream_id {result.stream_id[:200]!r}, which is not its own")
     app.streams[result.stream_id] = component_ref
+    if operated:
+        app.uplinks[result.stream_id] = component_ref
     app.host.audit.acted(app.principal, STREAM_METHODS["connect_stream"], component_ref, result.stream_id)
     return result.stream_id
+
+
+def _require_still(app: ApplicationSession, component_ref: str, parameters: tuple[Parameter, ...]) -> None:
+    """Do nothing where the application may still have the stream that was made meanwhile.
+
+    Raises:
+        Unsupported: the component is out of scope by now.
+        OutOfResources: the application does not operate the engine any more.
+    """
+    if Claims(app.principal).lost_streams({"": component_ref}):
+        raise Unsupported(f"there is no component {component_ref[:200]!r}")
+    if may_be_uplink(parameters):
+        require_may_send(app, component_ref)
 
 
 async def act_on_stream(app: ApplicationSession, verb: str, stream_id: str) -> None:
@@ -173,6 +190,7 @@ async def act_on_stream(app: ApplicationSession, verb: str, stream_id: str) -> N
     await _call(app, STREAM_METHODS[verb], {"stream_id": stream_id}, ReturnResult)
     if verb == "disconnect_stream":
         app.streams.pop(stream_id, None)
+        app.uplinks.pop(stream_id, None)
 
 
 async def query_status(app: ApplicationSession, stream_id: str, component_ref: str | None = None) -> StreamStatus:

@@ -40,8 +40,8 @@ def _unambiguous(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     return members
 
 
-def require_may_send(app: ApplicationSession, component_ref: str) -> None:
-    """Do nothing where the application may send into a component's engine: it operates that one.
+def require_may_send(app: ApplicationSession, component_ref: str) -> bool:
+    """Return whether the application may send into a component's engine only as long as it operates that one.
 
     It does where it holds one of the actuation components of the engine that it is shown. Of an engine that shows none
     nobody can be the operator; there the role is enough. A gateway without authentication does not ask.
@@ -51,7 +51,7 @@ def require_may_send(app: ApplicationSession, component_ref: str) -> None:
         OutOfResources: the application has to bind an actuation component first.
     """
     if app.principal is LOCAL or app.trusted:
-        return
+        return False
     if not app.principal.may_call("rois.command.bind"):
         raise Unsupported("the roles of this application let it receive only")
     engine_id = engine_of(component_ref)
@@ -62,3 +62,4 @@ def require_may_send(app: ApplicationSession, component_ref: str) -> None:
     ]
     if exclusive and not any(app.may_operate(ref) for ref in exclusive):
         raise OutOfResources(f"one who sends to {engine_id} has bound one of its actuation components")
+    return bool(exclusive)

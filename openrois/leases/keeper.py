@@ -33,6 +33,7 @@ class LeaseKeeper:
         sleep: waits for some seconds.
         acted: hears of components that change hands without their new or former holder asking for it at that moment:
             whose, what, which component, and why.
+        on_lost: is told when somebody does not hold a component any more.
 
     Attributes:
         model: the rules, and how things stand.
@@ -51,9 +52,11 @@ class LeaseKeeper:
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
         acted: Callable[[Principal, str, str, str], None] = lambda _who, _method, _component_ref, _detail: None,
+        on_lost: Callable[[str, Holder], None] = lambda _component_ref, _holder: None,
     ) -> None:
         self.ended: dict[Why, int] = {}
         self._acted = acted
+        self._on_lost = on_lost
         self.model = LeaseModel(rules, first_epoch)
         self._engine = engine
         self._tasks = tasks
@@ -116,6 +119,10 @@ class LeaseKeeper:
     def withdraw(self, component_ref: str, asker: Holder) -> None:
         """Wait for a component no more."""
         self._carry(self.model.withdraw(component_ref, asker))
+
+    def waited_for(self, asker: Holder) -> list[str]:
+        """Return the components that somebody waits for."""
+        return [request.component_ref for request in self.model.waiting.of(asker)]
 
     def grant(self, request_id: str, holder: Holder) -> str:
         """Let who asks have the component, once what runs there has been stopped; return which it is.
@@ -201,6 +208,7 @@ class LeaseKeeper:
         self.ended[why] = self.ended.get(why, 0) + 1
         if why is not Why.RELEASED:
             self._acted(holder.principal, "lease.lost", component_ref, f"epoch {epoch}: {why}")
+        self._on_lost(component_ref, holder)
         if why is Why.RELEASED or why in _HANDED:
             self.telling.adapter(component_ref, holder, epoch, holds=False)
 

@@ -136,7 +136,7 @@ class Telling:
 
     def say(self, viewer: Holder, told: "_Told") -> None:
         """Tell somebody, if it wants notifications of extensions, once what it has asked is answered."""
-        if viewer.leasing:
+        if viewer.leasing and viewer.principal.sees(told.component_ref):
             # What was asked is answered first.
             params = told.model_dump(mode="json")
             asyncio.get_running_loop().call_soon(viewer.tell, told.method, params)

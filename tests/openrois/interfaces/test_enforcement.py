@@ -22,8 +22,9 @@ from tests.support.authorization import Place, place, principal
 SIGNALING: Final = set(signaling_methods(Relay(None, lambda: 0.0), "somebody", None))  # type: ignore[arg-type]
 
 # Every field of every method's params that is a text: what it names, and so which test proves that it is looked up.
-# `component`: a reference; `condition`: comparisons with references; `own`: an id of this session alone; `name`: of a
-# message or value, judged by the profile of a component that was looked up; `free`: the application's own text.
+# `component`: a reference; `engine`: the id of one; `condition`: comparisons with references; `own`: an id of this
+# session alone; `name`: of a message or value, judged by the profile of a component that was looked up; `free`: the
+# application's own text.
 FIELDS: Final = {
     "component_ref": "component",
     "condition": "condition",
@@ -33,6 +34,9 @@ FIELDS: Final = {
     "subscribe_id": "own",
     "event_id": "own",
     "error_id": "own",
+    "request_id": "own",
+    "command_ids": "own",
+    "engine_id": "engine",
     "command_type": "name",
     "query_type": "name",
     "event_type": "name",

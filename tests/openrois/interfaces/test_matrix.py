@@ -18,6 +18,7 @@ from openrois_signaling.relay import Relay
 from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.catalog.component_type import ComponentType
 from openrois.testing.samples import argument
+from openrois.types.codes import ComponentFunction
 from openrois.types.methods import METHODS
 from openrois.types.profiles import HRIComponentProfile
 from tests.support.authorization import Place, Wire, place, principal
@@ -45,6 +46,15 @@ ORACLE: Final = """
     rois.event.get_event_detail         v m o a .   BAD_PARAMETER   BAD_PARAMETER
     openrois.hello                      v m o a .   -               OK
     openrois.auth.refresh               v m o a .   -               -
+    openrois.lease.query                v m o a .   UNSUPPORTED     OK
+    openrois.lease.request              . . o a .   UNSUPPORTED     OK
+    openrois.lease.leave                . . o a .   UNSUPPORTED     OK
+    openrois.lease.grant                . . o a .   UNSUPPORTED     UNSUPPORTED
+    openrois.lease.decline              . . o a .   UNSUPPORTED     UNSUPPORTED
+    openrois.lease.take                 . . . a .   UNSUPPORTED     OK
+    openrois.lease.token                . . o a .   -               OK
+    openrois.lease.resume               . . o a .   -               -
+    openrois.stop_all                   . . o a .   UNSUPPORTED     OK
     rois.stream.connect_stream          v . o a .   UNSUPPORTED     OK
     rois.stream.disconnect_stream       v . o a .   UNSUPPORTED     UNSUPPORTED
     rois.stream.suspend_stream          v . o a .   UNSUPPORTED     UNSUPPORTED
@@ -71,6 +81,7 @@ REACHES: Final = {
 FLEET, HIDDEN = "fleet", "hidden"
 _NO_REF: Final = ("", "/", "fleet", "fleet/", "fleet//x", "fleet/ ", "FLEET/*", "*", "fleet/*", "\x00", "é" * 999)
 _NAMES: Final = re.compile("|".join(f"{FLEET}/{kind.name}" for kind in BASIC_COMPONENTS))
+_ACTING: Final = [kind for kind in BASIC_COMPONENTS if kind.function is ComponentFunction.ACTUATION]
 _OF_EACH_CLASS: Final = {kind.function: kind for kind in BASIC_COMPONENTS}.values()
 
 
@@ -112,6 +123,10 @@ def unit(ref: str, command: str, arguments: Any = ()) -> dict[str, Any]:
 
 def messages(profile: HRIComponentProfile) -> Iterator[Shape]:
     """Return a case for each message that the type has, and for every place in which a ref stands."""
+    if profile.function is ComponentFunction.ACTUATION:
+        for verb in ("query", "request", "leave", "take"):
+            yield f"openrois.lease.{verb}", lambda ref: {"component_ref": ref}
+        yield "openrois.stop_all", lambda ref: {"component_ref": ref}
     for command in profile.command_profiles:
         if command.name in ("suspend_stream", "resume_stream", "disconnect_stream"):
             continue
@@ -151,6 +166,9 @@ def general() -> Iterator[Shape]:
     yield "signaling.answer", lambda ref: {"peer_id": ref or "x", "generation": 1, "sdp": "v=0"}
     yield "signaling.candidate", lambda ref: {"peer_id": ref or "x", "generation": 1, "candidate": None}
     yield "signaling.restart", lambda ref: {"peer_id": ref or "x"}
+    for verb in ("grant", "decline"):
+        yield f"openrois.lease.{verb}", lambda ref: {"request_id": ref}
+    yield "openrois.lease.token", lambda _ref: {}
     yield "rois.event.unsubscribe", lambda ref: {"subscribe_id": ref}
     yield "rois.command.get_command_result", lambda ref: {"command_id": ref}
     yield "rois.event.get_event_detail", lambda ref: {"event_id": ref}
@@ -235,6 +253,9 @@ class Trial:
         may_reach = {(REACHES[method], self.ref)} if allowed and method in REACHES else set()
         if method == "rois.command.execute" and "connect_stream" in str(params):
             may_reach |= {("query", self.ref), ("rois.stream.connect_stream", self.ref)}
+        if method == "openrois.stop_all":
+            # Who holds a part of an engine stops the whole of it, and can do nothing else to the rest.
+            may_reach = {("invoke", f"{FLEET}/{kind.name}") for kind in _ACTING} if allowed else set()
         if not reached <= may_reach:
             self.verdicts.allowed.append(f"{case} reached {reached}")
         told = "".join(frames).replace(named, "") if named else "".join(frames)

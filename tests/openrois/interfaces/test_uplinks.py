@@ -126,3 +126,64 @@ async def test_of_an_engine_that_shows_nothing_to_hold_the_role_is_enough(scope:
 async def test_without_authentication_nobody_is_asked(who: Principal) -> None:
     async with place("fleet") as where, where.application(who) as wire:
         assert await wire.code("rois.stream.connect_stream", connecting()) == "OK"
+
+
+@pytest.mark.parametrize("how", ["release", "disconnect", "take"])
+async def test_who_operates_no_more_sends_no_more(how: str) -> None:
+    async with place("fleet", "other") as where, where.application(principal("operator", "*")) as wire:
+        await wire.result("openrois.hello", {"version": "1"})
+        for ref in (NAVIGATION, "fleet/move", "other/navigation"):
+            assert await wire.code("rois.command.bind", {"component_ref": ref}) == "OK"
+        received = await wire.result("rois.stream.connect_stream", connecting(""))
+        for ref in (CAMERA, "other/video_streaming"):
+            assert await wire.code("rois.stream.connect_stream", connecting(ref=ref)) == "OK"
+        assert await wire.code("rois.command.release", {"component_ref": "fleet/move"}) == "OK"
+        assert sent(where) == 2
+        if how == "take":
+            async with where.application(principal("administrator", "*", subject="root")) as other:
+                assert await other.code("openrois.lease.take", {"component_ref": NAVIGATION}) == "OK"
+        elif how == "release":
+            assert await wire.code("rois.command.release", {"component_ref": NAVIGATION}) == "OK"
+        else:
+            assert await wire.code("rois.system.disconnect", {}) == "OK"
+            assert (sent(where), len(where.robots["other"].streams.streams)) == (0, 0)
+            return
+        ended = "STREAMING_NOT_CONNECTED"
+        await wire.until("rois.stream.notify_stream_status", lambda told: told["status"] == ended)
+        assert list(where.robots["fleet"].streams.streams) == [received["stream_id"]]
+        assert len(where.robots["other"].streams.streams) == 1
+
+
+async def test_who_operates_no_more_when_the_stream_is_made_does_not_have_it() -> None:
+    async with place("fleet") as where, where.application(principal("operator", "*")) as wire:
+        streams = where.robots["fleet"].streams
+        await wire.result("rois.command.bind", {"component_ref": NAVIGATION})
+        streams.may_answer.clear()
+        await wire.stream.send(
+            json.dumps({"jsonrpc": "2.0", "id": 7, "method": "rois.stream.connect_stream", "params": connecting()})
+        )
+        await streams.called.wait()
+        await wire.stream.send(
+            json.dumps(
+                {"jsonrpc": "2.0", "id": 8, "method": "rois.command.release", "params": {"component_ref": NAVIGATION}}
+            )
+        )
+        answers = {}
+        while 8 not in answers:
+            frame = json.loads(await wire.stream.receive())
+            answers[frame.get("id")] = frame
+        streams.may_answer.set()
+        while 7 not in answers:
+            frame = json.loads(await wire.stream.receive())
+            answers[frame.get("id")] = frame
+        assert answers[7]["result"]["return_code"] == "OUT_OF_RESOURCES"
+        assert sent(where) == 0
+
+
+async def test_without_authentication_an_uplink_outlives_a_lease() -> None:
+    async with place("fleet") as where, where.application(LOCAL) as wire:
+        await wire.result("rois.command.bind", {"component_ref": NAVIGATION})
+        assert await wire.code("rois.stream.connect_stream", connecting()) == "OK"
+        assert await wire.code("rois.command.release", {"component_ref": NAVIGATION}) == "OK"
+        assert await wire.code("rois.command.search", {}) == "OK"
+        assert sent(where) == 1
