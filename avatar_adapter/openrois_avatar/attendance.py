@@ -94,7 +94,7 @@ class Attendance:
             try:
                 async with self._connect(self._url) as stream:
                     await self._look_over(stream)
-            except (OSError, TimeoutError, InvalidHandshake, SessionClosed, RpcError) as error:
+            except (OSError, ValueError, TimeoutError, InvalidHandshake, SessionClosed, RpcError) as error:
                 _log.debug("the gateway is not there: %s", error)
             # Without the gateway nobody can say whether there is an avatar.
             self._gateway.note(there=False)

@@ -22,6 +22,7 @@ from openrois.metrics.server import LOOPBACK, MetricsUnavailable, metrics_addres
 from openrois.transport.address import adapter_url
 from openrois_avatar.adapter import Avatar, run_avatar
 from openrois_avatar.check import command as check
+from openrois_avatar.credential_options import add_credential_options, credentials
 from openrois_avatar.facades.running import FACADES, FacadeAvatar, run_facade
 from openrois_avatar.facades.server import FacadeUnavailable
 from openrois_avatar.game_engines import NoGameEngine
@@ -51,6 +52,7 @@ def main(arguments: Sequence[str]) -> int:
         epilog="`openrois avatar check --help`: try a game engine of your own.",
     )
     parser.add_argument("--gateway", default=defaults.gateway, metavar="URL", help="where it is (%(default)s)")
+    add_credential_options(parser)
     parser.add_argument("--engine-id", default=defaults.engine_id, help="unique behind its gateway (%(default)s)")
     parser.add_argument("--engine", choices=ENGINES, default=defaults.engine, help="what renders it (%(default)s)")
     add_link_options(parser, when=" if it is external or a facade")
@@ -94,6 +96,7 @@ def main(arguments: Sequence[str]) -> int:
         network=network,
         max_viewer_bitrate=chosen.max_viewer_bitrate,
         pixel_streaming=streamer,
+        credentials=credentials(chosen),
     )
     try:
         uvloop.run(_run(settings))
@@ -136,4 +139,4 @@ async def _serve(settings: AvatarSettings) -> None:
             serving = serving_metrics(*settings.metrics, partial(scraped, avatar.look))
             _log.info("metrics: %s", await stack.enter_async_context(serving))
         print(f"ready {settings.engine_id}", flush=True)
-        await serve_parent(avatar.host, settings.gateway)
+        await serve_parent(avatar.host, settings.gateway, credentials=settings.credentials)

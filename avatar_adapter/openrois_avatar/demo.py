@@ -6,10 +6,13 @@ import signal
 import socket
 import sys
 from collections.abc import Awaitable, Sequence
+from functools import partial
 from typing import Final
 
 from openrois.logs import set_up_logging
+from openrois.transport.websocket import dial
 from openrois_avatar.attendance import Attendance
+from openrois_avatar.credential_options import add_credential_options, credential_arguments, credentials
 from openrois_avatar.link_options import add_link_options, link_arguments
 from openrois_avatar.network_options import add_host_options, host_arguments
 from openrois_avatar.process import Program, ProgramFailed
@@ -28,6 +31,7 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument("--engine", choices=ENGINES, default="auto", help="what renders the avatar (%(default)s)")
     add_link_options(parser, when=" if it is external or a facade")
     add_host_options(parser)
+    add_credential_options(parser)
     parser.add_argument("--verbose", action="store_true", help="log more")
     chosen = parser.parse_args(arguments)
     set_up_logging(verbose=chosen.verbose)
@@ -35,8 +39,9 @@ def main(arguments: Sequence[str]) -> int:
         print(f"openrois demo: port {chosen.port} is taken; is a demo running already? Try --port.", file=sys.stderr)
         return 1
     more = ("--verbose",) if chosen.verbose else ()
-    passed_on = (*link_arguments(chosen), *host_arguments(chosen), *more)
-    return asyncio.run(_run(chosen.port, chosen.engine, more, passed_on))
+    passed_on = (*link_arguments(chosen), *host_arguments(chosen), *credential_arguments(chosen), *more)
+    attendance = Attendance(f"ws://{_HOST}:{chosen.port}/", connect=partial(dial, credentials=credentials(chosen)))
+    return asyncio.run(_run(chosen.port, chosen.engine, more, passed_on, attendance))
 
 
 def _port(text: str) -> int:
@@ -56,12 +61,12 @@ def _is_free(port: int) -> bool:
     return True
 
 
-async def _run(port: int, engine: str, more: Sequence[str], of_avatar: Sequence[str]) -> int:
+async def _run(port: int, engine: str, more: Sequence[str], of_avatar: Sequence[str], attendance: Attendance) -> int:
     gateway = Program(("gateway", "--port", str(port), "--drain", "0", *more), announces="listening ")
     avatar = Program(
         ("avatar", "--gateway", f"ws://{_HOST}:{port}/adapter", "--engine", engine, *of_avatar), announces="ready "
     )
-    running = asyncio.ensure_future(_keep_running(gateway, avatar, f"http://{_HOST}:{port}/"))
+    running = asyncio.ensure_future(_keep_running(gateway, avatar, attendance, f"http://{_HOST}:{port}/"))
     for name in (signal.SIGINT, signal.SIGTERM):
         asyncio.get_running_loop().add_signal_handler(name, running.cancel)
     try:
@@ -76,8 +81,7 @@ async def _run(port: int, engine: str, more: Sequence[str], of_avatar: Sequence[
     return 1
 
 
-async def _keep_running(gateway: Program, avatar: Program, url: str) -> None:
-    attendance = Attendance(url.replace("http", "ws", 1))
+async def _keep_running(gateway: Program, avatar: Program, attendance: Attendance, url: str) -> None:
     async with asyncio.TaskGroup() as tasks:
         for program in (gateway, avatar):
             tasks.create_task(program.keep_running())

@@ -5,6 +5,7 @@ from typing import Final
 
 from openrois_streaming.network.settings import NetworkSettings
 
+from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from openrois_avatar.pixel_streaming.settings import PixelStreaming
 
 __all__ = ["DEFAULT_FACADE", "DEFAULT_LINK", "ENGINES", "AvatarSettings"]
@@ -33,6 +34,7 @@ class AvatarSettings:
         max_viewer_bitrate: bit/s that an application is sent at most of each video stream, whatever it asks for; None:
             as much as its path carries.
         pixel_streaming: where it is a streamer of Pixel Streaming as well; None for nowhere.
+        credentials: what is shown to the gateway.
     """
 
     gateway: str = "ws://127.0.0.1:8765/adapter"
@@ -45,3 +47,4 @@ class AvatarSettings:
     network: NetworkSettings = field(default_factory=NetworkSettings)
     max_viewer_bitrate: int | None = None
     pixel_streaming: PixelStreaming | None = None
+    credentials: Credentials = NO_CREDENTIALS

@@ -10,6 +10,7 @@ from websockets.exceptions import InvalidHandshake
 from openrois.jsonrpc.session import CALL_TIMEOUT, RpcError, RpcSession, SessionClosed
 from openrois.profile_command.problems import problem
 from openrois.transport.address import gateway_url
+from openrois.transport.credentials import Credentials
 from openrois.transport.websocket import dial
 from openrois.types.codes import ReturnCode
 from openrois.types.messages import ProfileResult
@@ -36,7 +37,7 @@ async def ask_profiles(url: str, component_ref: str = "", *, timeout: float = CA
     """
     condition = "component_ref = '" + component_ref.replace("'", "''") + "'" if component_ref else ""
     try:
-        async with dial(gateway_url(url)) as stream:
+        async with dial(gateway_url(url), credentials=Credentials.of_files(None, None)) as stream:
             session = RpcSession(stream, call_timeout=timeout)
             running = asyncio.ensure_future(session.run())
             try:
