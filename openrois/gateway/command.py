@@ -14,6 +14,7 @@ import uvloop
 from openrois.gateway.configuration import configure, printed
 from openrois.gateway.server import Gateway, run_gateway
 from openrois.gateway.settings import GatewaySettings
+from openrois.gateway.supervisor import Supervisor
 from openrois.journal.file import JournalUnusable
 from openrois.logs import set_up_logging
 from openrois.tasks import TaskScope
@@ -66,12 +67,16 @@ async def _run(settings: GatewaySettings) -> None:
         loop.add_signal_handler(signal.SIGHUP, gateway.reload)
         print(f"listening {gateway.url}", flush=True)
         _calm_the_collector()
-        draining = tasks.start(_drain(in_good_order, gateway))
+        supervisor = Supervisor(os.environ)
+        supervisor.tell(f"READY=1\nSTATUS=listening {gateway.url}")
+        tasks.start(supervisor.watch())
+        draining = tasks.start(_drain(in_good_order, gateway, supervisor))
         await asyncio.wait({draining, tasks.start(_wait(at_once))}, return_when=asyncio.FIRST_COMPLETED)
 
 
-async def _drain(told: asyncio.Event, gateway: Gateway) -> None:
+async def _drain(told: asyncio.Event, gateway: Gateway, supervisor: Supervisor) -> None:
     await told.wait()
+    supervisor.tell("STOPPING=1")
     await gateway.drain()
 
 
