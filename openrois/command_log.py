@@ -9,7 +9,7 @@ from openrois.remembered import Remembered
 from openrois.types.codes import CompletedStatus
 from openrois.types.messages import Result
 
-__all__ = ["MAX_ID", "MAX_RUNNING", "MAX_UNFINISHED", "CommandBudget", "CommandLog"]
+__all__ = ["MAX_ID", "MAX_RUNNING", "MAX_UNFINISHED", "STOP_RESERVE", "CommandBudget", "CommandLog"]
 
 MAX_FINISHED: Final = 4096
 MAX_RUNNING: Final = 1024
@@ -17,6 +17,8 @@ MAX_ID: Final = 1024
 """Characters of an id: those of unfinished commands are kept, however many applications choose them."""
 MAX_UNFINISHED: Final = 16_384
 """Commands of all applications, those that are gone included: what they started goes on, however long that takes."""
+STOP_RESERVE: Final = 64
+"""Commands `stop` of one application that may run beyond both limits: a flood must not keep what it started going."""
 RECENT: Final = 10.0
 """Seconds for which a command counts as being on its component after its end: news of what went wrong takes time."""
 
@@ -42,13 +44,13 @@ class CommandBudget:
         """How many are accepted and not finished."""
         return self.most - self._left
 
-    def take(self, count: int) -> None:
-        """Count commands that are accepted.
+    def take(self, count: int, beyond: int = 0) -> None:
+        """Count commands that are accepted, where there are enough left or `beyond` so many.
 
         Raises:
             OutOfResources: they are too many.
         """
-        if count > self._left:
+        if count > self._left + beyond:
             raise OutOfResources("the engine has as many unfinished commands as it takes")
         self._left -= count
 
@@ -76,18 +78,19 @@ class CommandLog:
     def __contains__(self, command_id: str) -> bool:
         return command_id in self._running or command_id in self._finished
 
-    def accept(self, commands: Mapping[str, str]) -> None:
+    def accept(self, commands: Mapping[str, str], beyond: int = 0) -> None:
         """Note commands as running, all or none.
 
         Args:
             commands: the component_ref of each, by command_id.
+            beyond: how many more than usual may run: for what ends others.
 
         Raises:
             OutOfResources: more commands would run than are allowed.
         """
-        if len(self._running) + len(commands) > self._most_running:
+        if len(self._running) + len(commands) > self._most_running + beyond:
             raise OutOfResources(f"at most {self._most_running} commands of one application run at a time")
-        self._budget.take(len(commands))
+        self._budget.take(len(commands), beyond)
         self._running.update(commands)
 
     def finish(

@@ -23,10 +23,18 @@ class RateLimit:
 
     def admits(self) -> bool:
         """Tell whether one more may happen now, and count it if so."""
-        now = self._clock()
-        self._left = min(self._at_once, self._left + (now - self._filled) * self._per_second)
-        self._filled = now
+        self._fill()
         if self._left < 1:
             return False
         self._left -= 1
         return True
+
+    def wait(self) -> float:
+        """Return in how many seconds one more may happen."""
+        self._fill()
+        return max(0.0, 1 - self._left) / self._per_second
+
+    def _fill(self) -> None:
+        now = self._clock()
+        self._left = min(self._at_once, self._left + (now - self._filled) * self._per_second)
+        self._filled = now

@@ -24,6 +24,9 @@ class Seen:
         subscriptions: how many there are.
         requests: how many came.
         refused: how many of them were answered with a reason: refused, or failed in RoIS terms.
+        crowded: how many of them because there were too many.
+        urgent: how many requests passed others.
+        queued: requests that wait to be served.
         failed: how many handlers raised what they must not raise.
         violations: messages that were none, or did not fit.
         dropped: events that were dropped because the other side reads too slowly.
@@ -39,6 +42,9 @@ class Seen:
     subscriptions: int = 0
     requests: int = 0
     refused: int = 0
+    crowded: int = 0
+    urgent: int = 0
+    queued: int = 0
     failed: int = 0
     violations: int = 0
     dropped: int = 0
@@ -48,6 +54,8 @@ class Seen:
         """Add what a connection did."""
         self.requests += session.requests
         self.refused += session.refused
+        self.crowded += session.intake.refused
+        self.urgent += session.intake.urgent
         self.failed += session.failed
         self.violations += session.violations
         self.dropped += session.outbox.dropped
@@ -57,6 +65,7 @@ class Seen:
         """Add how a connection stands."""
         self.connections += 1
         self.running += session.running
+        self.queued += len(session.intake)
         self.unanswered += session.unanswered
         self.waiting += len(session.outbox)
         self.most_waiting = max(self.most_waiting, len(session.outbox))

@@ -21,10 +21,12 @@ from openrois.gateway.refusals import note_refusal
 from openrois.gateway.renewal import Renewal, expiring
 from openrois.gateway.tenure import Tenure
 from openrois.interfaces import base_methods, lease_methods, stream_methods
+from openrois.interfaces.crowding import crowded, intake_rules
 from openrois.interfaces.enforcement import enforced
 from openrois.interfaces.operation import reply_first
 from openrois.jsonrpc.session import Handler, InvalidParams, Reply, RpcSession
 from openrois.logs import Tally
+from openrois.rate import RateLimit
 from openrois.transport.stream import MessageStream, StreamClosed
 from openrois.types.references import engine_of
 
@@ -36,6 +38,13 @@ _WITHOUT_HANDSHAKE: Final = 1006
 """How a connection ends that nobody has closed."""
 
 _TO_APPLICATION: Final = {message.method: message for message in (Offer, Candidate, Bye)}
+
+
+REQUESTS_PER_SECOND: Final = 5000
+"""Requests of one application in the long run; half of what a gateway can do. What is urgent does not count."""
+
+REQUESTS_AT_ONCE: Final = 10_000
+"""Requests of one application in a burst."""
 
 
 async def serve_application(
@@ -50,7 +59,8 @@ async def serve_application(
         renewal: how that is made longer.
     """
     tenure = tenure or Tenure(LOCAL)
-    session = RpcSession(stream, latencies=host.traffic.latencies)
+    rate = RateLimit(REQUESTS_AT_ONCE, REQUESTS_PER_SECOND, time.monotonic)
+    session = RpcSession(stream, rules=intake_rules(rate), crowded=crowded, latencies=host.traffic.latencies)
     signaling = _Signaling(host)
     app = ApplicationSession(
         host, session.notify, passes=signaling.passes, left=signaling.forget_peers, principal=tenure.principal

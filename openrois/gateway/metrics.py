@@ -32,6 +32,14 @@ CONNECTION: Final[tuple[Figure[Seen], ...]] = (
         lambda s: s.refused,
     ),
     Figure(
+        "openrois_gateway_crowded_requests_total",
+        "counter",
+        "Requests that were refused because there were too many.",
+        lambda s: s.crowded,
+    ),
+    Figure("openrois_gateway_urgent_requests_total", "counter", "Requests that passed others.", lambda s: s.urgent),
+    Figure("openrois_gateway_queued_requests", "gauge", "Requests that wait to be served.", lambda s: s.queued),
+    Figure(
         "openrois_gateway_violations_total",
         "counter",
         "Messages that were none, or did not fit.",

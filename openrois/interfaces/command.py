@@ -4,14 +4,16 @@ import asyncio
 import logging
 from collections.abc import Sequence
 from functools import partial
+from typing import Final
 
 from openrois.accepted import AcceptedCommand
 from openrois.application import RESTARTS, ApplicationSession
 from openrois.arguments import check_arguments
-from openrois.command_log import MAX_ID
+from openrois.command_log import MAX_ID, STOP_RESERVE
 from openrois.condition import parse_condition
 from openrois.errors import BadParameter, OutOfResources, RoISError, Unsupported
 from openrois.interfaces import stream
+from openrois.interfaces.crowding import is_stop
 from openrois.interfaces.former_command import former_command
 from openrois.interfaces.operation import operation
 from openrois.interfaces.selection import COMPONENT_PROPERTIES, matching
@@ -40,6 +42,9 @@ from openrois.types.streams import STREAM_METHODS
 __all__ = ["methods"]
 
 _log = logging.getLogger(__name__)
+
+MAX_BOUND: Final = 256
+"""Components that one application has bound at a time."""
 
 
 def methods(app: ApplicationSession) -> dict[str, Handler]:
@@ -74,6 +79,8 @@ class _Commands:
         return ReturnResult()
 
     def _bind(self, component_ref: str) -> None:
+        if len(self._app.bound) >= MAX_BOUND and component_ref not in self._app.bound:
+            raise OutOfResources(f"one application has at most {MAX_BOUND} components bound")
         if self._app.engine.require(component_ref).function is ComponentFunction.ACTUATION:
             self._app.host.leases.bind(component_ref, self._app)
         self._app.bound.add(component_ref)
@@ -133,7 +140,7 @@ class _Commands:
     async def _accept(self, units: Sequence[CommandUnit]) -> None:
         app = self._app
         commands = {unit.command_id: unit.component_ref for unit in units}
-        app.commands.accept(commands)
+        app.commands.accept(commands, STOP_RESERVE if all(is_stop(unit.command_type) for unit in units) else 0)
         sequence = app.host.accepted.next_sequence()
         for unit in units:
             starts = unit.command_type == "start"

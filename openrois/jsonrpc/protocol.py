@@ -20,6 +20,7 @@ __all__ = [
     "INVALID_REQUEST",
     "METHOD_NOT_FOUND",
     "PARSE_ERROR",
+    "TOO_MANY_REQUESTS",
     "ErrorResponse",
     "Incoming",
     "Notification",
@@ -38,6 +39,7 @@ INVALID_REQUEST: Final = -32600
 METHOD_NOT_FOUND: Final = -32601
 INVALID_PARAMS: Final = -32602
 INTERNAL_ERROR: Final = -32603
+TOO_MANY_REQUESTS: Final = -32000
 
 Params = BaseModel | Mapping[str, Any] | str
 """What stands in `params` of a message of ours; a `str` is the JSON text of it."""

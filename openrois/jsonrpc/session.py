@@ -20,6 +20,7 @@ from openrois import correlation
 from openrois.jsonrpc import protocol
 from openrois.jsonrpc.calls import Calls, RpcError, SessionClosed
 from openrois.jsonrpc.handler import MAX_PROBLEMS, Handler, InvalidParams, NotificationHandler, Reply, method
+from openrois.jsonrpc.intake import MAX_RUNNING_REQUESTS, Intake, IntakeRules
 from openrois.jsonrpc.latencies import Latencies
 from openrois.jsonrpc.outbox import Outbox, OutboxOverflow
 from openrois.jsonrpc.protocol import Peer, RequestId
@@ -28,6 +29,7 @@ from openrois.transport.stream import BatchStream, MessageStream, StreamClosed
 
 __all__ = [
     "MAX_PROBLEMS",
+    "MAX_RUNNING_REQUESTS",
     "Handler",
     "InvalidParams",
     "NotificationHandler",
@@ -40,11 +42,11 @@ __all__ = [
 
 _log = logging.getLogger(__name__)
 
-MAX_RUNNING_REQUESTS: Final = 256
-"""Requests of one connection that run at a time; while they do, no further message is read."""
-
 CALL_TIMEOUT: Final = 10.0
 """Seconds that a call of ours waits for its answer."""
+
+FAIR_SHARE: Final = 64
+"""Messages of one connection that are taken in a row; then others have their turn."""
 
 BATCH_TEXT: Final = 64 * 1024
 """Characters that are handed over at once; what comes behind them may still be dropped."""
@@ -73,6 +75,8 @@ class RpcSession:
         on_failure: called with what failed when a handler here raised what it must not raise, after that was logged.
         explain: called with the id of a request and a `Reply.reason` that is not empty; what it tells the other side
             stands right before the reply.
+        rules: which requests come first and how many there may be; the `intake` made of them keeps count.
+        crowded: returns the result for a method whose request is refused because there are too many; None for an error.
         on_refusal: called with the method, the params, the result and the reason of such a reply.
         latencies: of the requests that are served here; None for not measured.
         call_latencies: of our own; None for not measured.
@@ -91,6 +95,8 @@ class RpcSession:
     on_failure: Callable[[str], None] = lambda _what: None
     explain: Callable[[RequestId, str], None] = lambda _request_id, _reason: None
     on_refusal: Callable[[str, Mapping[str, Any], Any, str], None] = lambda _method, _params, _result, _reason: None
+    rules: IntakeRules = field(default_factory=IntakeRules)
+    crowded: Callable[[str], Any] = lambda _method: None
     latencies: Latencies | None = None
     call_latencies: Latencies | None = None
     peer: str = ""
@@ -103,9 +109,9 @@ class RpcSession:
         self._peer = Peer()
         self._calls = Calls(self._peer)
         self._violations = Tally(_log, "protocol violations")
-        self._slots = asyncio.Semaphore(MAX_RUNNING_REQUESTS)
         self._closed: StreamClosed | None = None
         self._answered = 0
+        self.intake = Intake(self._begin, self._turn_away, self.rules)
 
     @property
     def closed(self) -> StreamClosed | None:
@@ -119,7 +125,7 @@ class RpcSession:
 
     @property
     def unanswered(self) -> int:
-        """How many of our own requests wait for their answers."""
+        """How many requests of our own wait."""
         return len(self._calls)
 
     @property
@@ -135,10 +141,10 @@ class RpcSession:
         """
         before = _cancellations()
         try:
-            async with asyncio.TaskGroup() as tasks:
-                tasks.create_task(self._write())
+            async with asyncio.TaskGroup() as self._tasks:
+                self._tasks.create_task(self._write())
                 try:
-                    await self._read(tasks)
+                    await self._read()
                 except StreamClosed as closed:
                     self._closed = self._closed or closed
                 raise _Ended
@@ -161,22 +167,45 @@ class RpcSession:
         self._closed = self._closed or StreamClosed(code, reason)
         await self.stream.close(code, reason)
 
-    async def _read(self, tasks: asyncio.TaskGroup) -> None:
+    async def _read(self) -> None:
         while True:
-            match self._peer.receive(await self.stream.receive()):
-                case protocol.Request() as request:
-                    await self._slots.acquire()
-                    tasks.create_task(self._serve(request))
-                case protocol.Notification(name, params):
-                    self._take_notification(name, params)
-                case protocol.Response() as response:
-                    self._calls.settle(response)
-                case protocol.ErrorResponse() as refusal:
-                    self._calls.refuse(refusal)
-                case protocol.Violation(reason, answer):
-                    self._violations.note(reason)
-                    if answer is not None:
-                        self._put(answer)
+            for _ in range(FAIR_SHARE):
+                self._take(await self.stream.receive())
+            await asyncio.sleep(0)
+
+    def _take(self, text: str) -> None:
+        match self._peer.receive(text):
+            case protocol.Request() as request:
+                self.intake.take(request, len(text))
+            case protocol.Notification(name, params):
+                self._take_notification(name, params)
+            case protocol.Response() as response:
+                self._calls.settle(response)
+            case protocol.ErrorResponse() as refusal:
+                self._calls.refuse(refusal)
+            case protocol.Violation(reason, answer):
+                self._violations.note(reason)
+                if answer is not None:
+                    self._put(answer)
+
+    def _begin(self, request: protocol.Request, over: Callable[[], None]) -> None:
+        self._tasks.create_task(self._serve(request, over))
+
+    def _turn_away(self, request: protocol.Request, reason: str) -> None:
+        """Refuse a request because there are too many."""
+        result = self.crowded(request.method)
+        if result is None:
+            answer = Peer.error(request.id, protocol.TOO_MANY_REQUESTS, "Too many requests", {"reason": reason})
+        else:
+            self._explain_refusal(request, result, reason)
+            answer = Peer.response(request.id, result)
+        self._put(answer)
+
+    def _explain_refusal(self, request: protocol.Request, result: Any, reason: str) -> None:
+        if isinstance(request.params, dict):
+            self.refused += 1
+            self.on_refusal(request.method, request.params, result, reason)
+            self.explain(request.id, reason)
 
     async def _write(self) -> None:
         with suppress(StreamClosed):
@@ -186,7 +215,7 @@ class RpcSession:
             while True:
                 await self.stream.send(await self.outbox.get())
 
-    async def _serve(self, request: protocol.Request) -> None:
+    async def _serve(self, request: protocol.Request, over: Callable[[], None]) -> None:
         correlation.request.set(request.id)
         if _log.isEnabledFor(logging.DEBUG):
             _log.debug("asked for %.80s", request.method)
@@ -205,11 +234,9 @@ class RpcSession:
             self._failed(request.method)
             answer = Peer.error(request.id, protocol.INTERNAL_ERROR, "Internal error")
         finally:
-            self._slots.release()
-        if reply.reason and isinstance(request.params, dict):
-            self.refused += 1
-            self.on_refusal(request.method, request.params, reply.result, reply.reason)
-            self.explain(request.id, reply.reason)
+            over()
+        if reply.reason:
+            self._explain_refusal(request, reply.result, reply.reason)
         self._put(answer)
         self._answered += 1
         if self.latencies is not None and request.method in self.methods:
@@ -254,8 +281,7 @@ class RpcSession:
             return
         try:
             self.outbox.put(text, droppable=droppable)
-        except OutboxOverflow as overflow:
-            # The other side is not reading, so a closing handshake could not reach it either.
+        except OutboxOverflow as overflow:  # It does not read, so a closing handshake could not reach it either.
             _log.warning("connection aborted: %s", overflow)
             self.overflows = 1
             self._closed = StreamClosed(1006, "outbox overflow")
@@ -267,6 +293,7 @@ class RpcSession:
         params: protocol.Params,
         *,
         timeout: float | None = None,
+        urgent: bool = False,
         on_result: Callable[[Any], Any] | None = None,
         on_late: Callable[[Any], None] | None = None,
         on_reason: Callable[[str], None] | None = None,
@@ -277,8 +304,8 @@ class RpcSession:
             name: the method.
             params: its params.
             timeout: seconds to wait at most, for room to ask as for the answer; `call_timeout` unless given.
-            on_result: called with the result before any later message of the other side is looked at; what it returns
-                is returned in the result's place.
+            urgent: whether it is sent also where there is no room to ask.
+            on_result: makes of the result what is returned, before any later message of the other side is looked at.
             on_late: called with a result that comes after the caller gave up, by timeout or cancellation; without it
                 such a result is dropped.
             on_reason: called with what `take_reason` is told of this request, before its result comes.
@@ -293,7 +320,7 @@ class RpcSession:
         """
         loop = asyncio.get_running_loop()
         deadline = loop.time() + (self.call_timeout if timeout is None else timeout)
-        if not self.outbox.is_roomy:
+        if not urgent and not self.outbox.is_roomy:
             # A question can wait: many at once may not end the connection, as answers that nobody reads do.
             async with asyncio.timeout_at(deadline):
                 await self.outbox.room()
@@ -326,7 +353,7 @@ class RpcSession:
             self._put(text)
 
     def notify(self, name: str, params: protocol.Params, *, droppable: bool = False, dispensable: bool = False) -> None:
-        """Tell the other side; nothing happens when the connection has ended.
+        """Tell the other side; when the connection has ended, nobody.
 
         Args:
             name: the method.

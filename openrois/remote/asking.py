@@ -1,12 +1,13 @@
 """Questions to a remote engine: the wire's answers become values or `RoISError`."""
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any, Final, TypeVar
 
 from pydantic import ValidationError
 
 from openrois.errors import ComponentFailed, EngineUnreachable, NotResponding, RoISError, error_for
+from openrois.jsonrpc.protocol import Params
 from openrois.jsonrpc.session import RpcError, RpcSession, SessionClosed
 from openrois.types.codes import ReturnCode
 from openrois.types.messages import ReturnResult
@@ -51,10 +52,12 @@ class Asking:
     async def ask(
         self,
         name: str,
-        params: Mapping[str, Any],
+        params: Params,
         model: type[Outcome],
         accepted: Callable[[Outcome], None] | None = None,
         too_late: Callable[[Any], None] | None = None,
+        *,
+        urgent: bool = False,
     ) -> Outcome:
         """Ask, check the answer, and raise what its return code stands for.
 
@@ -64,6 +67,7 @@ class Asking:
             model: of its result.
             accepted: called with a result whose code is OK before any later message is looked at.
             too_late: called with a result, as it came, that arrives when nobody waits for it any more.
+            urgent: whether it is asked also where there is no room for questions.
 
         Raises:
             RoISError: the other side refused, did not answer in time or properly, or is gone.
@@ -76,12 +80,12 @@ class Asking:
             return checked
 
         reason = _Latest()
-        checked: Outcome = await self._ask(name, params, on_result, too_late, reason)
+        checked: Outcome = await self._ask(name, params, on_result, too_late, reason, urgent=urgent)
         if checked.return_code is not ReturnCode.OK:
             raise _refusal(name, checked.return_code, reason)
         return checked
 
-    async def ask_unread(self, name: str, params: Mapping[str, Any], too_late: Callable[[Any], None]) -> Any:
+    async def ask_unread(self, name: str, params: Params, too_late: Callable[[Any], None]) -> Any:
         """Ask and return the result as it came, unless its return code says that it is a refusal.
 
         Raises:
@@ -97,14 +101,18 @@ class Asking:
     async def _ask(
         self,
         name: str,
-        params: Mapping[str, Any],
+        params: Params,
         on_result: Callable[[Any], Any] | None,
         too_late: Callable[[Any], None] | None,
         reason: _Latest,
+        *,
+        urgent: bool = False,
     ) -> Any:
         self.require_connected()
         try:
-            return await self._session.call(name, params, on_result=on_result, on_late=too_late, on_reason=reason.take)
+            return await self._session.call(
+                name, params, urgent=urgent, on_result=on_result, on_late=too_late, on_reason=reason.take
+            )
         except TimeoutError:
             raise NotResponding(f"the engine did not answer {name} in time") from None
         except SessionClosed as closed:

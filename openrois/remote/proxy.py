@@ -17,6 +17,7 @@ from openrois.errors import (
     TimedOut,
     Unsupported,
 )
+from openrois.interfaces.crowding import is_stop
 from openrois.jsonrpc import protocol
 from openrois.jsonrpc.session import NotificationHandler, RpcError, RpcSession
 from openrois.logs import Tally
@@ -184,8 +185,9 @@ class RemoteProxy:
                 )
                 await self._asking.ask(
                     "rois.command.execute",
-                    ExecuteParams(command_unit_list=(unit,)).model_dump(mode="json"),
+                    ExecuteParams(command_unit_list=(unit,)),
                     ReturnResult,
+                    urgent=is_stop(command_type),
                 )
             # The component's own engine ends it in time, and can say more about it; some do not.
             promised = self._claims.seconds_for(component_ref, command_type)

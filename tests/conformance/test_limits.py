@@ -18,11 +18,11 @@ from openrois_streaming.sessions import SESSIONS_LIMIT
 from openrois import command_log, condition, engine, error_log, event_log, faults, registry, remembered
 from openrois.application import EngineHost
 from openrois.errors import OutOfResources
-from openrois.gateway import adapters, server
+from openrois.gateway import adapters, applications, server
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import ADAPTER, APPLICATION
-from openrois.interfaces import stream
-from openrois.jsonrpc import calls, outbox, session
+from openrois.interfaces import command, crowding, stream
+from openrois.jsonrpc import calls, intake, outbox, session
 from openrois.registry import LocalRegistry
 from openrois.transport import websocket
 from openrois.types import messages, reasons, references, streams, values
@@ -37,6 +37,8 @@ DOOR = "robot/door"
 
 HERE = "tests/conformance/test_limits.py"
 TRANSPORT = "tests/conformance/test_transport.py"
+FLOOD = "tests/conformance/test_flood.py"
+INTAKE = "tests/openrois/jsonrpc/test_intake.py"
 
 LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
     "connections of a gateway": ((server.MAX_CONNECTIONS, 503), (f"{TRANSPORT}::test_only_so_many_at_a_time",)),
@@ -78,10 +80,28 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
         ("tests/openrois/test_event_log.py::test_of_too_many_that_wait_the_oldest_go",),
     ),
     "requests of one connection that run at a time": (
-        (session.MAX_RUNNING_REQUESTS,),
+        (intake.MAX_RUNNING_REQUESTS,),
         (
             f"{HERE}::test_requests_that_run",
             f"{TRANSPORT}::test_one_whose_answers_wait_behind_its_own_requests_stays",
+        ),
+    ),
+    "requests of one connection that wait; characters of them all": (
+        (intake.MAX_WAITING_REQUESTS, intake.MAX_WAITING_TEXT / MIB),
+        (
+            f"{FLOOD}::test_requests_that_wait_are_bounded",
+            f"{INTAKE}::test_those_that_wait_are_bounded_by_their_text_too",
+        ),
+    ),
+    "requests of one application": (
+        (applications.REQUESTS_PER_SECOND, applications.REQUESTS_AT_ONCE),
+        (f"{FLOOD}::test_whoever_floods_is_refused_and_told_when_to_come_back",),
+    ),
+    "urgent requests of one connection that run beside those; commands in one that is": (
+        (intake.MAX_URGENT_REQUESTS, crowding.MAX_UNITS),
+        (
+            f"{INTAKE}::test_urgent_ones_do_not_count_until_there_are_too_many_of_them",
+            "tests/openrois/interfaces/test_crowding.py::test_what_is_urgent",
         ),
     ),
     "problems that one -32602 lists": (
@@ -92,6 +112,11 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
         (command_log.MAX_RUNNING, command_log.MAX_FINISHED),
         (f"{HERE}::test_commands_that_run", f"{HERE}::test_finished_commands"),
     ),
+    "commands `stop` of one application beyond these limits": (
+        (command_log.STOP_RESERVE,),
+        (f"{FLOOD}::test_a_stop_is_accepted_when_no_other_command_is",),
+    ),
+    "components that one application has bound": ((command.MAX_BOUND,), (f"{HERE}::test_bound_components",)),
     "unfinished commands of all applications, those that are gone included": (
         (command_log.MAX_UNFINISHED,),
         (f"{HERE}::test_unfinished_commands_of_all", f"{HERE}::test_those_of_applications_that_are_gone_count"),
@@ -350,6 +375,13 @@ class TestCommands:
             await execute(app, sequence(0, messages.MAX_ITEMS + 1))
         assert refused.value.code == -32602
 
+    async def test_bound_components(self, app: wire.Application, monkeypatch: pytest.MonkeyPatch) -> None:
+        monkeypatch.setattr(command, "MAX_BOUND", 1)
+        for ref, code in ((DOOR, "OK"), (DOOR, "OK"), ("robot/bell", "OUT_OF_RESOURCES")):
+            assert (await app.ask("rois.command.bind", component_ref=ref))["return_code"] == code
+        assert (await app.ask("rois.command.release", component_ref=DOOR))["return_code"] == "OK"
+        assert (await app.ask("rois.command.bind", component_ref="robot/bell"))["return_code"] == "OK"
+
     async def test_characters_of_a_command_id(self, app: wire.Application) -> None:
         for length, code in ((command_log.MAX_ID, "OK"), (command_log.MAX_ID + 1, "BAD_PARAMETER")):
             unit = {"component_ref": DOOR, "command_type": "list", "command_id": "x" * length}
@@ -419,7 +451,7 @@ class TestConnections:
 
     async def test_requests_that_run(self, host: EngineHost, app: wire.Application, door: Door) -> None:
         door.may_answer.clear()
-        doors = [Door(str(number)) for number in range(session.MAX_RUNNING_REQUESTS // registry.MAX_QUERIES)]
+        doors = [Door(str(number)) for number in range(intake.MAX_RUNNING_REQUESTS // registry.MAX_QUERIES)]
         for other in doors:
             other.may_answer = door.may_answer
         await host.engine.attach(LocalRegistry("house", doors))

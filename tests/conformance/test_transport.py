@@ -329,7 +329,7 @@ class TestPings:
     async def test_one_whose_answers_wait_behind_its_own_requests_stays(
         self, robot: Robot, monkeypatch: pytest.MonkeyPatch
     ) -> None:
-        monkeypatch.setattr("openrois.jsonrpc.session.MAX_RUNNING_REQUESTS", 2)
+        monkeypatch.setattr("openrois.jsonrpc.intake.MAX_RUNNING_REQUESTS", 2)
         async with (
             deployment.gateway(application=QUICK) as gateway,
             deployment.adapter(gateway, *robot.parts()),

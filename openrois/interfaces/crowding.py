@@ -1,0 +1,74 @@
+"""What happens to requests when there are too many: what stops, gives back and leaves comes first, others are refused.
+
+A stop that passes what waits has to be the last word: what was asked before it of the same components is refused.
+"""
+
+from collections.abc import Iterator
+from typing import Any, Final
+
+from openrois.jsonrpc.intake import IntakeRules
+from openrois.jsonrpc.protocol import Request
+from openrois.rate import RateLimit
+from openrois.types.codes import ReturnCode
+from openrois.types.messages import ReturnResult
+from openrois.types.methods import METHODS
+
+__all__ = ["crowded", "intake_rules", "is_stop", "is_urgent", "overtakes"]
+
+MAX_UNITS: Final = 64
+"""Commands of a sequence that may pass others, if all of them are `stop`."""
+
+_EXECUTE: Final = "rois.command.execute"
+_URGENT: Final = frozenset(
+    {"rois.command.release", "rois.system.disconnect", "openrois.stop_all", "openrois.lease.release"}
+)
+_ACTING: Final = frozenset({_EXECUTE, "rois.command.set_parameter", "rois.command.bind", "rois.command.bind_any"})
+_RESULTS: Final = {method.name: method.result for method in METHODS}
+
+
+def intake_rules(rate: RateLimit | None = None) -> IntakeRules:
+    """Return the rules of a connection that speaks RoIS."""
+    return IntakeRules(is_urgent, overtakes, rate)
+
+
+def crowded(method: str) -> ReturnResult | None:
+    """Return what a request is answered that is refused because there are too many; None for a method of nobody."""
+    result = _RESULTS.get(method)
+    return None if result is None else result(return_code=ReturnCode.OUT_OF_RESOURCES)
+
+
+def is_stop(command_type: str) -> bool:
+    """Tell whether a command does nothing but end what runs."""
+    return command_type == "stop"
+
+
+def is_urgent(request: Request) -> bool:
+    """Tell whether a request stops, gives back or leaves. Whether it fits is not looked at yet."""
+    if request.method != _EXECUTE:
+        return request.method in _URGENT
+    units = list(_units(request.params))
+    return 0 < len(units) <= MAX_UNITS and all(is_stop(str(unit.get("command_type"))) for unit in units)
+
+
+def overtakes(urgent: Request, waiting: Request) -> bool:
+    """Tell whether a request that acts names a component that an urgent one, which passes it, is about."""
+    if waiting.method not in _ACTING:
+        return False
+    meant, named = _components(urgent), _components(waiting)
+    return not meant or not named or not meant.isdisjoint(named)
+
+
+def _components(request: Request) -> set[str]:
+    """Return the components that a request names; empty where it names none, and may mean any."""
+    params = request.params
+    named = (params.get("component_ref"),) if isinstance(params, dict) else ()
+    return {ref for ref in (*named, *(unit.get("component_ref") for unit in _units(params))) if isinstance(ref, str)}
+
+
+def _units(params: Any) -> Iterator[dict[str, Any]]:
+    """Give the command units of what may be the params of execute, those of concurrent commands, too."""
+    items = params.get("command_unit_list") if isinstance(params, dict) else None
+    for item in items if isinstance(items, list) else ():
+        inner = item.get("command_list") if isinstance(item, dict) else None
+        for unit in inner if isinstance(inner, list) else (item,):
+            yield unit if isinstance(unit, dict) else {}
