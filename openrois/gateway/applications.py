@@ -21,7 +21,7 @@ from openrois.gateway.refusals import note_refusal
 from openrois.gateway.renewal import Renewal, expiring
 from openrois.gateway.tenure import Tenure
 from openrois.interfaces import base_methods, lease_methods, stream_methods
-from openrois.interfaces.crowding import crowded, intake_rules
+from openrois.interfaces.crowding import intake_rules
 from openrois.interfaces.enforcement import enforced
 from openrois.interfaces.operation import reply_first
 from openrois.jsonrpc.session import Handler, InvalidParams, Reply, RpcSession
@@ -60,7 +60,7 @@ async def serve_application(
     """
     tenure = tenure or Tenure(LOCAL)
     rate = RateLimit(REQUESTS_AT_ONCE, REQUESTS_PER_SECOND, time.monotonic)
-    session = RpcSession(stream, rules=intake_rules(rate), crowded=crowded, latencies=host.traffic.latencies)
+    session = RpcSession(stream, rules=intake_rules(rate), latencies=host.traffic.latencies)
     signaling = _Signaling(host)
     app = ApplicationSession(
         host, session.notify, passes=signaling.passes, left=signaling.forget_peers, principal=tenure.principal

@@ -13,7 +13,7 @@ from openrois.types.codes import ReturnCode
 from openrois.types.messages import ReturnResult
 from openrois.types.methods import METHODS
 
-__all__ = ["crowded", "intake_rules", "is_stop", "is_urgent", "overtakes"]
+__all__ = ["intake_rules", "is_stop", "is_urgent", "overtakes", "refusal"]
 
 MAX_UNITS: Final = 64
 """Commands of a sequence that may pass others, if all of them are `stop`."""
@@ -28,10 +28,10 @@ _RESULTS: Final = {method.name: method.result for method in METHODS}
 
 def intake_rules(rate: RateLimit | None = None) -> IntakeRules:
     """Return the rules of a connection that speaks RoIS."""
-    return IntakeRules(is_urgent, overtakes, rate)
+    return IntakeRules(is_urgent, overtakes, refusal, rate)
 
 
-def crowded(method: str) -> ReturnResult | None:
+def refusal(method: str) -> ReturnResult | None:
     """Return what a request is answered that is refused because there are too many; None for a method of nobody."""
     result = _RESULTS.get(method)
     return None if result is None else result(return_code=ReturnCode.OUT_OF_RESOURCES)

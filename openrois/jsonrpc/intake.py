@@ -3,7 +3,7 @@
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 from openrois.jsonrpc.protocol import Request
 from openrois.rate import RateLimit
@@ -30,11 +30,13 @@ class IntakeRules:
     Attributes:
         is_urgent: whether a request passes all that wait and counts against no limit.
         overtakes: whether a request that waits, the second one, may not begin any more behind an urgent one.
+        refusal: returns the result of a method whose request is refused because there are too many; None for an error.
         rate: how often there may be one that is not urgent; None for as often as they like.
     """
 
     is_urgent: Callable[[Request], bool] = lambda _request: False
     overtakes: Callable[[Request, Request], bool] = lambda _urgent, _waiting: False
+    refusal: Callable[[str], Any] = lambda _method: None
     rate: RateLimit | None = None
 
 

@@ -76,7 +76,6 @@ class RpcSession:
         explain: called with the id of a request and a `Reply.reason` that is not empty; what it tells the other side
             stands right before the reply.
         rules: which requests come first and how many there may be; the `intake` made of them keeps count.
-        crowded: returns the result for a method whose request is refused because there are too many; None for an error.
         on_refusal: called with the method, the params, the result and the reason of such a reply.
         latencies: of the requests that are served here; None for not measured.
         call_latencies: of our own; None for not measured.
@@ -96,7 +95,6 @@ class RpcSession:
     explain: Callable[[RequestId, str], None] = lambda _request_id, _reason: None
     on_refusal: Callable[[str, Mapping[str, Any], Any, str], None] = lambda _method, _params, _result, _reason: None
     rules: IntakeRules = field(default_factory=IntakeRules)
-    crowded: Callable[[str], Any] = lambda _method: None
     latencies: Latencies | None = None
     call_latencies: Latencies | None = None
     peer: str = ""
@@ -193,7 +191,7 @@ class RpcSession:
 
     def _turn_away(self, request: protocol.Request, reason: str) -> None:
         """Refuse a request because there are too many."""
-        result = self.crowded(request.method)
+        result = self.rules.refusal(request.method)
         if result is None:
             answer = Peer.error(request.id, protocol.TOO_MANY_REQUESTS, "Too many requests", {"reason": reason})
         else:

@@ -11,7 +11,7 @@ from openrois.engine import Engine, leads_to
 from openrois.errors import Aborted, EngineUnreachable, RoISError
 from openrois.holders import tell_holder
 from openrois.interfaces import base_methods
-from openrois.interfaces.crowding import crowded, intake_rules
+from openrois.interfaces.crowding import intake_rules
 from openrois.jsonrpc.session import Handler, InvalidParams, NotificationHandler, Reply, RpcSession, method
 from openrois.lifeline import ALIVE, WATCH
 from openrois.lost_streams import lost_streams
@@ -54,7 +54,7 @@ async def serve_engine(
     for `STREAM_GRACE` seconds after the connection has ended, so that a short cut of the control link does not darken a
     picture; then they end, because nobody can command them any more.
     """
-    session = RpcSession(stream, rules=intake_rules(), crowded=crowded)
+    session = RpcSession(stream, rules=intake_rules())
     app = ApplicationSession(host, session.notify, trusted=True)
     served = _ServedExtension(host, session.notify, app)
     session.on_failure = host.crashed

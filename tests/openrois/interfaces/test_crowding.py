@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from openrois.interfaces.crowding import MAX_UNITS, crowded, is_urgent, overtakes
+from openrois.interfaces.crowding import MAX_UNITS, is_urgent, overtakes, refusal
 from openrois.jsonrpc.protocol import Request
 from openrois.types.messages import ResultsResult
 
@@ -85,7 +85,7 @@ def test_params_of_any_kind_are_looked_at(one: Any, other: Any) -> None:
 
 
 def test_the_answer_is_that_of_the_method() -> None:
-    refusal = crowded("rois.query.query")
-    assert isinstance(refusal, ResultsResult)
-    assert refusal.return_code == "OUT_OF_RESOURCES"
-    assert crowded("nobody.knows") is None
+    result = refusal("rois.query.query")
+    assert isinstance(result, ResultsResult)
+    assert result.return_code == "OUT_OF_RESOURCES"
+    assert refusal("nobody.knows") is None

@@ -21,7 +21,7 @@ class Door:
         rules = IntakeRules(
             lambda request: request.method == "stop",
             lambda urgent, waiting: urgent.params == waiting.params,
-            rate,
+            rate=rate,
         )
         self.intake = Intake(self._start, self._refuse, rules)
 
@@ -117,3 +117,4 @@ def test_without_rules_nothing_is_urgent() -> None:
         intake.take(Request(number, "stop", {}), 1)
     assert ([request.id for request in started], len(intake), intake.urgent) == ([0, 1], 2, 0)
     assert not IntakeRules().overtakes(started[0], started[1])
+    assert IntakeRules().refusal("stop") is None
