@@ -55,7 +55,7 @@ class Intake:
 
     def __init__(
         self,
-        start: Callable[[Request, Callable[[], None]], None],
+        start: Callable[[Request, Callable[[], None]], object],
         refuse: Callable[[Request, str], None],
         rules: IntakeRules,
     ) -> None:

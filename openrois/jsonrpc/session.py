@@ -8,7 +8,7 @@ runs before the next message is looked at).
 
 import asyncio
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from time import perf_counter
@@ -109,7 +109,9 @@ class RpcSession:
         self._violations = Tally(_log, "protocol violations")
         self._closed: StreamClosed | None = None
         self._answered = 0
-        self.intake = Intake(self._begin, self._turn_away, self.rules)
+        self.intake = Intake(
+            lambda request, over: self._tasks.create_task(self._serve(request, over)), self._turn_away, self.rules
+        )
 
     @property
     def closed(self) -> StreamClosed | None:
@@ -186,9 +188,6 @@ class RpcSession:
                 if answer is not None:
                     self._put(answer)
 
-    def _begin(self, request: protocol.Request, over: Callable[[], None]) -> None:
-        self._tasks.create_task(self._serve(request, over))
-
     def _turn_away(self, request: protocol.Request, reason: str) -> None:
         """Refuse a request because there are too many."""
         result = self.rules.refusal(request.method)
@@ -221,7 +220,7 @@ class RpcSession:
         self.requests += 1
         reply = Reply(None)
         try:
-            result = await self._handle(request)
+            result = await _handled(self.methods, request)
             reply = result if isinstance(result, Reply) else Reply(result)
             answer = Peer.response(request.id, reply.result)
         except InvalidParams as error:
@@ -248,14 +247,6 @@ class RpcSession:
         except Exception:
             # The reply has left, so this can't be told any more.
             self._failed(f"what follows the reply of {name}")
-
-    async def _handle(self, request: protocol.Request) -> Any:
-        handler = self.methods.get(request.method)
-        if handler is None:
-            raise _MethodNotFound
-        if not isinstance(request.params, dict):
-            raise InvalidParams([{"path": "", "message": "params must be an object"}])
-        return await handler(request.params)
 
     def _take_notification(self, name: str, params: dict[str, Any]) -> None:
         handler = self.notifications.get(name)
@@ -361,6 +352,15 @@ class RpcSession:
         """
         if self._closed is None and (self.outbox.is_roomy or not dispensable):
             self._put(Peer.notification(name, params), droppable=droppable)
+
+
+def _handled(methods: Mapping[str, Handler], request: protocol.Request) -> Awaitable[Any]:
+    handler = methods.get(request.method)
+    if handler is None:
+        raise _MethodNotFound
+    if not isinstance(request.params, dict):
+        raise InvalidParams([{"path": "", "message": "params must be an object"}])
+    return handler(request.params)
 
 
 def _expire(answer: asyncio.Future[Any]) -> None:
