@@ -4,6 +4,7 @@ import json
 import time
 from collections.abc import Callable
 from contextlib import AbstractContextManager
+from json.encoder import encode_basestring_ascii
 from pathlib import Path
 from types import TracebackType
 from typing import Final, Self
@@ -19,6 +20,8 @@ __all__ = ["Audit"]
 _LONGEST: Final = 300
 """Characters of one value in a record; whoever is refused chose them."""
 
+
+_quoted: Final[Callable[[str], str]] = encode_basestring_ascii
 
 _NO_SECRETS: Final = Redaction()
 
@@ -133,11 +136,21 @@ class Audit(AbstractContextManager["Audit"]):
 
     def _line(self, record: _Record) -> str:
         at, kind, who, token, method, subject, detail, correlation = record
-        told = {"kind": kind, "who": who, "method": method, "subject": subject}
-        told["reason" if kind == "refused" else "detail"] = detail
-        told |= {"token_id": token, "correlation": correlation}
+        told = {
+            "kind": kind,
+            "who": who,
+            "method": method,
+            "subject": subject,
+            "reason" if kind == "refused" else "detail": detail,
+            "token_id": token,
+            "correlation": correlation,
+        }
+        whole = "\n".join(told.values())
+        if len(whole) > _LONGEST or self._redact(whole) != whole:
+            told = {name: self._fit(text) for name, text in told.items()}
         # Characters beyond ASCII and controls are escaped: one record is one line, whatever somebody put in it.
-        return json.dumps({"time": round(at, 6), **{name: self._fit(text) for name, text in told.items() if text}})
+        written = [f'"{name}": {_quoted(text)}' for name, text in told.items() if text]
+        return f'{{"time": {at:.6f}, {", ".join(written)}}}'
 
     def _fit(self, text: str) -> str:
         text = self._redact(text)
