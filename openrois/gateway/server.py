@@ -4,7 +4,7 @@ import asyncio
 import logging
 import time
 from collections.abc import AsyncIterator, Awaitable, Callable
-from contextlib import AsyncExitStack, asynccontextmanager
+from contextlib import AbstractContextManager, AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 from functools import partial
 from typing import Final
@@ -19,10 +19,12 @@ from openrois.gateway.admission import guard
 from openrois.gateway.applications import serve_application
 from openrois.gateway.draining import RETRY_AFTER, Drain
 from openrois.gateway.entrance import Entrance
+from openrois.gateway.heads import HEAD_TIMEOUT, Heads
 from openrois.gateway.health import Readiness, healthz, readyz
 from openrois.gateway.ice import IceServers
 from openrois.gateway.metrics import figures
 from openrois.gateway.page import page_response
+from openrois.gateway.places import MAX_ADAPTERS, MAX_APPLICATIONS, Places
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import ADAPTER, APPLICATION, ServerSocket, SocketProfile
 from openrois.gateway.tenure import Tenure
@@ -43,10 +45,10 @@ _http = logging.getLogger(f"{__name__}.http")
 # At DEBUG the library logs requests that cannot be read, with their headers, tokens too.
 _http.setLevel(logging.INFO)
 
-MAX_CONNECTIONS: Final = 1024
-"""Applications and adapters at a time; one more is answered 503."""
-
 _OPENRPC: Final = "openrpc.json"
+_BACKLOG: Final = 1024
+"""Connections that the kernel keeps for us: all clients of a gateway come back at once when it has restarted."""
+
 _SHUTDOWN_TIMEOUT: Final = 1.0
 
 
@@ -115,20 +117,39 @@ async def run_gateway(
         readiness.require("journal", lambda: not journal.failing)
         if (verifier := entrance.admission.verifier) is not None:
             readiness.require("keys for tokens", verifier.keys.is_usable)
+        heads = Heads(host.traffic.turn_away)
+        places = Places(host.traffic.turn_away, settings.per_address)
         server = _Server(
-            host, entrance, readiness, settings.metrics_token, settings.adapter_timeout, application, adapter
+            host,
+            entrance,
+            places,
+            heads,
+            readiness,
+            settings.metrics_token,
+            settings.adapter_timeout,
+            application,
+            adapter,
         )
         runner = web.AppRunner(server.app, access_log=None, logger=_http, shutdown_timeout=_SHUTDOWN_TIMEOUT)
         await runner.setup()
         stack.push_async_callback(runner.cleanup)
         context = None if entrance.certificate is None else entrance.certificate.context
-        site = web.TCPSite(runner, settings.host, settings.port, ssl_context=context)
-        await site.start()
-        port = runner.addresses[0][1]
+        assert runner.server is not None
+        heads.protocols = runner.server
+        listening = await asyncio.get_running_loop().create_server(
+            heads,
+            settings.host,
+            settings.port,
+            ssl=context,
+            ssl_handshake_timeout=None if context is None else HEAD_TIMEOUT,
+            backlog=_BACKLOG,
+        )
+        stack.callback(listening.close)
+        port = listening.sockets[0].getsockname()[1]
         shown = f"[{settings.host}]" if ":" in settings.host else settings.host
         metrics = ""
         if settings.metrics is not None:
-            look = partial(figures, host, lag, MAX_CONNECTIONS)
+            look = partial(figures, host, lag, MAX_APPLICATIONS + MAX_ADAPTERS)
             serving = serving_metrics(*metrics_address(settings.metrics), look, settings.metrics_token)
             metrics = await stack.enter_async_context(serving)
             _log.info("metrics: %s", metrics)
@@ -146,6 +167,8 @@ class _Server:
         self,
         host: EngineHost,
         entrance: Entrance,
+        places: Places,
+        heads: Heads,
         readiness: Readiness,
         metrics_token: str,
         adapter_timeout: float,
@@ -154,12 +177,13 @@ class _Server:
     ) -> None:
         self._host = host
         self._entrance = entrance
+        self._places = places
         self._adapter_timeout = adapter_timeout
         self._application_profile = application
         self._adapter_profile = adapter
         self._sockets: set[ServerSocket] = set()
-        readiness.require("room for connections", lambda: len(self._sockets) < MAX_CONNECTIONS)
-        self.app = web.Application(middlewares=[guard(entrance.admission)])
+        readiness.require("room for connections", lambda: not places.is_full)
+        self.app = web.Application(middlewares=[heads.middleware(), guard(entrance.admission)])
         self.app.router.add_get("/healthz", healthz)
         self.app.router.add_get("/readyz", partial(readyz, readiness, metrics_token))
         self.app.router.add_get("/adapter", self._adapter)
@@ -173,6 +197,7 @@ class _Server:
                 request,
                 self._application_profile,
                 tenure,
+                self._places.of_application(request.remote or ""),
                 lambda stream: serve_application(self._host, stream, tenure, self._entrance.renewal),
             )
         path = request.match_info["path"]
@@ -188,6 +213,7 @@ class _Server:
             request,
             self._adapter_profile,
             tenure,
+            self._places.of_adapter(),
             lambda stream: serve_adapter(
                 self._host, stream, self._adapter_timeout, tenure=tenure, renewal=self._entrance.renewal
             ),
@@ -198,31 +224,30 @@ class _Server:
         request: web.Request,
         profile: SocketProfile,
         tenure: Tenure,
+        place: AbstractContextManager[None],
         serve: Callable[[MessageStream], Awaitable[object]],
     ) -> web.StreamResponse:
         if self._host.draining:
             self._host.traffic.turn_away("draining")
             raise web.HTTPServiceUnavailable(text=f"{RESTARTS}\n", headers={"Retry-After": str(RETRY_AFTER)})
-        if len(self._sockets) >= MAX_CONNECTIONS:
-            self._host.traffic.turn_away("full")
-            raise web.HTTPServiceUnavailable(text="the gateway has as many connections as it takes\n")
-        socket = ServerSocket(request, profile)
-        try:
-            await socket.prepare()
-        except StreamClosed:
-            # aiohttp needs an answer, and drops it: there is nobody any more.
-            return web.Response()
-        self._sockets.add(socket)
-        pinging = asyncio.ensure_future(socket.keep_alive())
-        try:
-            with self._entrance.tenures.holding(tenure, socket):
-                closed = await serve(socket)
-            _log.debug("%s: %s", request.path, closed)
-        finally:
-            self._sockets.discard(socket)
-            pinging.cancel()
-            await asyncio.wait({pinging})
-        return socket.response
+        with place:
+            socket = ServerSocket(request, profile)
+            try:
+                await socket.prepare()
+            except StreamClosed:
+                # aiohttp needs an answer, and drops it: there is nobody any more.
+                return web.Response()
+            self._sockets.add(socket)
+            pinging = asyncio.ensure_future(socket.keep_alive())
+            try:
+                with self._entrance.tenures.holding(tenure, socket):
+                    closed = await serve(socket)
+                _log.debug("%s: %s", request.path, closed)
+            finally:
+                self._sockets.discard(socket)
+                pinging.cancel()
+                await asyncio.wait({pinging})
+            return socket.response
 
     async def _close_all(self, _app: web.Application) -> None:
         await asyncio.gather(

@@ -7,6 +7,7 @@ from pydantic import model_validator
 
 from openrois.access.loopback import is_loopback
 from openrois.gateway.access_settings import Authentication, Encryption
+from openrois.gateway.places import MAX_PER_ADDRESS
 from openrois.gateway.settings_group import SettingsGroup, setting
 from openrois.jsonrpc.session import CALL_TIMEOUT
 from openrois.leases.model import GRACE, PATIENCE
@@ -29,11 +30,14 @@ class Listening(SettingsGroup):
     host: str = setting("127.0.0.1", "address to listen on; one that is not loopback needs authentication and TLS")
     port: int = setting(8765, "TCP port, 0 for any free one")
     engine_id: str = setting("gateway", "the gateway's own id in references and profiles", metavar="ID")
+    per_address: int = setting(MAX_PER_ADDRESS, "applications from one address at a time", metavar="COUNT")
 
     @model_validator(mode="after")
     def _check_listening(self) -> Self:
         if not 0 <= self.port <= 65535:
             raise ValueError(f"{self.port} is no TCP port")
+        if self.per_address < 1:
+            raise ValueError("one address has at least one connection")
         if flaw := flaw_of_name(self.engine_id):
             raise ValueError(f"{self.engine_id!r} is no engine id: {flaw}")
         return self

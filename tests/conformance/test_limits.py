@@ -18,7 +18,7 @@ from openrois_streaming.sessions import SESSIONS_LIMIT
 from openrois import command_log, condition, engine, error_log, event_log, faults, registry, remembered
 from openrois.application import EngineHost
 from openrois.errors import OutOfResources
-from openrois.gateway import adapters, applications, server
+from openrois.gateway import adapters, applications, heads, places
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import ADAPTER, APPLICATION
 from openrois.interfaces import command, crowding, stream
@@ -37,11 +37,24 @@ DOOR = "robot/door"
 
 HERE = "tests/conformance/test_limits.py"
 TRANSPORT = "tests/conformance/test_transport.py"
+PLACES = "tests/openrois/gateway/test_places.py"
+HEADS = "tests/openrois/gateway/test_heads.py"
 FLOOD = "tests/conformance/test_flood.py"
 INTAKE = "tests/openrois/jsonrpc/test_intake.py"
 
 LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
-    "connections of a gateway": ((server.MAX_CONNECTIONS, 503), (f"{TRANSPORT}::test_only_so_many_at_a_time",)),
+    "applications / adapters at a gateway at a time": (
+        (places.MAX_APPLICATIONS, places.MAX_ADAPTERS, 503),
+        (f"{TRANSPORT}::test_only_so_many_at_a_time", f"{PLACES}::test_adapters_have_places_of_their_own"),
+    ),
+    "applications from one address (`--per-address`)": (
+        (places.MAX_PER_ADDRESS, 429),
+        (f"{PLACES}::test_one_address_has_so_many",),
+    ),
+    "time for the head of a request, TLS included; connections that have not sent one": (
+        (heads.HEAD_TIMEOUT, heads.MAX_HEADS),
+        (f"{HEADS}::test_half_a_handshake_is_cut", f"{HEADS}::test_of_too_many_the_oldest_is_cut"),
+    ),
     "message from an application / an adapter": (
         (APPLICATION.max_message / KIB, ADAPTER.max_message / MIB, 1009, 1003),
         (

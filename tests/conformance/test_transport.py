@@ -154,7 +154,7 @@ class TestWhoIsLetIn:
                     assert answer.status == status
 
     async def test_only_so_many_at_a_time(self, gateway: Gateway, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr("openrois.gateway.server.MAX_CONNECTIONS", 2)
+        monkeypatch.setattr("openrois.gateway.places.MAX_APPLICATIONS", 2)
         async with deployment.application(gateway) as first, deployment.application(gateway):
             assert await upgraded(gateway, "") == 503
             assert await first.code("rois.system.connect") == "OK"

@@ -31,7 +31,7 @@ def test_what_is_lacking() -> None:
 
 
 async def test_a_gateway_that_is_full_is_not_ready(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("openrois.gateway.server.MAX_CONNECTIONS", 1)
+    monkeypatch.setattr("openrois.gateway.places.MAX_APPLICATIONS", 1)
     async with deployment.gateway(metrics_token=TOKEN) as gateway:
         assert await asked(gateway, "readyz") == (200, {"status": "ready"})
         async with deployment.application(gateway) as app:

@@ -11,6 +11,7 @@ from prometheus_client.parser import text_string_to_metric_families
 
 from openrois.gateway import metrics
 from openrois.gateway.metrics import FIGURES, HISTOGRAMS
+from openrois.gateway.places import MAX_ADAPTERS, MAX_APPLICATIONS
 from openrois.gateway.server import Gateway
 from tests.support import deployment
 from tests.support.deployment import Robot
@@ -63,7 +64,7 @@ async def test_what_happened_is_counted(gateway: Gateway) -> None:
         assert found["openrois_gateway_request_seconds_count"][("rois.command.bind",)] == 2
         assert found["openrois_gateway_request_seconds_bucket"][("+Inf", "rois.command.bind")] == 2
         assert ("rois.system.get_profile",) in found["openrois_gateway_call_seconds_count"]
-        assert found["openrois_gateway_connections_limit"] == {(): 1024}
+        assert found["openrois_gateway_connections_limit"] == {(): MAX_APPLICATIONS + MAX_ADAPTERS}
         assert found["process_open_fds"][()] > 0
     async with asyncio.timeout(deployment.PATIENCE):
         while (found := await scraped(gateway))["openrois_gateway_connections"][application]:

@@ -1,0 +1,77 @@
+"""How many connections there may be: applications and adapters have places of their own, and one address has few."""
+
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Final
+
+from aiohttp import web
+
+__all__ = ["MAX_ADAPTERS", "MAX_APPLICATIONS", "MAX_PER_ADDRESS", "Places"]
+
+MAX_APPLICATIONS: Final = 8192
+"""Applications at a time; one more is answered 503."""
+
+MAX_ADAPTERS: Final = 1024
+"""Adapters at a time; one more is answered 503. Applications, however many, take no place of theirs."""
+
+MAX_PER_ADDRESS: Final = 1024
+"""Applications at a time from one address, unless the gateway is told otherwise; one more is answered 429."""
+
+
+class Places:
+    """The places of one gateway.
+
+    Args:
+        turned_away: told the reason whenever there is no place.
+        per_address: applications at a time from one address.
+    """
+
+    def __init__(self, turned_away: Callable[[str], None], per_address: int = MAX_PER_ADDRESS) -> None:
+        self._turned_away = turned_away
+        self._per_address = per_address
+        self._applications: Counter[str] = Counter()
+        self._adapters = 0
+
+    @property
+    def is_full(self) -> bool:
+        """Whether one more application, or one more adapter, would be turned away wherever it comes from."""
+        return self._applications.total() >= MAX_APPLICATIONS or self._adapters >= MAX_ADAPTERS
+
+    @contextmanager
+    def of_application(self, address: str) -> Iterator[None]:
+        """Take a place for an application while the block runs.
+
+        Raises:
+            HTTPServiceUnavailable: there is none.
+            HTTPTooManyRequests: there is none for this address.
+        """
+        if self._applications.total() >= MAX_APPLICATIONS:
+            self._turned_away("full")
+            raise web.HTTPServiceUnavailable(text="the gateway has as many applications as it takes\n")
+        if self._applications[address] >= self._per_address:
+            self._turned_away("too many from one address")
+            raise web.HTTPTooManyRequests(text="your address has as many connections as it may have\n")
+        self._applications[address] += 1
+        try:
+            yield
+        finally:
+            self._applications[address] -= 1
+            if not self._applications[address]:
+                del self._applications[address]
+
+    @contextmanager
+    def of_adapter(self) -> Iterator[None]:
+        """Take a place for an adapter while the block runs.
+
+        Raises:
+            HTTPServiceUnavailable: there is none.
+        """
+        if self._adapters >= MAX_ADAPTERS:
+            self._turned_away("full")
+            raise web.HTTPServiceUnavailable(text="the gateway has as many adapters as it takes\n")
+        self._adapters += 1
+        try:
+            yield
+        finally:
+            self._adapters -= 1
