@@ -1,17 +1,22 @@
 """Adapters and applications that bring tokens: over TLS, and a newer one before the present one ends."""
 
 import asyncio
+import json
 import time
 from pathlib import Path
+from typing import Any
 
 import pytest
+from websockets.asyncio.client import ClientConnection
+from websockets.exceptions import ConnectionClosed
 
 from openrois.adapter import serve
 from openrois.client import Client
 from openrois.client.errors import ConnectionFailed
+from openrois.errors import OutOfResources
 from tests.support.certificates import Authority
 from tests.support.components import Lamp
-from tests.support.guarded import Guarded, fresh, guarded
+from tests.support.guarded import Guarded, ask, fresh, guarded
 from tests.support.tokens import SECRET
 
 
@@ -81,3 +86,39 @@ async def test_a_certificate_that_nobody_known_has_signed(tmp_path: Path) -> Non
             with pytest.raises(ConnectionFailed, match="certificate verify failed"):
                 async with Client(coming.gateway.url, token=fresh(), ca_file=ca_file):
                     pass
+
+
+async def test_what_an_operator_has_bound_is_free_when_its_token_ends(tmp_path: Path) -> None:
+    async with guarded(tmp_path) as coming:
+        (tmp_path / "token").write_text(fresh(sub="robot", roles="adapter", scope="robot/*"))
+        attached = asyncio.Event()
+        coming.gateway.engine.on_change(attached.set)
+        async with (
+            serve(Lamp(), engine_id="robot", gateway=coming.gateway.url, token_file=tmp_path / "token"),
+            Client(coming.gateway.url, token=fresh(sub="bob")) as bob,
+        ):
+            await asyncio.wait_for(attached.wait(), 10)
+            async with coming.dial(fresh(exp=time.time() + 2)) as alice:
+                for method in ("rois.system.connect", "openrois.hello"):
+                    await ask(alice, method, **({"version": "1"} if method == "openrois.hello" else {}))
+                assert (await ask(alice, "rois.command.bind", component_ref="robot/lamp"))["result"] == OK
+                # A session that can be resumed keeps what it has for a while when its connection is lost.
+                assert (await ask(alice, "openrois.lease.token"))["result"]["return_code"] == "OK"
+                with pytest.raises(OutOfResources):
+                    await bob.bind("robot/lamp")
+                told: list[dict[str, Any]] = []
+                with pytest.raises(ConnectionClosed) as closed:
+                    await asyncio.wait_for(hear(alice, told), 10)
+                assert closed.value.rcvd is not None
+                assert closed.value.rcvd.code == 4401
+                (expiring,) = (message for message in told if message["method"] == "openrois.auth.expiring")
+                assert 0 <= expiring["params"]["seconds"] <= 2
+            await bob.bind("robot/lamp")
+
+
+OK = {"return_code": "OK"}
+
+
+async def hear(connection: ClientConnection, told: list[dict[str, Any]]) -> None:
+    while True:
+        told.append(json.loads(await connection.recv()))
