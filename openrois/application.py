@@ -192,15 +192,18 @@ class ApplicationSession:
     @principal.setter
     def principal(self, principal: Principal) -> None:
         claims = Claims(principal)
-        for component_ref in claims.lost_bindings(tuple(self.bound)):
+        bound = claims.lost_bindings(self.bound)
+        streams = claims.lost_streams(self.streams)
+        # First of all it sees no more: what follows is not told of to whoever may not know of it.
+        self.engine.principal = principal
+        self.bound.difference_update(bound)
+        for component_ref in bound:
             self.give_back(component_ref)
-            self.bound.discard(component_ref)
         for component_ref in claims.lost_bindings(self.host.leases.waited_for(self)):
             self.host.leases.withdraw(component_ref, self)
-        if lost := claims.lost_streams(self.streams):
-            self.host.tasks.start(end_streams(self.host.engine, lost, self.client))
+        if streams:
+            self.host.tasks.start(end_streams(self.host.engine, streams, self.client))
         self.host.tasks.start(self.events.drop(claims.loses_subscription))
-        self.engine.principal = principal
 
     def may_operate(self, component_ref: str) -> bool:
         """Tell whether this session may change what the component does."""

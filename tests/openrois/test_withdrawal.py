@@ -108,10 +108,7 @@ async def test_a_peer_of_an_engine_out_of_sight_is_ended(holder: Holder) -> None
     holder.tenure.replace(principal("operator", "kept/*"))
     await holder.wire.until("rois.system.profile_changed")
     await holder.wire.code("rois.command.search", {})
-    assert [method for method, _, _ in calls if method in ("rois.stream.disconnect_stream", "signaling.bye")] == [
-        "rois.stream.disconnect_stream",
-        "signaling.bye",
-    ]
+    assert {"rois.stream.disconnect_stream", "signaling.bye"} <= {method for method, _, _ in calls}
 
 
 @pytest.mark.parametrize(("role", "binds", "streams"), [("viewer", False, True), ("maintenance", False, False)])
@@ -196,6 +193,46 @@ async def test_a_stream_that_cannot_be_ended_is_no_reason_to_show_it(
     await holder.wire.until("rois.system.profile_changed")
     assert await holder.has(LOST) == NOTHING
     assert "a stream that its application may not have any more could not be ended: not now" in caplog.text
+
+
+async def test_who_does_not_see_it_does_not_wait_for_it_either() -> None:
+    tenure = Tenure(principal("operator", "*"))
+    async with place(LOST) as where, where.application(tenure) as wire:
+        navigation = where.robots[LOST].robot.ref("Navigation")
+        async with where.application(principal("operator", "*")) as other:
+            await other.result("rois.command.bind", {"component_ref": navigation})
+            await other.result("openrois.lease.query", {"component_ref": navigation})
+            lease = (await wire.result("openrois.lease.request", {"component_ref": navigation}))["lease"]
+            assert lease["position"] == 1
+            await other.until("openrois.lease.requested")
+            tenure.replace(principal("operator", "other/*"))
+            await other.until("openrois.lease.withdrawn")
+            await wire.until("rois.system.profile_changed")
+            assert await other.code("rois.command.release", {"component_ref": navigation}) == "OK"
+        # Who watched it is not told any more what becomes of it.
+        frames = [json.loads(frame) for frame in await wire.ask("rois.command.search", {})]
+        assert [frame["method"] for frame in [*map(json.loads, wire.frames), *frames[:-1]]] == []
+        assert await wire.code("openrois.lease.query", {"component_ref": navigation}) == "UNSUPPORTED"
+
+
+@pytest.mark.parametrize(("lesser", "kept"), [(("operator", "kept/*"), [KEPT]), (("operator", "*"), [KEPT, LOST])])
+async def test_who_resumes_with_less_has_less(lesser: tuple[str, str], kept: list[str]) -> None:
+    async with place(KEPT, LOST) as where:
+        refs = {each: where.robots[each].robot.ref("Navigation") for each in (KEPT, LOST)}
+        async with where.application(principal("operator", "*")) as wire:
+            for ref in refs.values():
+                await wire.result("rois.command.bind", {"component_ref": ref})
+            token = (await wire.result("openrois.lease.token", {}))["token"]
+            wire.stream.abort()
+        async with (
+            where.application(principal(*lesser)) as wire,
+            where.application(principal("operator", "*")) as other,
+        ):
+            resumed = await wire.result("openrois.lease.resume", {"token": token})
+            assert [each["component_ref"] for each in resumed["leases"]] == [refs[each] for each in kept]
+            for each, ref in refs.items():
+                expected = "OUT_OF_RESOURCES" if each in kept else "OK"
+                assert await other.code("rois.command.bind", {"component_ref": ref}) == expected
 
 
 async def test_nobody_keeps_nothing(holder: Holder) -> None:

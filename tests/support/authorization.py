@@ -16,13 +16,13 @@ from openrois.engine import Engine
 from openrois.gateway.applications import serve_application
 from openrois.gateway.tenure import Tenure
 from openrois.registry import LocalRegistry
+from openrois.tasks import TaskScope
 from openrois.transport.memory import memory_pair
 from openrois.transport.stream import MessageStream
 from openrois.types.messages import Argument, Result
 from openrois.types.streams import HolderNotification
 from tests.support.fleet import Part, Robot
 from tests.support.streams import FakeStreams
-from tests.support.wire import hosted
 
 __all__ = ["Place", "Watched", "Wire", "place", "principal"]
 
@@ -175,5 +175,5 @@ async def place(*robots: str | Watched) -> AsyncIterator[Place]:
     for robot in watched:
         await engine.attach(robot)
     async with AsyncExitStack() as stack:
-        host = await stack.enter_async_context(hosted(engine))
+        host = EngineHost(engine, await stack.enter_async_context(TaskScope()))
         yield Place(host, {robot.robot.engine_id: robot for robot in watched})
