@@ -61,6 +61,7 @@ class Engine:
         engine_id: the engine's name in its tree.
         faults: who is told of the faults of the engine and of every bus attached to it.
         on_fault: the engine that this one is attached to is told, too.
+        mint: makes the faults that this engine notices.
         lost: components whose bus went without a word.
     """
 
@@ -75,7 +76,7 @@ class Engine:
         self._routes: dict[str, ComponentBus] = {}
         self._subscriptions: dict[str, _Subscription] = {}
         self._changes: Listeners[()] = Listeners()
-        self._mint = FaultMint(engine_id)
+        self.mint = FaultMint(engine_id)
         self._directory = self._merge()
 
     async def attach(self, bus: ComponentBus, *, own: bool = True) -> None:
@@ -125,7 +126,7 @@ class Engine:
         if leaving:
             gone = leaving[0].directory.profile.component_refs() if lost else ()
             self.lost.lose(gone)
-            for fault in self._mint.make_each(ErrorType.COMPONENT_NOT_RESPONDING, gone, lost) if lost else ():
+            for fault in self.mint.make_each(ErrorType.COMPONENT_NOT_RESPONDING, gone, lost) if lost else ():
                 self._tell(fault)
             self._children.remove(leaving[0])
             if isinstance(bus, FaultSource):
@@ -138,7 +139,7 @@ class Engine:
 
     def report(self, error_type: ErrorType, description: str, component_ref: str = "") -> None:
         """Tell of a fault that this engine noticed: its own, or that of a component which it called."""
-        fault = self._mint.make(error_type, component_ref, description)
+        fault = self.mint.make(error_type, component_ref, description)
         if fault is not None:
             self._tell(fault)
 

@@ -49,6 +49,11 @@ class FaultMint:
         self._limit = fault_limit(clock)
         self._untold = Tally(_log, f"faults of {engine_id} that came too fast to be told", logging.WARNING)
 
+    @property
+    def untold(self) -> int:
+        """How many were not told because there were too many."""
+        return self._untold.count
+
     def make(self, error_type: ErrorType, component_ref: str, description: str) -> Fault | None:
         """Return a new fault, or None where there are too many."""
         if not self._limit.admits():

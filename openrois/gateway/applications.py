@@ -17,7 +17,7 @@ from openrois.application import ApplicationSession, EngineHost
 from openrois.contract import Client
 from openrois.correlation import connection
 from openrois.errors import RoISError
-from openrois.gateway.refusals import note_refusal
+from openrois.gateway.refusals import RefusalNotes
 from openrois.gateway.renewal import Renewal, expiring
 from openrois.gateway.tenure import Tenure
 from openrois.interfaces import base_methods, lease_methods, stream_methods
@@ -68,7 +68,7 @@ async def serve_application(
     signaling.app = app
     session.on_failure = host.crashed
     session.explain = app.explain
-    session.on_refusal = partial(note_refusal, app)
+    session.on_refusal = RefusalNotes(app).note
     session.outbox.gap = app.gap
     methods = {**base_methods(app), **stream_methods(app), **lease_methods(app), **signaling.methods()}
     if renewal is not None:

@@ -42,6 +42,10 @@ class Heads:
         self._expect(protocol)
         return protocol
 
+    def count(self) -> int:
+        """Return how many there are."""
+        return len(self._waiting)
+
     def middleware(self) -> Middleware:
         """Return what has to see every request: its head has come, and from its answer on the next is waited for."""
 

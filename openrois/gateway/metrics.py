@@ -3,19 +3,24 @@
 import asyncio
 import threading
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from itertools import accumulate
 from typing import Any, Final
 
 from prometheus_client.core import HistogramMetricFamily, Metric
 
+from openrois.access.jwks import KeySetCache
+from openrois.access.keys import KeySource
 from openrois.application import EngineHost
+from openrois.gateway.heads import Heads
+from openrois.gateway.places import MAX_ADAPTERS, MAX_APPLICATIONS
 from openrois.jsonrpc.latencies import BOUNDS, Latencies
 from openrois.loop_lag import LoopLag
 from openrois.metrics.exposition import families, written
 from openrois.metrics.figure import Figure
 from openrois.traffic import Seen
 
-__all__ = ["FIGURES", "HISTOGRAMS", "LABELLED", "figures"]
+__all__ = ["FIGURES", "HISTOGRAMS", "LABELLED", "Sources", "figures"]
 
 _CODES: Final = frozenset({*range(1000, 1016), 4401})
 KINDS: Final = ("application", "adapter")
@@ -23,7 +28,7 @@ KINDS: Final = ("application", "adapter")
 CONNECTION: Final[tuple[Figure[Seen], ...]] = (
     Figure("openrois_gateway_connections", "gauge", "Connections.", lambda s: s.connections),
     Figure("openrois_gateway_connections_total", "counter", "Connections that were made.", lambda s: s.opened),
-    Figure("openrois_gateway_requests_total", "counter", "Requests that came.", lambda s: s.requests),
+    Figure("openrois_gateway_requests_total", "counter", "Requests that were begun.", lambda s: s.requests),
     Figure("openrois_gateway_running_requests", "gauge", "Requests that are being served.", lambda s: s.running),
     Figure(
         "openrois_gateway_refused_requests_total",
@@ -139,6 +144,13 @@ GATEWAY: Final[tuple[Figure[EngineHost], ...]] = (
         "Commands accepted before they were in the journal.",
         lambda h: h.journal.late,
     ),
+    Figure(
+        "openrois_gateway_untold_faults_total",
+        "counter",
+        "Faults of the gateway itself that came too fast to be told.",
+        lambda h: h.engine.mint.untold,
+    ),
+    Figure("openrois_gateway_draining", "gauge", "1 while the gateway is about to stop.", lambda h: h.draining),
     Figure("openrois_gateway_tasks", "gauge", "Tasks of the event loop.", lambda _h: len(asyncio.all_tasks())),
     Figure("openrois_gateway_threads", "gauge", "Threads of the process.", lambda _h: threading.active_count()),
     Figure("openrois_gateway_refusals_total", "counter", "Refusals in the audit trail.", lambda h: h.audit.refusals),
@@ -178,9 +190,32 @@ LAG: Final[tuple[Figure[LoopLag], ...]] = (
     ),
 )
 
-LIMITS: Final[tuple[Figure[int], ...]] = (
-    Figure("openrois_gateway_connections_limit", "gauge", "Connections that there may be.", float),
+HEADS: Final[tuple[Figure[Heads], ...]] = (
+    Figure(
+        "openrois_gateway_silent_connections",
+        "gauge",
+        "Connections whose next request has not come.",
+        lambda heads: heads.count(),
+    ),
 )
+
+KEYS: Final[tuple[Figure[KeySetCache], ...]] = (
+    Figure(
+        "openrois_gateway_key_fetches_total", "counter", "Attempts to fetch the issuer's keys.", lambda k: k.fetches
+    ),
+    Figure(
+        "openrois_gateway_key_fetch_failures_total",
+        "counter",
+        "Fetches of the issuer's keys that failed.",
+        lambda k: k.failures,
+    ),
+)
+"""Where keys come from an issuer."""
+
+LIMITS: Final[tuple[Figure[int], ...]] = (
+    Figure("openrois_gateway_connections_limit", "gauge", "Connections that there may be, of each kind.", float),
+)
+"""With the label `kind`."""
 
 TURNED_AWAY: Final[tuple[Figure[int], ...]] = (
     Figure("openrois_gateway_turned_away_total", "counter", "Connections that were refused, by reason.", float),
@@ -202,10 +237,10 @@ ADAPTER: Final[tuple[Figure[int], ...]] = (
 )
 """With the label `engine`."""
 
-LABELLED: Final = (*TURNED_AWAY, *LEASES_ENDED, *CLOSED, *ADAPTER)
+LABELLED: Final[tuple[Figure[Any], ...]] = (*KEYS, *TURNED_AWAY, *LEASES_ENDED, *CLOSED, *ADAPTER)
 """Each has as many samples as there are values of its label; at first none."""
 
-FIGURES: Final[tuple[Figure[Any], ...]] = (*CONNECTION, *GATEWAY, *LAG, *LIMITS, *LABELLED)
+FIGURES: Final[tuple[Figure[Any], ...]] = (*CONNECTION, *GATEWAY, *LAG, *HEADS, *LIMITS, *LABELLED)
 
 HISTOGRAMS: Final = {
     "openrois_gateway_request_seconds": "Time from a request of an application to its reply, by method.",
@@ -213,25 +248,38 @@ HISTOGRAMS: Final = {
 }
 
 
-async def figures(host: EngineHost, lag: LoopLag, connections_limit: int, accept: str) -> tuple[bytes, str]:
-    """Read all figures, here, and write them in a thread.
+@dataclass(frozen=True, slots=True)
+class Sources:
+    """Where the figures are kept.
 
-    Args:
+    Attributes:
         host: the gateway's engine and what its sessions share.
         lag: watches the event loop.
-        connections_limit: connections that there may be.
-        accept: the HTTP header.
+        heads: connections that have not said what they want.
+        keys: where keys for tokens come from; None where nobody needs a token.
     """
-    found = tuple(_families(host, lag, connections_limit))
+
+    host: EngineHost
+    lag: LoopLag
+    heads: Heads
+    keys: KeySource | None
+
+
+async def figures(sources: Sources, accept: str) -> tuple[bytes, str]:
+    """Read all figures, here, and write them in a thread in the format that `accept` (an HTTP header) prefers."""
+    found = tuple(_families(sources))
     return await asyncio.to_thread(written, found, accept)
 
 
-def _families(host: EngineHost, lag: LoopLag, connections_limit: int) -> Iterator[Metric]:
-    traffic = host.traffic
+def _families(sources: Sources) -> Iterator[Metric]:
+    host, traffic = sources.host, sources.host.traffic
     yield from families(CONNECTION, ("kind",), [((kind,), traffic.seen(kind)) for kind in KINDS])
     yield from families(GATEWAY, (), [((), host)])
-    yield from families(LAG, (), [((), lag)])
-    yield from families(LIMITS, (), [((), connections_limit)])
+    yield from families(LAG, (), [((), sources.lag)])
+    yield from families(HEADS, (), [((), sources.heads)])
+    yield from families(KEYS, (), [((), sources.keys)] if isinstance(sources.keys, KeySetCache) else [])
+    limits = [((kind,), limit) for kind, limit in zip(KINDS, (MAX_APPLICATIONS, MAX_ADAPTERS), strict=True)]
+    yield from families(LIMITS, ("kind",), limits)
     yield from families(TURNED_AWAY, ("reason",), [((why,), count) for why, count in traffic.turned_away.items()])
     yield from families(LEASES_ENDED, ("reason",), [((why,), count) for why, count in host.leases.ended.items()])
     yield from families(CLOSED, ("code",), [((code,), count) for code, count in _codes(traffic.closed)])

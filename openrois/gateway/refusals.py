@@ -1,12 +1,20 @@
-"""What an application was refused, told to the audit trail; what failed is no refusal."""
+"""What an application was refused, told to the audit trail; what failed is no refusal, and a flood is cut."""
 
-from collections.abc import Mapping
+import time
+from collections.abc import Callable, Mapping
 from typing import Any, Final
 
 from openrois.application import ApplicationSession
+from openrois.rate import RateLimit
 from openrois.types.codes import ReturnCode
 
-__all__ = ["note_refusal"]
+__all__ = ["RefusalNotes"]
+
+REFUSALS_AT_ONCE: Final = 100
+"""Refusals of one application that the audit trail tells one by one."""
+
+REFUSALS_PER_SECOND: Final = 10
+"""Of them in the long run; of more the next record says how many there were."""
 
 _REFUSALS: Final = {ReturnCode.BAD_PARAMETER, ReturnCode.UNSUPPORTED, ReturnCode.OUT_OF_RESOURCES}
 _SUBJECTS: Final = (
@@ -15,19 +23,38 @@ _SUBJECTS: Final = (
 )
 
 
-def note_refusal(app: ApplicationSession, method: str, params: Mapping[str, Any], result: Any, reason: str) -> None:
-    """Record that a call of the application was refused, if its result is a refusal and no failure.
+class RefusalNotes:
+    """Notes the refusals of one application: whoever is refused at will does not fill a disk.
 
     Args:
-        app: who called.
-        method: what it called.
-        params: with which params, of which the record names what the call was about.
-        result: the model or object that is answered.
-        reason: why.
+        app: who calls.
+        clock: monotonic seconds.
     """
-    code = result.get("return_code") if isinstance(result, dict) else getattr(result, "return_code", None)
-    if code in _REFUSALS:
-        app.host.audit.refused(app.principal, method, _subject(params), f"{code}: {reason}")
+
+    def __init__(self, app: ApplicationSession, clock: Callable[[], float] = time.monotonic) -> None:
+        self._app = app
+        self._limit = RateLimit(REFUSALS_AT_ONCE, REFUSALS_PER_SECOND, clock)
+        self._omitted = 0
+
+    def note(self, method: str, params: Mapping[str, Any], result: Any, reason: str) -> None:
+        """Record that a call was refused, if its result is a refusal and no failure.
+
+        Args:
+            method: what was called.
+            params: with which params, of which the record names what the call was about.
+            result: the model or object that is answered.
+            reason: why.
+        """
+        code = result.get("return_code") if isinstance(result, dict) else getattr(result, "return_code", None)
+        if code not in _REFUSALS:
+            return
+        if not self._limit.admits():
+            self._omitted += 1
+            return
+        told = f"{code}: {reason}"
+        if self._omitted:
+            told, self._omitted = f"{told} (and {self._omitted} more refusals before)", 0
+        self._app.host.audit.refused(self._app.principal, method, _subject(params), told)
 
 
 def _subject(params: Mapping[str, Any]) -> str:

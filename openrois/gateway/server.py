@@ -22,9 +22,9 @@ from openrois.gateway.entrance import Entrance
 from openrois.gateway.heads import HEAD_TIMEOUT, Heads
 from openrois.gateway.health import Readiness, healthz, readyz
 from openrois.gateway.ice import IceServers
-from openrois.gateway.metrics import figures
+from openrois.gateway.metrics import Sources, figures
 from openrois.gateway.page import page_response
-from openrois.gateway.places import MAX_ADAPTERS, MAX_APPLICATIONS, Places
+from openrois.gateway.places import Places
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import ADAPTER, APPLICATION, ServerSocket, SocketProfile
 from openrois.gateway.tenure import Tenure
@@ -149,7 +149,8 @@ async def run_gateway(
         shown = f"[{settings.host}]" if ":" in settings.host else settings.host
         metrics = ""
         if settings.metrics is not None:
-            look = partial(figures, host, lag, MAX_APPLICATIONS + MAX_ADAPTERS)
+            keys = None if verifier is None else verifier.keys
+            look = partial(figures, Sources(host, lag, heads, keys))
             serving = serving_metrics(*metrics_address(settings.metrics), look, settings.metrics_token)
             metrics = await stack.enter_async_context(serving)
             _log.info("metrics: %s", metrics)

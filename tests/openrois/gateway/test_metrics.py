@@ -64,7 +64,12 @@ async def test_what_happened_is_counted(gateway: Gateway) -> None:
         assert found["openrois_gateway_request_seconds_count"][("rois.command.bind",)] == 2
         assert found["openrois_gateway_request_seconds_bucket"][("+Inf", "rois.command.bind")] == 2
         assert ("rois.system.get_profile",) in found["openrois_gateway_call_seconds_count"]
-        assert found["openrois_gateway_connections_limit"] == {(): MAX_APPLICATIONS + MAX_ADAPTERS}
+        assert found["openrois_gateway_connections_limit"] == {
+            application: MAX_APPLICATIONS,
+            ("adapter",): MAX_ADAPTERS,
+        }
+        assert found["openrois_gateway_urgent_requests_total"][application] == 1
+        assert found["openrois_gateway_draining"] == {(): 0}
         assert found["process_open_fds"][()] > 0
     async with asyncio.timeout(deployment.PATIENCE):
         while (found := await scraped(gateway))["openrois_gateway_connections"][application]:
@@ -73,6 +78,16 @@ async def test_what_happened_is_counted(gateway: Gateway) -> None:
     assert found["openrois_gateway_requests_total"][application] == 5
     assert found["openrois_gateway_subscriptions"][application] == 0
     assert sum(found["openrois_gateway_closed_connections_total"].values()) >= 1
+
+
+async def test_keys_of_an_issuer_are_fetched(tmp_path: Path) -> None:
+    async with deployment.gateway(metrics="0", auth_jwks_file=tmp_path / "nothing") as gateway:
+        async with aiohttp.ClientSession() as http, http.get(gateway.url + "readyz") as answer:
+            assert answer.status == 503
+        async with asyncio.timeout(deployment.PATIENCE):
+            while not (found := await scraped(gateway))["openrois_gateway_key_fetch_failures_total"][()]:
+                pass
+        assert found["openrois_gateway_key_fetches_total"] == {(): 1}
 
 
 def test_codes_that_nobody_knows_are_one() -> None:
@@ -93,9 +108,7 @@ async def test_every_figure_is_there_and_in_the_table_for_operators(gateway: Gat
     listed = [line.split("|")[1:4] for line in page.splitlines() if line.startswith("| `openrois_gateway_")]
     assert [tuple(cell.strip() for cell in cells) for cells in listed] == rows()
     found = await scraped(gateway)
-    labelled = {
-        figure.name for figure in (*metrics.TURNED_AWAY, *metrics.LEASES_ENDED, *metrics.CLOSED, *metrics.ADAPTER)
-    }
+    labelled = {figure.name for figure in metrics.LABELLED}
     assert {figure.name for figure in FIGURES} - labelled <= set(found)
     for figure in FIGURES:
         assert figure.name.endswith("_total") is (figure.kind == "counter")
