@@ -58,6 +58,10 @@ class Watch:
         self._collectors = 0
         self._changed = asyncio.Event()
         self._hung = bool(failure)
+        self._looking: asyncio.Future[Seen] | None = None
+        """What the thread does now: never more than one thing waits for it."""
+        self._due = 0.0
+        self._anew = True
         self._last = Seen(clock.now())
         self._looked_at = clock.now()
 
@@ -112,7 +116,7 @@ class Watch:
             await self._changed.wait()
 
     async def _look_on(self, thread: ThreadPoolExecutor) -> None:
-        thread.submit(self._analysis.forget)
+        self._anew = True
         self._looked_at = self._clock.now()
         async with self._camera.inlet.subscribe(1) as pictures:
             while not self._hung:
@@ -123,12 +127,13 @@ class Watch:
 
     async def _look(self, thread: ThreadPoolExecutor, picture: RawVideo) -> float:
         """Look at a picture and return the seconds until the next one."""
-        looking = asyncio.get_running_loop().run_in_executor(thread, self._analysis.look, View(picture))
-        done, _ = await asyncio.wait({looking}, timeout=PATIENCE)
-        if not done:
-            self._hung, self.failure = True, f"the analysis does not return after {PATIENCE:.0f} s"
-            _log.error("camera: %s; it is given up", self.failure)
-            self._changed.set()
+        loop = asyncio.get_running_loop()
+        if self._looking is not None and not await self._returned(self._looking):
+            return 0.0
+        anew, self._anew = self._anew, False
+        looking = self._looking = loop.run_in_executor(thread, self._analyse, View(picture), anew)
+        self._due = loop.time() + PATIENCE
+        if not await self._returned(looking):
             return 0.0
         error = looking.exception()
         if error is None:
@@ -139,8 +144,25 @@ class Watch:
             _log.error("camera: a picture cannot be analysed", exc_info=error)
         self.failure = f"a picture cannot be analysed: {error!r}"
         self._see_nobody()
-        thread.submit(self._analysis.forget)
+        self._anew = True
         return _RECOVERY
+
+    def _analyse(self, view: View, anew: bool) -> Seen:
+        if anew:
+            self._analysis.forget()
+        return self._analysis.look(view)
+
+    async def _returned(self, looking: asyncio.Future[Seen]) -> bool:
+        """Wait until an analysis has returned, perhaps one that was begun before the watch was interrupted."""
+        await asyncio.wait({looking}, timeout=self._due - asyncio.get_running_loop().time())
+        if looking.done():
+            self._looking = None
+            looking.exception()
+            return True
+        self._hung, self.failure = True, f"the analysis does not return after {PATIENCE:.0f} s"
+        _log.error("camera: %s; it is given up", self.failure)
+        self._changed.set()
+        return False
 
     async def _notice_blindness(self) -> None:
         while True:

@@ -1,8 +1,11 @@
 """When the camera is watched, and what happens when it cannot be."""
 
 import asyncio
+import threading
 from collections.abc import AsyncIterator, Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
+from typing import Any
 
 import numpy as np
 import pytest
@@ -199,3 +202,39 @@ async def test_where_nothing_can_be_seen_from_the_beginning_nothing_is_tried() -
     stage.activity.start()
     await watch.run()
     assert watch.failure == "install something"
+
+
+async def test_while_the_analysis_hangs_nothing_piles_up_behind_it(
+    stage: Stage, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    submitted, go_on, entered = list[object](), threading.Event(), threading.Event()
+    submit = ThreadPoolExecutor.submit
+
+    def count(executor: ThreadPoolExecutor, *what: Any) -> Any:
+        if executor._thread_name_prefix == "vision":
+            submitted.append(what)
+        return submit(executor, *what)
+
+    monkeypatch.setattr(ThreadPoolExecutor, "submit", count)
+
+    def hang() -> None:
+        entered.set()
+        go_on.wait(30)
+
+    stage.finder.does = hang
+    stage.camera.inlet.plug("s", stage.source)
+    stage.activity.start()
+    await settle()
+    await stage.show()
+    await asyncio.to_thread(entered.wait, 30)
+    for _ in range(20):
+        stage.activity.stop()
+        await settle()
+        stage.activity.start()
+        await settle()
+        await stage.show()
+    assert len(submitted) == 1
+    stage.finder.does = lambda: None
+    go_on.set()
+    assert (await stage.until_somebody()).persons
+    assert stage.watch.failure == ""
