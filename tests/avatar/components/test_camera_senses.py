@@ -3,9 +3,12 @@
 import asyncio
 import json
 from collections.abc import Mapping
+from urllib.parse import unquote
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from openrois_avatar.camera_senses import camera_senses
 from openrois_avatar.components.enrolment import LOOKS, Enrolment
 from openrois_avatar.operator import Camera
@@ -17,6 +20,7 @@ from openrois_avatar.vision.patterns import PatternRecognizer
 from openrois_avatar.vision.seen import Refs
 from openrois_avatar.vision.watch import Watch
 from openrois_streaming.source import RawVideo
+from pydantic import ValidationError
 
 from openrois.component import Component
 from openrois.errors import BadParameter, ComponentFailed, OutOfResources
@@ -183,6 +187,31 @@ class TestEnrolment:
     async def test_a_name_that_is_none_is_refused(self, stage: CameraStage, name: str) -> None:
         with pytest.raises(BadParameter):
             await self.enrol(stage, name)
+
+    @given(st.text(st.characters(), max_size=70))
+    def test_whatever_is_said_is_a_name_that_comes_back_or_is_refused(self, name: str) -> None:
+        async def converse() -> None:
+            stage = CameraStage()
+            stage.camera.inlet.plug("s", FedSource[RawVideo]())
+            enrolling = asyncio.ensure_future(self.enrol(stage, name))
+            await settle()
+            for _ in range(LOOKS):
+                stage.see(somebody(1, likeness=LOOK))
+            try:
+                ref = await enrolling
+            except (BadParameter, ValidationError):
+                # The second is what the wire says to text that is none.
+                assert not name or len(name) > 64 or not name.isprintable()
+                assert await self.names(stage) == []
+                return
+            assert ref.isascii()
+            assert ref.count("/") == 2
+            assert unquote(ref.removeprefix(f"{PERSON}/enrolled/")) == name
+            assert await self.names(stage) == [name]
+            await self.forget(stage, name)
+            assert await self.names(stage) == []
+
+        asyncio.run(converse())
 
     async def test_without_a_camera_nobody_is_enrolled(self, stage: CameraStage) -> None:
         stage.camera.inlet.unplug("s")
