@@ -25,6 +25,7 @@ from openrois_avatar.components.speech_progress import SpeechProgress
 from openrois_avatar.components.speech_synthesis import SpeechSynthesis
 from openrois_avatar.components.streaming import AudioStreaming, VideoStreaming
 from openrois_avatar.components.system_information import SystemInformation
+from openrois_avatar.devices import Camera, Microphone
 from openrois_avatar.game_engines import choose_game_engine, link_address
 from openrois_avatar.health import Health, worst
 from openrois_avatar.link.encoded_inlet import EngineEncoded
@@ -32,7 +33,6 @@ from openrois_avatar.link.messages import VideoShape
 from openrois_avatar.metrics.figures import Snapshot
 from openrois_avatar.metrics.looking import Looking
 from openrois_avatar.microphone_senses import microphone_senses
-from openrois_avatar.operator import Camera, Microphone
 from openrois_avatar.pixel_streaming.serving import serve_pixel_streaming
 from openrois_avatar.pixel_streaming.settings import PixelStreaming
 from openrois_avatar.scene import Scene, embedded_scene, external_scene, synthetic_scene

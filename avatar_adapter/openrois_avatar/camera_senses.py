@@ -13,7 +13,7 @@ from openrois_avatar.components.faces import FaceDetection, FaceLocalization
 from openrois_avatar.components.gesture_recognition import GestureRecognition
 from openrois_avatar.components.persons import PersonDetection, PersonIdentification, PersonLocalization
 from openrois_avatar.components.sight import Sight
-from openrois_avatar.operator import Camera
+from openrois_avatar.devices import Camera
 from openrois_avatar.vision.analysis import Analysis
 from openrois_avatar.vision.backends import FINDERS, GESTURE_READERS, RECOGNIZERS
 from openrois_avatar.vision.cascades import CascadeFinder

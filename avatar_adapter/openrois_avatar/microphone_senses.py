@@ -11,12 +11,12 @@ from openrois_avatar.components.hearing import Hearing as HearingComponent
 from openrois_avatar.components.sound_detection import SoundDetection
 from openrois_avatar.components.sound_localization import SoundLocalization
 from openrois_avatar.components.speech_recognition import SpeechRecognition
+from openrois_avatar.devices import Microphone
 from openrois_avatar.hearing.ear import Ear
 from openrois_avatar.hearing.hearing import Hearing
 from openrois_avatar.hearing.recognition import Recognition
 from openrois_avatar.hearing.recognizer import RECOGNIZERS, SpeechRecognizer
 from openrois_avatar.hearing.sphinx import Sphinx
-from openrois_avatar.operator import Microphone
 
 __all__ = ["MicrophoneSenses", "microphone_senses"]
 

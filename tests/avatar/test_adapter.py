@@ -6,9 +6,9 @@ from contextlib import asynccontextmanager
 import numpy as np
 import pytest
 from openrois_avatar import adapter
+from openrois_avatar.devices import Microphone
 from openrois_avatar.health import Health, Observed
 from openrois_avatar.link.messages import Pause
-from openrois_avatar.operator import Microphone
 from openrois_avatar.pauses import Pauses
 from openrois_avatar.scene import Scene
 from openrois_streaming.sessions import StreamSessions

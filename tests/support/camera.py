@@ -3,7 +3,7 @@
 from typing import Any
 
 from openrois_avatar.camera_senses import CameraSenses, camera_senses
-from openrois_avatar.operator import Camera
+from openrois_avatar.devices import Camera
 from openrois_avatar.sensing.changes import Place
 from openrois_avatar.vision.box import Box
 from openrois_avatar.vision.seen import Person, Seen

@@ -6,8 +6,8 @@ from contextlib import asynccontextmanager, suppress
 
 import numpy as np
 from numpy.typing import NDArray
+from openrois_avatar.devices import Microphone
 from openrois_avatar.hearing.recognizer import Expectation, RecognizerFailed, Transcriber
-from openrois_avatar.operator import Microphone
 from openrois_streaming.source import RawAudio
 
 from tests.support.streaming import FedSource, VirtualClock, settle

@@ -7,7 +7,7 @@ from pydantic import Field
 
 from openrois.adapter import BadParameter, Component, ComponentFailed, ComponentStatus, command, query
 from openrois.errors import OutOfResources
-from openrois_avatar.operator import Camera
+from openrois_avatar.devices import Camera
 from openrois_avatar.vision.gallery import MAX_ENROLLED, Gallery, Likeness
 from openrois_avatar.vision.seen import Refs, Seen
 from openrois_avatar.vision.watch import Watch

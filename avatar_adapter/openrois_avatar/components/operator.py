@@ -5,7 +5,7 @@ from openrois_streaming.level import Level
 from openrois_streaming.source import RawVideo
 
 from openrois.adapter import Component, ComponentFailed, Payload, event, query
-from openrois_avatar.operator import Camera, Microphone
+from openrois_avatar.devices import Camera, Microphone
 
 __all__ = ["Operator"]
 

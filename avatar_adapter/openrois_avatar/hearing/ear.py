@@ -9,8 +9,8 @@ from openrois_streaming.clock import MediaClock
 from openrois_streaming.source import SAMPLE_RATE, RawAudio
 
 from openrois.listeners import Listeners
+from openrois_avatar.devices import Microphone
 from openrois_avatar.hearing.bearing import is_stereo
-from openrois_avatar.operator import Microphone
 
 __all__ = ["GONE", "Ear"]
 

@@ -14,7 +14,7 @@ from openrois_streaming.source import RawVideo
 
 from openrois.listeners import Listeners
 from openrois.tasks import TaskScope
-from openrois_avatar.operator import Camera
+from openrois_avatar.devices import Camera
 from openrois_avatar.sensing.activity import Activity
 from openrois_avatar.vision.analysis import Analysis
 from openrois_avatar.vision.seen import Seen

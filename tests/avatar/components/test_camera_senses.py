@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from openrois_avatar.camera_senses import camera_senses
 from openrois_avatar.components.enrolment import LOOKS, Enrolment
-from openrois_avatar.operator import Camera
+from openrois_avatar.devices import Camera
 from openrois_avatar.vision.analysis import Analysis
 from openrois_avatar.vision.cascades import CascadeFinder
 from openrois_avatar.vision.gallery import MAX_ENROLLED, Gallery

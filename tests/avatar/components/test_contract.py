@@ -15,9 +15,9 @@ from openrois_avatar.components.speech_progress import SpeechProgress
 from openrois_avatar.components.speech_synthesis import SpeechSynthesis
 from openrois_avatar.components.streaming import AudioStreaming, VideoStreaming
 from openrois_avatar.components.system_information import SystemInformation
+from openrois_avatar.devices import Camera, Microphone
 from openrois_avatar.link.messages import Thing
 from openrois_avatar.microphone_senses import microphone_senses
-from openrois_avatar.operator import Camera, Microphone
 from openrois_avatar.sound import AvatarSound
 from openrois_avatar.voice import Voice
 from openrois_avatar.world import World

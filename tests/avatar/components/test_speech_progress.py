@@ -8,10 +8,10 @@ import pytest
 from openrois_avatar.body import Body
 from openrois_avatar.components.speech_progress import SpeechProgress
 from openrois_avatar.components.speech_synthesis import SpeechSynthesis
+from openrois_avatar.devices import Microphone
 from openrois_avatar.hearing.ear import Ear
 from openrois_avatar.hearing.hearing import Hearing
 from openrois_avatar.link.messages import Command, Silence
-from openrois_avatar.operator import Microphone
 from openrois_avatar.sound import AvatarSound
 from openrois_avatar.speech.synthesizer import Synthesizer
 from openrois_avatar.voice import Voice

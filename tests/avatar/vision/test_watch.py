@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from openrois_avatar.operator import Camera
+from openrois_avatar.devices import Camera
 from openrois_avatar.sensing.activity import Activity
 from openrois_avatar.vision.analysis import Analysis
 from openrois_avatar.vision.box import Box, Face

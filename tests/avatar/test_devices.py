@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from openrois_avatar.components.operator import Operator
-from openrois_avatar.operator import LEVEL_INTERVAL, Camera, Microphone
+from openrois_avatar.devices import LEVEL_INTERVAL, Camera, Microphone
 from openrois_streaming.level import SILENCE, Level
 from openrois_streaming.source import RawAudio, RawVideo
 
@@ -128,7 +128,7 @@ async def test_a_wait_for_a_picture_ends(stage: Stage) -> None:
 
 async def test_the_example_of_the_guide_reads_what_is_heard(stage: Stage) -> None:
     page = (Path(__file__).parents[2] / "docs" / "adapter.md").read_text(encoding="utf-8")
-    [example] = [piece for piece in re.findall(r"(?s)```python\n(.*?)```", page) if "openrois_avatar.operator" in piece]
+    [example] = [piece for piece in re.findall(r"(?s)```python\n(.*?)```", page) if "openrois_avatar.devices" in piece]
     made: dict[str, Any] = {"__name__": "tests.example"}
     exec(example, made)
     registry = LocalRegistry("avatar", [made["Attention"]("Attention", stage.microphone, stage.camera)])
