@@ -63,7 +63,7 @@ def _polygon(value: Any, name: str) -> tuple[Point, ...]:
 
 @dataclass(frozen=True, slots=True)
 class Waypoint:
-    """A point of a path, and where to look while going there: `th`, or None for along the way."""
+    """A point of a path: it is reached facing `th`, or along the way where that is None."""
 
     x: float
     y: float
