@@ -10,7 +10,7 @@ from openrois_streaming.adaptation.caps import Caps
 from openrois_streaming.clock import MediaClock, SystemClock
 from openrois_streaming.codecs import available_codecs
 from openrois_streaming.network.settings import NetworkSettings
-from openrois_streaming.publisher import AudioPublisher, VideoPublisher
+from openrois_streaming.publisher import AudioPublisher, Publishing, VideoPublisher
 from openrois_streaming.self_encoding import EitherPublisher, EncodedPublisher
 from openrois_streaming.sessions import StreamSessions
 
@@ -151,7 +151,9 @@ async def serve_scene(
         microphone.heard.add(scene.hear)
         scene.announced.add(lambda shape: _expect(shape, video, showing))
         scene.pauses.changed.add(lambda on: _pause(streams.sessions, reference(engine_id, VIDEO), on))
-        looking = Looking(streams.sessions, {"picture": video, "sound": audio}, sources, streams.guarded, clock)
+        played: dict[str, Publishing] = {"picture": video, "sound": audio}
+        senses = {"vision": eyes.watch.figures, "hearing": ears.recognition.figures}
+        looking = Looking(streams.sessions, played, sources, streams.guarded, clock, senses, scene.seat)
         yield Avatar(host, video, audio, looking.snapshot)
 
 

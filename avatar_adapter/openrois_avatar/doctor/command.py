@@ -71,6 +71,7 @@ async def _findings(settings: NetworkSettings, servers: Sequence[IceServer], por
     yield machine.game_engine()
     yield machine.voice()
     yield machine.hearing()
+    yield machine.vision()
     yield machine.browser()
     yield machine.port(port)
     yield machine.clock()
@@ -86,4 +87,5 @@ async def _findings(settings: NetworkSettings, servers: Sequence[IceServer], por
     if way.level is Level.FAIL:
         yield Finding(Level.FAIL, "media", "not tried, for it has no way to go")
     else:
-        yield await media(settings, servers)
+        for finding in await media(settings, servers):
+            yield finding

@@ -1,9 +1,10 @@
-"""What this machine has: libraries, codecs, renderers, a voice, a browser, a port, a clock, and time."""
+"""What this machine has: libraries, codecs, renderers, a voice, senses, a browser, a port, a clock, and time."""
 
 import os
 import platform
 import socket
 import time
+from collections.abc import Sequence
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from pathlib import Path
@@ -13,11 +14,19 @@ from openrois_streaming.codecs import H264, LIBRARIES, OPUS, VP8, available_code
 from openrois_streaming.seams.trial import UnsupportedLibrary, self_test
 
 import openrois
+from openrois_avatar.backends import Backend, chosen
 from openrois_avatar.bench.browser import find_chromium
 from openrois_avatar.doctor.finding import Finding, Level
 from openrois_avatar.game_engines import NoGameEngine, choose_game_engine
+from openrois_avatar.hearing.recognizer import RECOGNIZERS
+from openrois_avatar.hearing.sphinx import Sphinx
+from openrois_avatar.vision.backends import FINDERS, GESTURE_READERS
+from openrois_avatar.vision.backends import RECOGNIZERS as FACE_RECOGNIZERS
+from openrois_avatar.vision.cascades import CascadeFinder
+from openrois_avatar.vision.head_reader import HeadReader
+from openrois_avatar.vision.patterns import PatternRecognizer
 
-__all__ = ["browser", "clock", "codecs", "game_engine", "hearing", "libraries", "load", "port", "voice"]
+__all__ = ["browser", "clock", "codecs", "game_engine", "hearing", "libraries", "load", "port", "vision", "voice"]
 
 _LIBRARIES: Final = ("aiortc", "aioice", "av")
 
@@ -75,11 +84,26 @@ def voice() -> Finding:
 
 
 def hearing() -> Finding:
-    """Whether the avatar can recognise speech."""
-    if find_spec("pocketsphinx") is not None:
-        return Finding(Level.OK, "hearing", "PocketSphinx")
-    advice = "pip install openrois[hearing]"
-    return Finding(Level.WARN, "hearing", "no PocketSphinx: the avatar recognises no speech", advice)
+    """Whether the avatar can recognise speech, and what does."""
+    return _sense("hearing", "the avatar recognises no speech", (chosen(RECOGNIZERS, Sphinx),))
+
+
+def vision() -> Finding:
+    """Whether the avatar can see who is before the camera, and what finds, recognises and reads them."""
+    backends = (
+        chosen(FINDERS, CascadeFinder),
+        chosen(FACE_RECOGNIZERS, PatternRecognizer),
+        chosen(GESTURE_READERS, HeadReader),
+    )
+    return _sense("vision", "the avatar sees nobody", backends)
+
+
+def _sense(name: str, otherwise: str, backends: Sequence[Backend]) -> Finding:
+    told = ", ".join(type(backend).__name__ for backend in backends)
+    reasons = [reason for works, reason in (backend.available() for backend in backends) if not works]
+    if not reasons:
+        return Finding(Level.OK, name, told)
+    return Finding(Level.WARN, name, f"{told}: {otherwise}", "; ".join(reasons))
 
 
 def browser() -> Finding:

@@ -1,4 +1,4 @@
-"""Whether media passes: a few pictures and sounds from an engine to a viewer, both in this process."""
+"""Whether media passes: a few pictures and sounds from an engine to a viewer, and a key back, all in this process."""
 
 import asyncio
 import time
@@ -7,9 +7,12 @@ from typing import Final
 
 from openrois_signaling.messages import IceServer
 from openrois_streaming.clock import SystemClock
+from openrois_streaming.input.messages import Key
+from openrois_streaming.input.reader import Label
 from openrois_streaming.network.settings import NetworkSettings
 from openrois_streaming.publisher import AudioPublisher, VideoPublisher
 from openrois_streaming.synthetic import ColourBars, Tone
+from openrois_streaming.testing.pictures import PictureFigures
 from openrois_streaming.testing.sink import MeasuringSink
 from openrois_streaming.testing.stage import playing
 
@@ -22,25 +25,65 @@ _TIMEOUT: Final = 10.0
 _LATE: Final = 0.2
 
 
-async def media(settings: NetworkSettings, servers: Sequence[IceServer]) -> Finding:
+class _Keys:
+    """Hears what the viewer does."""
+
+    def __init__(self) -> None:
+        self.came = asyncio.Event()
+
+    def input_came(self, _label: Label, _data: str | bytes) -> None:
+        self.came.set()
+
+    def input_lost(self, _reason: str) -> None:
+        """It is over."""
+
+
+async def media(settings: NetworkSettings, servers: Sequence[IceServer]) -> list[Finding]:
     """Play to a viewer of our own, as the settings have it and over the servers if it needs them."""
     clock = SystemClock()
     video = VideoPublisher(ColourBars(640, 360, clock=clock), clock=clock, stamp=True)
     audio = AudioPublisher(Tone(clock=clock), clock=clock)
-    began = time.monotonic()
+    began, keys, typed = time.monotonic(), _Keys(), None
     try:
         async with (
-            asyncio.timeout(_TIMEOUT),
+            asyncio.timeout(_TIMEOUT) as limit,
             MeasuringSink(clock=clock) as sink,
-            playing(sink, video=video, audio=audio, network=settings, ice_servers=servers),
+            playing(sink, video=video, audio=audio, network=settings, ice_servers=servers, inputs=keys),
         ):
             await sink.sees(1)
             first = time.monotonic() - began
             await sink.sees(_PICTURES)
             seen = sink.pictures()
+            limit.reschedule(None)  # a key has a limit of its own
+            typed = await _type(sink, keys)
     except Exception as error:  # whatever it is, it is what a viewer would have met
         advice = "The lines above may say why; a firewall on this machine can block its own UDP too."
-        return Finding(Level.FAIL, "media", f"no pictures within {_TIMEOUT:.0f} s ({_said(error)})", advice)
+        return [Finding(Level.FAIL, "media", f"no pictures within {_TIMEOUT:.0f} s ({_said(error)})", advice)]
+    return [_seen(seen, first), _typed(typed)]
+
+
+async def _type(sink: MeasuringSink, keys: _Keys) -> float | None:
+    """Seconds until a key of the viewer was there; None where it did not come."""
+    try:
+        async with asyncio.timeout(_TIMEOUT):
+            await sink.until(lambda: sink.hands is not None and sink.hands.are_free)
+            began = time.monotonic()
+            if sink.hands is not None:
+                sink.hands.do(Key(1, 0.0, "KeyW", True))
+            await keys.came.wait()
+            return time.monotonic() - began
+    except TimeoutError:
+        return None
+
+
+def _typed(seconds: float | None) -> Finding:
+    if seconds is not None:
+        return Finding(Level.OK, "input", f"a key was there after {1000 * seconds:.0f} ms")
+    advice = "Streams work without, but nobody can operate a figure by hand."
+    return Finding(Level.WARN, "input", "no key came over the data channels", advice)
+
+
+def _seen(seen: PictureFigures, first: float) -> Finding:
     median = None if seen.delay is None else seen.delay.p50
     told = f"first picture after {1000 * first:.0f} ms, then {seen.pictures} with {seen.missed} missed"
     if median is None:

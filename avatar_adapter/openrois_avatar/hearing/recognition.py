@@ -3,7 +3,8 @@
 import asyncio
 import logging
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -16,6 +17,7 @@ from openrois.listeners import Listeners
 from openrois_avatar.hearing.downsample import SPEECH_RATE
 from openrois_avatar.hearing.hearing import Hearing
 from openrois_avatar.hearing.recognizer import Expectation, RecognizerFailed, SpeechRecognizer, Transcriber
+from openrois_avatar.sensing.figures import SenseFigures
 
 __all__ = ["Recognition", "Utterance"]
 
@@ -80,6 +82,7 @@ class Recognition:
         """Are told why an utterance was not written down, or nothing can be, in a sentence for a person."""
         self.failure = ""
         """Why nothing can be written down now."""
+        self.figures = SenseFigures(lost=0)
         self._hearing = hearing
         self._recognizer = recognizer
         self._clock = clock
@@ -131,14 +134,16 @@ class Recognition:
             self._done()
 
     async def _write_down(self, transcriber: Transcriber, utterance: Utterance) -> None:
-        await transcriber.begin(utterance.expected)
+        with self._spending():
+            await transcriber.begin(utterance.expected)
         taken, guess = 0, ""
         while True:
             parts = utterance.parts[taken:]
             taken += len(parts)
             sound = np.concatenate([np.zeros(0, np.int16), *parts])
             for start in range(0, len(sound), _PART):
-                understood = await transcriber.hear(sound[start : start + _PART])
+                with self._spending():
+                    understood = await transcriber.hear(sound[start : start + _PART])
                 if understood != guess and self._leave:
                     guess = understood
                     self.guessed.tell(guess)
@@ -147,13 +152,25 @@ class Recognition:
                     break
                 utterance.changed.clear()
                 await utterance.changed.wait()
-        candidates = await transcriber.end()
+        with self._spending():
+            candidates = await transcriber.end()
+        self.figures.analysed += 1
         if candidates and self._leave:
             self.recognized.tell(candidates, utterance.ended_at)
+
+    @contextmanager
+    def _spending(self) -> Iterator[None]:
+        """Count the time that a recogniser takes."""
+        began = self._clock.now()
+        try:
+            yield
+        finally:
+            self.figures.seconds += self._clock.now() - began
 
     def _fail(self, reason: str) -> None:
         """Try the utterance once more that was tried, if there is one; else it is lost."""
         _log.warning("%s", reason)
+        self.figures.failed += 1
         if self._tried is not None and self._tried.attempts < ATTEMPTS:
             self._tried = None
             return
@@ -187,6 +204,8 @@ class Recognition:
             await self._changed.wait()
 
     def _begin(self, at: float) -> None:
+        if len(self._waiting) == WAITING and self._waiting[0] is not self._tried:
+            self.figures.lost = 1 + (self.figures.lost or 0)
         self._current = Utterance(at, self.expected())
         self._waiting.append(self._current)
         self._changed.set()

@@ -12,9 +12,13 @@ from openrois_avatar.metrics.figures import (
     ADAPTER,
     GUARD,
     GUARD_LABELS,
+    INPUT,
+    INPUT_LABELS,
     RECEPTION,
     RENDITION,
     RENDITION_LABELS,
+    SENSE,
+    SENSE_LABELS,
     SOURCE,
     SOURCE_LABELS,
     STATUSES,
@@ -46,6 +50,8 @@ def _families(seen: Snapshot) -> Iterator[Metric]:
     sources = [((s.name,), s) for s in seen.sources]
     yield from families(ADAPTER, (), [((), seen.process)])
     yield from families(GUARD, GUARD_LABELS, [((reason,), count) for reason, count in seen.guarded])
+    yield from families(SENSE, SENSE_LABELS, [((name,), figures) for name, figures in seen.senses])
+    yield from families(INPUT, INPUT_LABELS, [((outcome,), count) for outcome, count in seen.input])
     yield from families(SOURCE, SOURCE_LABELS, sources)
     yield from families(RENDITION, RENDITION_LABELS, renditions)
     yield from families(STREAM, STREAM_LABELS, streams)

@@ -11,14 +11,19 @@ from openrois_streaming.stats import AdaptationStats, StreamStats
 from openrois.metrics.figure import Figure
 from openrois.types.codes import ComponentStatus
 from openrois_avatar.health import GRAVITY
+from openrois_avatar.sensing.figures import SenseFigures
 
 __all__ = [
     "ADAPTATION",
     "ADAPTER",
     "GUARD",
     "GUARD_LABELS",
+    "INPUT",
+    "INPUT_LABELS",
     "RECEPTION",
     "RENDITION",
+    "SENSE",
+    "SENSE_LABELS",
     "SOURCE",
     "STATUSES",
     "STREAM",
@@ -60,6 +65,10 @@ class Snapshot:
     streams: tuple[StreamStats, ...]
     guarded: tuple[tuple[str, int], ...] = ()
     """Datagrams that did not get in from the network, by reason (a field of `GuardFigures`)."""
+    senses: tuple[tuple[str, SenseFigures], ...] = ()
+    """Each by its name."""
+    input: tuple[tuple[str, int], ...] = ()
+    """Messages of applications' hands, by what became of them (a field of `SeatFigures`)."""
 
 
 STREAM_LABELS: Final = ("stream", "component", "kind", "codec")
@@ -237,6 +246,37 @@ RENDITION: Final[tuple[Figure[RenditionFigures], ...]] = (
         "counter",
         "Time spent in the encoder.",
         lambda r: r.encode_seconds,
+    ),
+)
+
+SENSE_LABELS: Final = ("sense",)
+
+SENSE: Final[tuple[Figure[SenseFigures], ...]] = (
+    Figure("openrois_sense_analysed_total", "counter", "Pictures or utterances analysed.", lambda s: s.analysed),
+    Figure(
+        "openrois_sense_failures_total",
+        "counter",
+        "Pictures or utterances that what analyses them failed at.",
+        lambda s: s.failed,
+    ),
+    Figure(
+        "openrois_sense_lost_total",
+        "counter",
+        "Utterances that were never analysed, because too many waited.",
+        lambda s: s.lost,
+    ),
+    Figure("openrois_sense_analysis_seconds_total", "counter", "Time spent on analysing.", lambda s: s.seconds),
+)
+"""Of the senses `vision` (the operator's camera) and `hearing` (speech at the microphone)."""
+
+INPUT_LABELS: Final = ("outcome",)
+
+INPUT: Final[tuple[Figure[int], ...]] = (
+    Figure(
+        "openrois_input_messages_total",
+        "counter",
+        "Messages of applications' keyboards, pointers and gamepads, by what became of them.",
+        lambda count: count,
     ),
 )
 

@@ -4,7 +4,7 @@ import asyncio
 import threading
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.errors import UnknownStream
@@ -15,7 +15,9 @@ from openrois_streaming.sessions import SESSIONS_LIMIT, StreamSessions
 from openrois_streaming.stats import StreamStats
 
 from openrois_avatar.metrics.figures import Process, Snapshot, Source
+from openrois_avatar.sensing.figures import SenseFigures
 from openrois_avatar.supervision import Supervised
+from openrois_avatar.teleoperation.seat import Seat
 
 __all__ = ["Looking"]
 
@@ -29,6 +31,8 @@ class Looking:
         sources: what is supervised, by the name of the source.
         guarded: what did not get in from the network.
         clock: the media clock.
+        senses: what analyses something, by the name of the sense; None: nothing does.
+        seat: who operates by hand; None: nobody can.
     """
 
     def __init__(
@@ -38,12 +42,16 @@ class Looking:
         sources: dict[str, Supervised],
         guarded: GuardFigures,
         clock: MediaClock,
+        senses: Mapping[str, SenseFigures] | None = None,
+        seat: Seat | None = None,
     ) -> None:
         self._sessions = sessions
         self._publishers = publishers
         self._sources = sources
         self._guarded = guarded
         self._clock = clock
+        self._senses = senses or {}
+        self._seat = seat
 
     async def snapshot(self) -> Snapshot:
         """Everything as it is now."""
@@ -59,7 +67,10 @@ class Looking:
         )
         sources = tuple(self._source(name, supervised) for name, supervised in self._sources.items())
         guarded = tuple(asdict(self._guarded).items())
-        return Snapshot(process, sources, renditions, tuple(each for found in streams for each in found), guarded)
+        senses = tuple((name, replace(figures)) for name, figures in self._senses.items())
+        operated = () if self._seat is None else tuple(asdict(self._seat.figures).items())
+        found = tuple(each for session in streams for each in session)
+        return Snapshot(process, sources, renditions, found, guarded, senses, operated)
 
     def _source(self, name: str, supervised: Supervised) -> Source:
         seen = supervised.observe()

@@ -16,6 +16,7 @@ from openrois.listeners import Listeners
 from openrois.tasks import TaskScope
 from openrois_avatar.devices import Camera
 from openrois_avatar.sensing.activity import Activity
+from openrois_avatar.sensing.figures import SenseFigures
 from openrois_avatar.vision.analysis import Analysis
 from openrois_avatar.vision.seen import Seen
 from openrois_avatar.vision.view import View
@@ -49,6 +50,7 @@ class Watch:
     def __init__(self, camera: Camera, clock: MediaClock, analysis: Analysis, failure: str = "") -> None:
         self.seen: Listeners[Seen] = Listeners()
         """Are told what is seen in each picture; and nobody, once, when no more pictures come."""
+        self.figures = SenseFigures()
         self.failure = failure
         """Why nothing can be seen now; empty while all is well."""
         self._camera = camera
@@ -157,8 +159,13 @@ class Watch:
         await asyncio.wait({looking}, timeout=self._due - asyncio.get_running_loop().time())
         if looking.done():
             self._looking = None
-            looking.exception()
+            self.figures.seconds += PATIENCE - (self._due - asyncio.get_running_loop().time())
+            if looking.exception() is None:
+                self.figures.analysed += 1
+            else:
+                self.figures.failed += 1
             return True
+        self.figures.failed += 1
         self._hung, self.failure = True, f"the analysis does not return after {PATIENCE:.0f} s"
         _log.error("camera: %s; it is given up", self.failure)
         self._changed.set()

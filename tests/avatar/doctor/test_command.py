@@ -14,6 +14,8 @@ def test_streams_work_here(capsys: pytest.CaptureFixture[str]) -> None:
     assert told["works"]
     assert found["media"]["level"] in ("ok", "warn")
     assert found["media"]["detail"].startswith("first picture after ")
+    assert found["input"]["detail"].startswith("a key was there after ")
+    assert found["vision"]["detail"].startswith("CascadeFinder, PatternRecognizer, HeadReader")
 
 
 def test_they_do_not_without_a_way(capsys: pytest.CaptureFixture[str]) -> None:

@@ -5,6 +5,8 @@ import time
 import pytest
 from openrois_avatar.doctor import machine
 from openrois_avatar.doctor.finding import Level
+from openrois_avatar.hearing.sphinx import Sphinx
+from openrois_avatar.vision.cascades import CascadeFinder
 from openrois_streaming.codecs import OPUS, VP8
 from openrois_streaming.seams import trial
 
@@ -43,12 +45,21 @@ def test_a_machine_that_is_busy(monkeypatch: pytest.MonkeyPatch) -> None:
         assert machine.load().level is level
 
 
-def test_a_renderer_a_voice_an_ear_and_a_browser_are_looked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_sees_and_hears_is_named_with_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert (machine.vision().level, machine.vision().advice) == (Level.OK, "")
+    monkeypatch.setattr(CascadeFinder, "available", lambda _self: (False, "install cascades"))
+    monkeypatch.setattr(Sphinx, "available", lambda _self: (False, "install a recogniser"))
+    for found, advice in ((machine.vision(), "install cascades"), (machine.hearing(), "install a recogniser")):
+        assert (found.level, found.advice) == (Level.WARN, advice)
+    assert machine.hearing().detail == "Sphinx: the avatar recognises no speech"
+
+
+def test_a_renderer_a_voice_and_a_browser_are_looked_for(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(machine, "find_chromium", lambda: None)
     monkeypatch.setattr(machine, "find_spec", lambda name: None)
-    assert machine.browser().level is machine.voice().level is machine.hearing().level is Level.WARN
+    assert machine.browser().level is machine.voice().level is Level.WARN
     monkeypatch.setattr(machine, "find_chromium", lambda: "/usr/bin/chromium")
     monkeypatch.setattr(machine, "find_spec", lambda name: object())
-    assert machine.browser().level is machine.voice().level is machine.hearing().level is Level.OK
+    assert machine.browser().level is machine.voice().level is Level.OK
     monkeypatch.setattr(machine, "choose_game_engine", lambda wanted: ("puppet", "install panda3d"))
     assert machine.game_engine().level is Level.WARN

@@ -144,6 +144,7 @@ async def test_what_waits_is_bounded_and_the_oldest_is_lost(office: Office) -> N
     await settle()
     # The one that was begun, and those that waited.
     assert len(office.recognized) == WAITING + 1
+    assert (office.recognition.figures.analysed, office.recognition.figures.lost) == (WAITING + 1, 1)
 
 
 async def test_nothing_is_told_once_nobody_wants_it(office: Office) -> None:

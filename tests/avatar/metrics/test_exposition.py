@@ -10,8 +10,10 @@ from openrois_avatar.metrics.figures import (
     ADAPTATION,
     ADAPTER,
     GUARD,
+    INPUT,
     RECEPTION,
     RENDITION,
+    SENSE,
     SOURCE,
     STATUSES,
     STREAM,
@@ -19,6 +21,7 @@ from openrois_avatar.metrics.figures import (
     Snapshot,
     Source,
 )
+from openrois_avatar.sensing.figures import SenseFigures
 from openrois_streaming.receiving.receiver import ReceiverFigures
 from openrois_streaming.rendition import RenditionFigures
 from openrois_streaming.state import StreamStatus
@@ -61,8 +64,20 @@ SNAPSHOT = Snapshot(
     (("picture", RENDITION_1),),
     (STREAM_1,),
     (("strangers", 3), ("malformed", 0)),
+    (("vision", SenseFigures(40, 2, None, 1.5)), ("hearing", SenseFigures(3, 0, 1, 0.5))),
+    (("taken", 9), ("refused", 1)),
 )
-FIGURES: tuple[Figure[Any], ...] = (*ADAPTER, *GUARD, *SOURCE, *RENDITION, *STREAM, *ADAPTATION, *RECEPTION)
+FIGURES: tuple[Figure[Any], ...] = (
+    *ADAPTER,
+    *GUARD,
+    *SENSE,
+    *INPUT,
+    *SOURCE,
+    *RENDITION,
+    *STREAM,
+    *ADAPTATION,
+    *RECEPTION,
+)
 
 
 def samples(families: Iterable[Metric]) -> dict[str, dict[tuple[str, ...], float]]:
@@ -94,6 +109,10 @@ def test_every_figure_of_a_stream_a_rendition_and_a_source_is_there() -> None:
     assert found["openrois_stream_concealed_seconds_total"] == {labels: 1.5}
     assert found["openrois_sessions_limit"] == {(): 64}
     assert found["openrois_guard_dropped_datagrams_total"] == {("strangers",): 3, ("malformed",): 0}
+    assert found["openrois_sense_analysed_total"] == {("vision",): 40, ("hearing",): 3}
+    assert found["openrois_sense_lost_total"] == {("hearing",): 1}
+    assert found["openrois_sense_analysis_seconds_total"][("vision",)] == 1.5
+    assert found["openrois_input_messages_total"] == {("taken",): 9, ("refused",): 1}
     assert found["openrois_source_last_frame_age_seconds"] == {("engine",): 0.01}
     states = {values[3]: value for values, value in found["openrois_stream_status"].items()}
     assert states == {"not_connected": 0, "not_running": 0, "running": 1, "suspended": 0}

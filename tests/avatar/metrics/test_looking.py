@@ -3,7 +3,9 @@ from collections.abc import AsyncIterator
 import pytest
 from openrois_avatar.health import Health, Observed
 from openrois_avatar.metrics.looking import Looking
+from openrois_avatar.sensing.figures import SenseFigures
 from openrois_avatar.supervision import Supervised, seen_of
+from openrois_avatar.teleoperation.seat import Seat
 from openrois_streaming import peer as peer_module
 from openrois_streaming.errors import UnknownStream
 from openrois_streaming.network.guard import GuardFigures
@@ -69,3 +71,13 @@ async def test_a_stream_that_ends_meanwhile_is_left_out(
 
     monkeypatch.setattr(StreamSession, "stats", gone)
     assert (await Looking(sessions, {}, {}, GuardFigures(), VirtualClock()).snapshot()).streams == ()
+
+
+async def test_what_senses_and_hands_have_done_is_a_copy(sessions: StreamSessions) -> None:
+    vision, seat = SenseFigures(analysed=3), Seat("avatar/Teleoperation", VirtualClock())
+    seat.figures.taken = 7
+    looking = Looking(sessions, {}, {}, GuardFigures(), VirtualClock(), {"vision": vision}, seat)
+    seen = await looking.snapshot()
+    vision.analysed = 4
+    assert seen.senses == (("vision", SenseFigures(analysed=3)),)
+    assert seen.input == (("taken", 7), ("refused", 0), ("malformed", 0), ("dropped", 0))

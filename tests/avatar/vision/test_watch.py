@@ -94,6 +94,8 @@ async def test_the_camera_is_read_while_somebody_wants_it_and_only_then(stage: S
     assert stage.source.opened == 1
     seen = await stage.until_somebody()
     assert [person.number for person in seen.persons] == [1]
+    assert stage.watch.figures.analysed >= 1
+    assert 0 < stage.watch.figures.seconds < 60
     stage.activity.stop()
     await settle()
     assert (stage.source.opened, stage.source.closed) == (1, 1)
@@ -189,6 +191,7 @@ async def test_a_backend_that_does_not_return_is_given_up(stage: Stage, monkeypa
     # `run` ends by itself then.
     await asyncio.wait_for(asyncio.shield(stage.running), 10)
     assert "does not return" in stage.watch.failure
+    assert (stage.watch.figures.analysed, stage.watch.figures.failed) == (0, 1)
     await settle()
     assert stage.source.opened == stage.source.closed
     ends.set()
