@@ -27,6 +27,9 @@ _BEARER: Final = "openrois.bearer."
 _TOKEN_NAMES: Final = frozenset({"token", "access_token", "id_token", "auth", "authorization", "bearer", "jwt"})
 _TOKEN: Final = re.compile(r"eyJ[A-Za-z0-9_-]+\.[A-Za-z0-9_-]+\.")
 _WILDCARDS: Final = frozenset({"0.0.0.0", "::", ""})  # noqa: S104
+_PROBED: Final = frozenset({"/healthz", "/readyz"})
+"""Whoever watches over processes calls them by addresses of its own, and is told nothing of what is inside."""
+
 _CHALLENGE: Final = {"WWW-Authenticate": 'Bearer realm="openrois"'}
 
 
@@ -93,8 +96,8 @@ class Admission:
     async def _principal(self, request: web.Request) -> Principal:
         offered = _offered(request)
         tokens = [name.removeprefix(_BEARER) for name in offered if name.startswith(_BEARER)]
-        if tokens and SUBPROTOCOL not in offered:
-            # The answer would have to name what was offered, and nothing but the token was.
+        if SUBPROTOCOL not in offered and any(_is_secret(name) for name in offered):
+            # The answer has to name one that was offered; where there is none to name, all of them would be logged.
             self._note(request, Refusal.MALFORMED)
             raise web.HTTPBadRequest(text=f"beside a token {SUBPROTOCOL} has to be offered\n")
         if self.verifier is None:
@@ -124,7 +127,7 @@ class Admission:
             raise web.HTTPBadRequest(
                 text="a token does not belong in an address, where logs keep it: send it in a header\n"
             )
-        if not self.rules.answers_to(request.host):
+        if not self.rules.answers_to(request.host) and (self.rules.local or request.path not in _PROBED):
             self._note(request, Refusal.HOST)
             raise web.HTTPForbidden(text="this gateway is not called so (--allow-host)\n")
         origins = request.headers.getall("Origin", [])
@@ -156,6 +159,10 @@ def guard(admission: Admission) -> Callable[..., Awaitable[web.StreamResponse]]:
         return await handler(request)
 
     return check
+
+
+def _is_secret(name: str) -> bool:
+    return name.lower().startswith(_BEARER) or _TOKEN.search(name) is not None
 
 
 def _offered(request: web.Request) -> list[str]:

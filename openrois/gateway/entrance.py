@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Final
 
 from openrois.access.claims import ClaimRules
 from openrois.access.jwks import KeySetCache, fetch_from_file, fetch_from_url
@@ -23,7 +24,8 @@ from openrois.tasks import TaskScope
 
 __all__ = ["Entrance"]
 
-_LONGEST_LIST = 16 << 20
+_LONGEST_LIST: Final = 16 << 20
+"""Characters of a list of revocations."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -117,11 +117,15 @@ async def test_origins_and_hosts(tmp_path: Path) -> None:
             assert (await refused(coming, offered=bearer, origin=origin))[0] == 403
         # Who offers a token as browsers do, and says no origin, is no browser.
         assert (await refused(coming, offered=bearer))[0] == 403
-        assert (await refused(coming, offered=bearer[1:], origin="https://app.example.org"))[0] == 400
+        for alone in (bearer[1], bearer[1].upper(), f"x{bearer[1]}", token):
+            assert (await refused(coming, offered=(alone,), origin="https://app.example.org"))[0] == 400
         async with aiohttp.ClientSession() as session:
             for host, status in (("gw.example.org", 200), ("GW.example.org:1", 200), ("evil.example", 403), ("", 403)):
-                async with session.get(f"{coming.gateway.url}healthz", headers={"Host": host}) as response:
+                async with session.get(f"{coming.gateway.url}openrpc.json", headers={"Host": host}) as response:
                     assert response.status == status, host
+                # A supervisor has names of its own for the gateway.
+                async with session.get(f"{coming.gateway.url}healthz", headers={"Host": host}) as response:
+                    assert response.status == 200
             for twice in ("https://app.example.org", "https://evil.example"):
                 headers = [("Origin", "https://app.example.org"), ("Origin", twice)]
                 async with session.get(f"{coming.gateway.url}healthz", headers=headers) as response:

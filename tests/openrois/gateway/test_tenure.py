@@ -15,8 +15,11 @@ from openrois.access.principal import Principal, Role
 from openrois.audit import Audit
 from openrois.gateway.tenure import TOKEN_ENDED, Tenure, Tenures
 from openrois.tasks import TaskScope
+from openrois.types.access import MAX_TOKEN
 from tests.support.clock import Clock
+from tests.support.forgeries import forgeries
 from tests.support.guarded import ask, fresh, guarded
+from tests.support.tokens import Keys
 
 VIEWER = frozenset({Role.VIEWER})
 
@@ -199,6 +202,9 @@ async def test_a_new_token_on_the_same_connection(tmp_path: Path) -> None:
         refused = {"return_code": "BAD_PARAMETER", "seconds": 0}
         for bad in ("x", fresh(sub="bob"), fresh(exp=1), fresh(roles="adapter"), fresh(roles="root")):
             assert await refresh(connection, bad) == refused
+        for forged, _ in forgeries(Keys(), time.time()).values():
+            if 0 < len(forged) <= MAX_TOKEN:
+                assert await refresh(connection, forged) == refused
         assert (await ask(connection, "openrois.auth.refresh", token="x" * 7000))["error"]["code"] == -32602
         answer = await refresh(connection, fresh(jti="new", roles="viewer"))
         assert answer["return_code"] == "OK"
@@ -207,6 +213,7 @@ async def test_a_new_token_on_the_same_connection(tmp_path: Path) -> None:
         answer = await ask(connection, "rois.command.bind", component_ref="x/y")
         assert answer["result"]["return_code"] == "UNSUPPORTED"
     lines = coming.audited()
+    assert {"algorithm", "header", "signature"} <= {line.get("reason") for line in lines}
     refreshed = [(line.get("detail"), line["token_id"]) for line in lines if line["kind"] == "acted"]
     assert refreshed == [("in place of old", "new")]
     assert {"malformed", "subject", "expired", "role", "claim"} <= {line.get("reason") for line in lines}
