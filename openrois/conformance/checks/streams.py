@@ -2,6 +2,7 @@
 
 from typing import Any, Final
 
+from openrois.catalog.actuation import NAVIGATION
 from openrois.catalog.streaming import VIDEO_STREAMING
 from openrois.conformance.application import EVENT, Application
 from openrois.conformance.deviation import Deviation, expect, shown
@@ -17,6 +18,7 @@ CHECKS: Final = Checks()
 BOTH: Final = (Needs.ADAPTER, Needs.EXTENSIONS)
 
 STATUS: Final = "rois.stream.notify_stream_status"
+HOLDER: Final = "openrois.holder"
 OFFER: Final = "signaling.offer"
 VERBS: Final = ("disconnect_stream", "suspend_stream", "resume_stream", "query_stream_status")
 MAX_REPORTS: Final = 64
@@ -27,8 +29,8 @@ _UNKNOWN: Final = "conformance-nowhere/0"
 async def _streaming(stage: Stage) -> tuple[Probe, ProbeStreams, str]:
     """Attach an adapter with streams; return it, its streams, and its camera."""
     engine_id = new_engine_id()
-    camera = f"{engine_id}/camera"
-    engine = ProbeEngine(engine_id, {camera: VIDEO_STREAMING.profile("camera")})
+    camera, wheels = f"{engine_id}/camera", f"{engine_id}/wheels"
+    engine = ProbeEngine(engine_id, {camera: VIDEO_STREAMING.profile("camera"), wheels: NAVIGATION.profile("wheels")})
     streams = ProbeStreams(engine)
     engine.extension = streams.answer
     return await stage.attached(engine), streams, camera
@@ -247,6 +249,38 @@ async def _stream_client_gone(stage: Stage) -> None:
             lambda owner=owner: ("openrois.client_gone", {"client_id": owner}) in second.asked,  # type: ignore[misc]
             "say that the application is gone",
         )
+
+
+@CHECKS("holder", *BOTH)
+async def _holder(stage: Stage) -> None:
+    """An adapter with streams is told who holds its actuation components, with an epoch that grows with each holder."""
+    second, _, _ = await _streaming(stage)
+    wheels = second.ref("wheels")
+    app, other = await _greeted(stage), await _greeted(stage)
+
+    async def told(count: int) -> dict[str, Any]:
+        await second.until(lambda: len(second.params_of(HOLDER)) >= count, "say who holds the component")
+        expect("how often it is told", len(second.params_of(HOLDER)), count)
+        return second.params_of(HOLDER)[-1]
+
+    await app.granted("rois.command.bind", component_ref=wheels)
+    first = await told(1)
+    expect("the component, and whether it is held", (first["component_ref"], first["holds"]), (wheels, True))
+    await app.granted("rois.command.bind", component_ref=wheels)
+    expect("what is told when it is bound once more", await told(2), first)
+    await other.refused("rois.command.bind", "OUT_OF_RESOURCES", component_ref=wheels)
+    await app.granted("rois.command.release", component_ref=wheels)
+    expect("what is told when it is released", await told(3), {**first, "holds": False})
+    await other.granted("rois.command.bind", component_ref=wheels)
+    theirs = await told(4)
+    expect("whether another holder has another client_id", theirs["client_id"] != first["client_id"], True)
+    expect("whether the epoch has grown", theirs["epoch"] > first["epoch"], True)
+    await other.granted("rois.system.disconnect")
+    gone = ("openrois.client_gone", {"client_id": theirs["client_id"]})
+    given_back = (HOLDER, {**theirs, "holds": False})
+    await second.until(lambda: gone in second.asked or given_back in second.asked, "say that nobody holds it any more")
+    for each in (app, other):
+        each.told.clear()
 
 
 @CHECKS("stream-adapter-lost", *BOTH)
