@@ -14,19 +14,21 @@ from pydantic import BaseModel
 
 from openrois.bench.errors import BenchFailed
 from openrois.bench.events import EventsSettings, run_events
+from openrois.bench.idle import IdleSettings, run_idle
 from openrois.bench.rpc import RpcSettings, run_rpc
+from openrois.bench.security import Security
 
 __all__ = ["INTERRUPTED", "add_gateway_benches", "add_json", "carry_out", "count", "seconds", "tell"]
 
 INTERRUPTED: Final = 130
 """The exit status of a command that Ctrl-C ended, as shells have it."""
 
-_MOST: Final = 1000
+_MOST: Final = 10_000
 
 
 def add_gateway_benches(benches: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
-    """Add `rpc` and `events`."""
-    rpc, events = RpcSettings(), EventsSettings()
+    """Add `rpc`, `events` and `idle`."""
+    rpc, events, idle = RpcSettings(), EventsSettings(), IdleSettings()
     told = "a query through the gateway, beside raw TCP and the bare websockets library (about 40 s)"
     options = benches.add_parser("rpc", help=told, description=told)
     _add_rounds(options, rpc.rounds, rpc.seconds)
@@ -35,7 +37,14 @@ def add_gateway_benches(benches: "argparse._SubParsersAction[argparse.ArgumentPa
     options.set_defaults(
         loop_factory=uvloop.new_event_loop,
         run=lambda chosen: run_rpc(
-            RpcSettings(rounds=chosen.rounds, seconds=chosen.seconds, clients=chosen.clients, depth=chosen.depth), tell
+            RpcSettings(
+                rounds=chosen.rounds,
+                seconds=chosen.seconds,
+                clients=chosen.clients,
+                depth=chosen.depth,
+                security=Security(chosen.tls, chosen.auth),
+            ),
+            tell,
         ),
     )
     told = "events that many applications listen to (about 20 s)"
@@ -45,14 +54,31 @@ def add_gateway_benches(benches: "argparse._SubParsersAction[argparse.ArgumentPa
     options.set_defaults(
         loop_factory=uvloop.new_event_loop,
         run=lambda chosen: run_events(
-            EventsSettings(rounds=chosen.rounds, seconds=chosen.seconds, clients=chosen.clients), tell
+            EventsSettings(
+                rounds=chosen.rounds,
+                seconds=chosen.seconds,
+                clients=chosen.clients,
+                security=Security(chosen.tls, chosen.auth),
+            ),
+            tell,
         ),
+    )
+    told = "connections on which nothing happens, over TLS (about 30 s)"
+    options = benches.add_parser("idle", help=told, description=told)
+    options.add_argument("--connections", type=count, default=idle.connections, help="that are open (%(default)s)")
+    options.add_argument("--seconds", type=seconds, default=idle.seconds, help="for which all are open (%(default)s)")
+    add_json(options)
+    options.set_defaults(
+        loop_factory=uvloop.new_event_loop,
+        run=lambda chosen: run_idle(IdleSettings(connections=chosen.connections, seconds=chosen.seconds), tell),
     )
 
 
 def _add_rounds(options: argparse.ArgumentParser, rounds: int, length: float) -> None:
     options.add_argument("--rounds", type=count, default=rounds, help="of all measurements (%(default)s)")
     options.add_argument("--seconds", type=seconds, default=length, help="of each under load (%(default)s)")
+    options.add_argument("--tls", action="store_true", help="encrypt all connections to the gateway")
+    options.add_argument("--auth", action="store_true", help="ask everybody for a token, and keep an audit trail")
     add_json(options)
 
 

@@ -7,10 +7,11 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from typing import Final
 
-from openrois.bench.adapter import COMPONENT
+from openrois.bench.adapter import COMPONENT, ENGINE
 from openrois.bench.errors import within
 from openrois.bench.load import Application, Door, applications
 from openrois.bench.processes import Child, child
+from openrois.bench.security import Security
 
 __all__ = ["Deployment", "deployed", "request"]
 
@@ -39,22 +40,25 @@ def request(number: int, method: str, **params: object) -> bytes:
 
 
 @asynccontextmanager
-async def deployed(*options: str) -> AsyncIterator[Deployment]:
+async def deployed(security: Security, *options: str) -> AsyncIterator[Deployment]:
     """Run gateway and adapter while the block does.
 
     Args:
+        security: how the gateway is protected.
         options: further options of the gateway.
 
     Raises:
         BenchFailed: one of them did not start.
     """
-    async with child("-m", "openrois.cli", "gateway", "--port", "0", *options) as gateway:
-        url = gateway.said.rpartition(" ")[2]
-        door = Door(url)
-        async with child("-m", "openrois.bench.adapter", url) as adapter:
-            async with within(ATTACHING, "attaching the adapter"), applications(door, 1) as (application,):
-                await _attached(application)
-            yield Deployment(gateway, adapter, door)
+    with security.prepared(f"{ENGINE}/*") as secured:
+        arguments = ("-m", "openrois.cli", "gateway", "--port", "0", *secured.gateway, *options)
+        async with child(*arguments) as gateway:
+            url = gateway.said.rpartition(" ")[2]
+            door = Door(url, secured.context, secured.token)
+            async with child("-m", "openrois.bench.adapter", url, environment=dict(secured.adapter)) as adapter:
+                async with within(ATTACHING, "attaching the adapter"), applications(door, 1) as (application,):
+                    await _attached(application)
+                yield Deployment(gateway, adapter, door)
 
 
 async def _attached(application: Application) -> None:

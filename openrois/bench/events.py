@@ -14,6 +14,7 @@ from openrois.bench.errors import within
 from openrois.bench.figures import Figures, Waits, median
 from openrois.bench.load import Application, applications
 from openrois.bench.processes import own_cpu
+from openrois.bench.security import OPEN, Security
 from openrois.bench.table import table
 
 __all__ = ["EventsReport", "EventsSettings", "run_events"]
@@ -36,12 +37,14 @@ class EventsSettings:
         seconds: of each measurement with many events.
         singles: events of each measurement of one event at a time.
         clients: applications that listen.
+        security: how the gateway is protected.
     """
 
     rounds: int = 5
     seconds: float = 2.0
     singles: int = 100
     clients: int = 50
+    security: Security = OPEN
 
 
 class Deliveries(Figures):
@@ -60,6 +63,7 @@ class EventsReport(Figures):
     conditions: Conditions
     clients: int
     rounds: int
+    security: str
     many: Deliveries
     first: Waits
     last: Waits
@@ -73,7 +77,7 @@ class EventsReport(Figures):
         return "\n".join(
             (
                 str(self.conditions),
-                f"{self.clients} applications; medians of {self.rounds} rounds",
+                f"{self.clients} applications, {self.security}; medians of {self.rounds} rounds",
                 "",
                 f"{many.per_second:.0f} deliveries a second; CPU of each: gateway {many.gateway_us:.1f} us, "
                 f"adapter {many.adapter_us:.1f} us, load {many.load_us:.1f} us",
@@ -102,7 +106,7 @@ async def run_events(settings: EventsSettings, progress: Progress) -> EventsRepo
     before = load()
     rounds: list[_Round] = []
     async with (
-        deployed() as deployment,
+        deployed(settings.security) as deployment,
         applications(deployment.door, settings.clients) as listening,
     ):
         audience = _Audience(listening)
@@ -117,6 +121,7 @@ async def run_events(settings: EventsSettings, progress: Progress) -> EventsRepo
         conditions=conditions(before),
         clients=settings.clients,
         rounds=settings.rounds,
+        security=str(settings.security),
         many=Deliveries(
             per_second=median([each.many.per_second for each in rounds]),
             gateway_us=median([each.many.gateway_us for each in rounds]),

@@ -43,6 +43,11 @@ class Door:
     context: ssl.SSLContext | None = None
     token: str = ""
 
+    def websocket(self) -> dict[str, Any]:
+        """Return the same as arguments of the `websockets` library."""
+        headers = {"Authorization": f"Bearer {self.token}"} if self.token else {}
+        return {"uri": self.url.replace("http", "ws", 1), "ssl": self.context, "additional_headers": headers}
+
 
 class Application(asyncio.Protocol):
     """One connection of an application.
@@ -83,6 +88,11 @@ class Application(asyncio.Protocol):
     def send(self, payload: bytes) -> None:
         """Send one text message of less than 64 KiB."""
         self._transport.write(_frame(_TEXT, payload))
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the connection lives."""
+        return not self._transport.is_closing()
 
     def close(self) -> None:
         """Cut the connection."""

@@ -5,7 +5,7 @@ import time
 from collections.abc import Awaitable, Callable, Sequence
 from contextlib import AsyncExitStack
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 from websockets.asyncio.client import connect
 
@@ -16,6 +16,7 @@ from openrois.bench.errors import within
 from openrois.bench.figures import Figures, Waits, median
 from openrois.bench.load import Application, applications
 from openrois.bench.processes import child, own_cpu
+from openrois.bench.security import OPEN, Security
 from openrois.bench.table import table
 
 __all__ = ["RpcReport", "RpcSettings", "run_rpc"]
@@ -37,6 +38,7 @@ class RpcSettings:
         clients: connections that ask at a time.
         depth: requests of each that are unanswered at a time.
         rate: requests a second of the measurement at a fixed rate.
+        security: how the gateway is protected; the echoes never are.
     """
 
     rounds: int = 5
@@ -45,6 +47,7 @@ class RpcSettings:
     clients: int = 8
     depth: int = 16
     rate: int = 500
+    security: Security = OPEN
 
 
 class Pipelined(Figures):
@@ -65,6 +68,7 @@ class RpcReport(Figures):
     clients: int
     depth: int
     rate: int
+    security: str
     tcp: Waits
     echo: Waits
     echo_uvloop: Waits
@@ -85,7 +89,7 @@ class RpcReport(Figures):
         many = self.pipelined
         return "\n".join(
             (
-                f"{self.conditions}\nmedians of {self.rounds} rounds",
+                f"{self.conditions}\n{self.security}; medians of {self.rounds} rounds",
                 "",
                 table(
                     ("one at a time", "p50 us", "p95 us", "p99 us"),
@@ -122,7 +126,7 @@ async def run_rpc(settings: RpcSettings, progress: Progress) -> RpcReport:
     """
     before = load()
     async with AsyncExitStack() as stack:
-        deployment = await stack.enter_async_context(deployed())
+        deployment = await stack.enter_async_context(deployed(settings.security))
         floors = [
             await stack.enter_async_context(child("-m", "openrois.bench.echo", *loop)) for loop in ((), ("uvloop",))
         ]
@@ -138,9 +142,9 @@ async def _round(settings: RpcSettings, deployment: Deployment, ports: Sequence[
     (tcp, echo), (_, echo_uvloop) = ports
     return _Round(
         tcp=await _tcp(tcp, settings.requests),
-        echo=await _sequential(f"ws://127.0.0.1:{echo}/", settings.requests),
-        echo_uvloop=await _sequential(f"ws://127.0.0.1:{echo_uvloop}/", settings.requests),
-        query=await _sequential(deployment.door.url.replace("http", "ws", 1), settings.requests),
+        echo=await _sequential(settings.requests, uri=f"ws://127.0.0.1:{echo}/"),
+        echo_uvloop=await _sequential(settings.requests, uri=f"ws://127.0.0.1:{echo_uvloop}/"),
+        query=await _sequential(settings.requests, **deployment.door.websocket()),
         pipelined=await _pipelined(settings, deployment),
         open_loop=await _open_loop(settings, deployment),
     )
@@ -170,8 +174,8 @@ async def _tcp(port: int, count: int) -> Waits:
         writer.close()
 
 
-async def _sequential(url: str, count: int) -> Waits:
-    async with connect(url, compression=None, proxy=None) as connection:
+async def _sequential(count: int, **options: Any) -> Waits:
+    async with connect(compression=None, proxy=None, **options) as connection:
 
         async def ask(number: int) -> None:
             await connection.send(_query(number).decode())
@@ -257,6 +261,7 @@ def _report(settings: RpcSettings, found: Conditions, rounds: Sequence[_Round]) 
         clients=settings.clients,
         depth=settings.depth,
         rate=settings.rate,
+        security=str(settings.security),
         tcp=Waits.median([each.tcp for each in rounds]),
         echo=Waits.median([each.echo for each in rounds]),
         echo_uvloop=Waits.median([each.echo_uvloop for each in rounds]),

@@ -19,9 +19,7 @@ MAX_UNITS: Final = 64
 """Commands of a sequence that may pass others, if all of them are `stop`."""
 
 _EXECUTE: Final = "rois.command.execute"
-_URGENT: Final = frozenset(
-    {"rois.command.release", "rois.system.disconnect", "openrois.stop_all", "openrois.lease.release"}
-)
+_URGENT: Final = frozenset({"rois.command.release", "rois.system.disconnect", "openrois.stop_all"})
 _ACTING: Final = frozenset({_EXECUTE, "rois.command.set_parameter", "rois.command.bind", "rois.command.bind_any"})
 _RESULTS: Final = {method.name: method.result for method in METHODS}
 

@@ -1,7 +1,7 @@
 """Who may call what: every method of an application passes here, and one without a rule is refused to everybody."""
 
-from collections.abc import Awaitable, Mapping
-from typing import Any, Final
+from collections.abc import Iterator, Mapping
+from typing import Final
 
 from openrois.application import ApplicationSession
 from openrois.jsonrpc.session import Handler, Reply
@@ -14,22 +14,34 @@ __all__ = ["enforced"]
 _RESULTS: Final = {method.name: method.result for method in METHODS}
 
 
-def enforced(app: ApplicationSession, methods: Mapping[str, Handler]) -> dict[str, Handler]:
+def enforced(app: ApplicationSession, methods: Mapping[str, Handler]) -> Mapping[str, Handler]:
     """Return the methods as the application may call them: those that its roles allow.
 
-    That is asked at every call, because its principal can change. A call that is not allowed is refused before anything
-    of its params is read, so that its answer says nothing about them. What its refs may name `app.engine` knows.
+    That is asked at every look-up, because its principal can change. A call that is not allowed is refused before
+    anything of its params is read, so that its answer says nothing about them. What its refs may name, `app.engine`
+    knows.
     """
-    return {name: _enforced(app, name, handler) for name, handler in methods.items()}
+    return _Enforced(app, methods)
 
 
-def _enforced(app: ApplicationSession, name: str, handler: Handler) -> Handler:
-    engine = app.engine
+class _Enforced(Mapping[str, Handler]):
+    """A table that costs one application next to nothing: there are thousands of them, and half a hundred methods."""
 
-    def answer(params: dict[str, Any]) -> Awaitable[Any]:
-        return handler(params) if engine.principal.may_call(name) else _refused(name)
+    __slots__ = ("_app", "_methods")
 
-    return answer
+    def __init__(self, app: ApplicationSession, methods: Mapping[str, Handler]) -> None:
+        self._app = app
+        self._methods = methods
+
+    def __getitem__(self, name: str) -> Handler:
+        handler = self._methods[name]
+        return handler if self._app.engine.principal.may_call(name) else lambda _params: _refused(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._methods)
+
+    def __len__(self) -> int:
+        return len(self._methods)
 
 
 async def _refused(name: str) -> Reply:

@@ -34,15 +34,24 @@ def operation(
             message is the reply's reason.
         function: does it; returns the result, or raises `RoISError`.
     """
+    return method(params, _Operation(result, function))
 
-    async def answer(checked: Params) -> Any:
+
+class _Operation:
+    """What an operation does with params that fit; see `operation`."""
+
+    __slots__ = ("_function", "_result")
+
+    def __init__(self, result: type[ReturnResult], function: Callable[[Any], Awaitable[ReturnResult | Reply]]) -> None:
+        self._result = result
+        self._function = function
+
+    async def __call__(self, checked: BaseModel) -> ReturnResult | Reply:
         try:
-            return await function(checked)
+            return await self._function(checked)
         except RoISError as error:
             _log.debug("%s: %s", type(checked).__name__, error)
-            return Reply(result(return_code=error.return_code), reason=str(error))
-
-    return method(params, answer)
+            return Reply(self._result(return_code=error.return_code), reason=str(error))
 
 
 def reply_first(app: ApplicationSession, handler: Handler) -> Handler:

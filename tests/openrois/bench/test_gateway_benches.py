@@ -17,11 +17,18 @@ def test_rpc_measures_gateway_and_floor(tmp_path: Path, capsys: pytest.CaptureFi
     assert figures["pipelined"]["per_second"] > 0
 
 
-def test_events_reach_everybody(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_events_reach_everybody_who_may_hear_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "events.json"
-    asked = ["events", "--rounds", "1", "--seconds", "0.2", "--clients", "3", "--json", str(file)]
+    asked = ["events", "--rounds", "1", "--seconds", "0.2", "--clients", "3", "--tls", "--auth", "--json", str(file)]
     assert command.main(asked) == 0
-    assert "deliveries a second" in capsys.readouterr().out
+    assert "TLS, tokens, authorization and audit" in capsys.readouterr().out
     figures = json.loads(file.read_text())
     assert figures["bench"] == "events"
     assert 0 < figures["first"]["p50"] <= figures["last"]["p50"]
+
+
+def test_idle_connections_stay(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "idle.json"
+    assert command.main(["idle", "--connections", "5", "--seconds", "0.1", "--json", str(file)]) == 0
+    assert "5 idle connections" in capsys.readouterr().out
+    assert json.loads(file.read_text())["full"] > 10

@@ -1,6 +1,6 @@
 """The gate before every method: what has no rule is refused, and whatever could name a component is looked up."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any, Final, get_args
 
 import pytest
@@ -94,7 +94,7 @@ async def served(monkeypatch: pytest.MonkeyPatch) -> dict[str, Handler]:
     """What a gateway serves to an application, whoever added it."""
     tables: list[dict[str, Handler]] = []
 
-    def noting(app: ApplicationSession, methods: dict[str, Handler]) -> dict[str, Handler]:
+    def noting(app: ApplicationSession, methods: Mapping[str, Handler]) -> Mapping[str, Handler]:
         tables.append(dict(methods))
         return enforced(app, methods)
 
