@@ -1,0 +1,115 @@
+"""docs/limits.md: every limit of a gateway and its wire stands there, with its number, its figure and its test."""
+
+import ast
+import importlib
+import re
+from pathlib import Path
+
+import pytest
+from openrois_avatar.metrics import figures as avatar
+
+from openrois.gateway.configuration import settings_of
+from openrois.gateway.metrics import FIGURES, HISTOGRAMS
+from openrois.gateway.socket import ADAPTER, APPLICATION
+
+ROOT = Path(__file__).parents[1]
+
+ELSEWHERE = ("authoring", "bench", "client", "conformance", "profile_command", "profile_xml", "testing")
+"""Packages that are no part of a gateway or of what an adapter is written with."""
+
+NO_LIMITS = {
+    "openrois.gateway.draining.SERVICE_RESTART": "a code",
+    "openrois.gateway.tenure.TOKEN_ENDED": "a code",
+    "openrois.transport.stream.POLICY_VIOLATION": "a code",
+    **{
+        f"openrois.jsonrpc.protocol.{name}": "a code"
+        for name in (
+            *("PARSE_ERROR", "INVALID_REQUEST", "METHOD_NOT_FOUND", "INVALID_PARAMS", "INTERNAL_ERROR"),
+            "TOO_MANY_REQUESTS",
+        )
+    },
+}
+"""Public numbers that bound nothing."""
+
+
+def constants() -> dict[str, float]:
+    """Return every public number that a module of the control plane or of signaling has, by its dotted name."""
+    found: dict[str, float] = {}
+    for folder in (ROOT / "openrois", ROOT / "signaling" / "openrois_signaling"):
+        for path in sorted(folder.rglob("*.py")):
+            parts = path.relative_to(folder.parent).with_suffix("").parts
+            if parts[1] not in ELSEWHERE:
+                module = ".".join(part for part in parts if part != "__init__")
+                found |= {f"{module}.{name}": value for name, value in numbers(module, path)}
+    return {name: value for name, value in found.items() if name not in NO_LIMITS}
+
+
+def numbers(module: str, path: Path) -> list[tuple[str, float]]:
+    """Return the names and values of a module's own constants that are numbers."""
+    found = []
+    for statement in ast.parse(path.read_text(encoding="utf-8")).body:
+        targets = [statement.target] if isinstance(statement, ast.AnnAssign) else getattr(statement, "targets", [])
+        for target in targets:
+            if isinstance(target, ast.Name) and target.id.isupper() and not target.id.startswith("_"):
+                value = getattr(importlib.import_module(module), target.id)
+                if isinstance(value, int | float) and not isinstance(value, bool):
+                    found.append((target.id, float(value)))
+    return found
+
+
+def settings() -> dict[str, float]:
+    """Return every setting that is a number, by the name that docs/deploying.md gives it; the port bounds nothing."""
+    numeric = [each for each in settings_of() if each.info.annotation in (int, float) and each.field != "port"]
+    return {f"[{each.table}] {each.key}": float(each.info.default) for each in numeric}
+
+
+def profiles() -> dict[str, float]:
+    """Return the bounds of both kinds of connection."""
+    return {
+        f"openrois.gateway.socket.{kind}.{name}": float(getattr(profile, name))
+        for kind, profile in (("APPLICATION", APPLICATION), ("ADAPTER", ADAPTER))
+        for name in profile.__dataclass_fields__
+    }
+
+
+def rows() -> dict[str, tuple[str, str, str, str]]:
+    """Return the tables: value, meaning, figure and test of each limit."""
+    page = (ROOT / "docs" / "limits.md").read_text(encoding="utf-8")
+    found = re.findall(r"^\| `([^`|]+)` \| ([^|]+) \| ([^|]+) \| ([^|]+) \| ([^|]+) \|$", page, re.MULTILINE)
+    assert len({row[0] for row in found}) == len(found)
+    return {row[0]: row[1:] for row in found}
+
+
+def test_every_limit_has_a_row_and_every_row_a_limit() -> None:
+    assert set(rows()) == set(constants()) | set(settings()) | set(profiles())
+
+
+def test_what_is_no_limit_is_there() -> None:
+    for name in NO_LIMITS:
+        module, _, constant = name.rpartition(".")
+        assert hasattr(importlib.import_module(module), constant), name
+
+
+def test_the_numbers_are_those_that_hold() -> None:
+    known = constants() | settings() | profiles()
+    wrong = {
+        name: (value, known.get(name))
+        for name, (value, *_) in rows().items()
+        if float(value.partition(" ")[0].replace(",", "")) != known.get(name)
+    }
+    assert wrong == {}
+
+
+def test_the_figures_are_served() -> None:
+    served = {figure.name for figure in FIGURES} | set(HISTOGRAMS)
+    served |= {figure.name for figure in (*avatar.ADAPTER, *avatar.STREAM, *avatar.RECEPTION)}
+    named = {name for _, _, figures, _ in rows().values() for name in re.findall(r"`([^`]+)`", figures)}
+    assert named <= served
+    assert {figures for _, _, figures, _ in rows().values() if "`" not in figures} <= {"none: it refuses nothing"}
+
+
+@pytest.mark.parametrize("name", rows())
+def test_the_test_is_there(name: str) -> None:
+    reference = rows()[name][3].strip("`")
+    path, _, function = reference.partition("::")
+    assert re.search(rf"def {function}\(", (ROOT / path).read_text(encoding="utf-8")), reference
