@@ -19,6 +19,7 @@ class AcceptedCommand:
         sequence: the number of the sequence that it belongs to, in the order of acceptance.
         starts: whether it starts the component.
         task: runs it; None before its turn.
+        stopping: why its component is being stopped; empty unless it is.
         aborted: why it was ended from outside; empty unless it was.
     """
 
@@ -28,6 +29,7 @@ class AcceptedCommand:
     sequence: int = 0
     starts: bool = False
     task: asyncio.Task[Any] | None = None
+    stopping: str = ""
     aborted: str = ""
 
     def abort(self, reason: str) -> None:

@@ -74,7 +74,6 @@ class EngineHost:
         accepted: commands that can be ended from outside.
         lease_rules: how long leases last.
         first_epoch: the number of the first lease.
-        clock: monotonic seconds.
         draining: it is about to end, and begins nothing new.
         lifeline: to the parent, for what moves.
         fence: which parent told of the latest holder.
@@ -94,7 +93,6 @@ class EngineHost:
     accepted: AcceptedCommands = field(default_factory=AcceptedCommands)
     lease_rules: Rules = field(default_factory=Rules)
     first_epoch: int = 1
-    clock: Callable[[], float] = time.monotonic
     draining: bool = False
     lifeline: Lifeline = field(default_factory=Lifeline)
     fence: Fence = field(default_factory=Fence)
@@ -107,8 +105,6 @@ class EngineHost:
             self.accepted,
             rules=self.lease_rules,
             first_epoch=self.first_epoch,
-            clock=self.clock,
-            sleep=self.sleep,
             acted=self.audit.acted,
             on_lost=_end_uplinks,
         )

@@ -38,6 +38,8 @@ async def stop_components(
 
 async def _stop(engine: Engine, accepted: AcceptedCommands, component_ref: str, reason: str) -> str:
     failure = ""
+    for command in accepted.of(component_ref):
+        command.stopping = reason
     profile = engine.directory.component_profiles.get(component_ref)
     try:
         if profile is not None and profile.command("stop") is not None:

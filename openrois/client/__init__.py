@@ -17,6 +17,7 @@ from openrois.client.commands import Command, Execution
 from openrois.client.component import ComponentProxy
 from openrois.client.conditions import where
 from openrois.client.connection import ConnectionState
+from openrois.client.control import Control
 from openrois.client.dialling import Dial
 from openrois.client.errors import ConnectionFailed, ConnectionLost
 from openrois.client.feed import Feed
@@ -24,6 +25,10 @@ from openrois.client.notices import (
     BindingLost,
     BindingRestored,
     Connected,
+    ControlChanged,
+    ControlDeclined,
+    ControlRequested,
+    ControlWithdrawn,
     Disconnected,
     Fault,
     Notice,
@@ -48,6 +53,11 @@ __all__ = [
     "ConnectionFailed",
     "ConnectionLost",
     "ConnectionState",
+    "Control",
+    "ControlChanged",
+    "ControlDeclined",
+    "ControlRequested",
+    "ControlWithdrawn",
     "Dial",
     "Disconnected",
     "Event",

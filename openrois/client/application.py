@@ -1,6 +1,7 @@
 """What an application has at its gateway: it moves to the next connection with all of it, and hears what is told."""
 
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from functools import partial
 from typing import Any, Final
 from weakref import WeakSet
@@ -8,16 +9,20 @@ from weakref import WeakSet
 from openrois.client.asking import ask, read_message
 from openrois.client.bindings import Bindings
 from openrois.client.commands import Commands
+from openrois.client.control import control_notice
+from openrois.client.errors import ConnectionLost
 from openrois.client.feed import Feed
-from openrois.client.notices import Fault, Notice, Notification, ProfileChanged
+from openrois.client.notices import ControlChanged, Fault, Notice, Notification, ProfileChanged
 from openrois.client.reconnect import Reconnect
 from openrois.client.restoring import Restorer
+from openrois.client.resumption import Resumption
 from openrois.client.subscriptions import Asker, Subscriptions
 from openrois.jsonrpc.protocol import METHOD_NOT_FOUND
 from openrois.jsonrpc.session import NotificationHandler, RpcError, RpcSession
 from openrois.renewing import renewing
 from openrois.tasks import TaskScope
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
+from openrois.types.leases import LEASES, LeaseState
 from openrois.types.messages import Completed, ErrorNotification, EventNotification, NoParams, ReturnResult
 from openrois.types.reasons import ReasonNotification, sentence
 from openrois.types.streams import EXTENSION_VERSION, EXTENSIONS, HelloParams, HelloResult
@@ -52,6 +57,7 @@ class Application:
         self.listeners: WeakSet[Feed[Any]] = WeakSet()
         self.notifications: Mapping[str, NotificationHandler] = _EveryName(self._take)
         self._restorer = Restorer(self.bindings, self.subscriptions, reconnect, request_timeout)
+        self._resumption = Resumption(self.commands, self.bindings, reconnect, request_timeout)
         self._timeout = request_timeout
         self._session: RpcSession | None = None
         self._credentials = credentials
@@ -63,6 +69,10 @@ class Application:
         self._session = session
         await ask(session, "rois.system.connect", NoParams(), ReturnResult, timeout=self._timeout)
         self.extensions = await self._hello(session)
+        if LEASES in self.extensions:
+            await self._resumption.move_in(session)
+        else:
+            self._resumption.give_up()
 
     async def _hello(self, session: RpcSession) -> frozenset[str]:
         params = HelloParams(version=EXTENSION_VERSION, extensions=EXTENSIONS)
@@ -82,14 +92,19 @@ class Application:
         """Keep bindings and subscriptions as they should be."""
         async with TaskScope() as tasks:
             self._expiring = renewing(session, self._credentials, tasks)
+            tasks.start(self._keep_resuming(session))
             try:
                 await self._restorer.run(session)
             finally:
                 self._expiring = {}
 
-    def move_out(self, reason: str) -> None:
-        """Lose what the connection held; no command of it will be told of any more."""
-        self.commands.lost(reason)
+    async def _keep_resuming(self, session: RpcSession) -> None:
+        with suppress(ConnectionLost, TimeoutError):
+            await self._resumption.stay(session)
+
+    def move_out(self, reason: str, *, lost: bool = False) -> None:
+        """Lose what the connection held; of its commands somebody may tell if it was lost, and can be resumed."""
+        self._resumption.move_out(reason, lost=lost)
         self.bindings.lost()
         self.subscriptions.lost()
 
@@ -123,6 +138,16 @@ class Application:
             case "rois.system.notify_error":
                 fault = read_message(ErrorNotification, params)
                 self.tell(Fault(fault.error_id, fault.error_type))
+            case _:
+                self._take_lease(method, params)
+
+    def _take_lease(self, method: str, params: dict[str, Any]) -> None:
+        notice = control_notice(method, params)
+        if notice is None:
+            return
+        if isinstance(notice, ControlChanged) and notice.state is LeaseState.HELD:
+            self.bindings.taken(notice.component_ref, notice.reason)
+        self.tell(notice)
 
     def _take_reason(self, told: ReasonNotification) -> None:
         line = sentence(told.reason)

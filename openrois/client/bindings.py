@@ -7,7 +7,7 @@ from weakref import WeakValueDictionary
 
 from openrois.client.asking import ask
 from openrois.client.notices import BindingLost, BindingRestored, Notice
-from openrois.errors import RoISError
+from openrois.errors import OutOfResources, RoISError
 from openrois.jsonrpc.session import RpcError, RpcSession
 from openrois.types.messages import ComponentParams, ReturnResult
 
@@ -63,6 +63,13 @@ class Bindings:
     def gave_back(self, component_ref: str) -> None:
         """Note that a component is not wanted any more."""
         self._wanted.pop(component_ref, None)
+
+    def taken(self, component_ref: str, reason: str) -> None:
+        """Learn that another application has a component now that was held: it is not fought for."""
+        binding = self._wanted.get(component_ref)
+        if binding is not None and binding.held:
+            del self._wanted[component_ref]
+            self._tell(BindingLost(component_ref, OutOfResources(f"another application holds it now: {reason}")))
 
     def unuse(self, component_ref: str) -> bool:
         """Note that one of them needs it no more; tell whether nobody does."""

@@ -15,6 +15,7 @@ from openrois.client.application import Application
 from openrois.client.component import ComponentProxy
 from openrois.client.conditions import where
 from openrois.client.connection import Connection, ConnectionState
+from openrois.client.control import Control
 from openrois.client.dialling import Dial, websocket
 from openrois.client.feed import BUFFER, Feed
 from openrois.client.notices import Connected, Notice, Notification, ProfileChanged
@@ -50,6 +51,9 @@ class Client(Operations):
         connect_timeout: seconds that connecting may take.
         request_timeout: seconds that an answer may take.
         reconnect: when a lost connection is made again; None for never.
+
+    Attributes:
+        control: asks for components that others hold, hands them over, and stops everything.
     """
 
     def __init__(
@@ -76,6 +80,7 @@ class Client(Operations):
         super().__init__(
             connection, self._application.commands, self._application.bindings, self._application.subscriptions
         )
+        self.control = Control(connection, self._application.bindings, self.notices)
 
     async def __aenter__(self) -> Self:
         await self._connection.open()

@@ -153,8 +153,14 @@ class Commands:
         if command is not None:
             command.settle(told.status)
 
-    def lost(self, reason: str) -> None:
-        """End every command: the connection that would have told of it is gone."""
-        commands, self._running = tuple(self._running.values()), {}
-        for command in commands:
+    def ids(self) -> tuple[str, ...]:
+        """Return the ids of those that are not finished."""
+        return tuple(self._running)
+
+    def lost(self, reason: str, command_ids: Iterable[str] | None = None) -> None:
+        """End commands, all unless some are given: nobody will tell of them any more."""
+        for command_id in self.ids() if command_ids is None else command_ids:
+            command = self._running.pop(command_id, None)
+            if command is None:
+                continue
             command.settle(ConnectionLost(f"{command.command_type} of {command.component_ref}: {reason}"))

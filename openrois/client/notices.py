@@ -4,11 +4,16 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from openrois.types.codes import ErrorType
+from openrois.types.leases import LeaseState
 
 __all__ = [
     "BindingLost",
     "BindingRestored",
     "Connected",
+    "ControlChanged",
+    "ControlDeclined",
+    "ControlRequested",
+    "ControlWithdrawn",
     "Disconnected",
     "Fault",
     "Notice",
@@ -31,7 +36,7 @@ class Connected(Notice):
 
 @dataclass(frozen=True, slots=True)
 class Disconnected(Notice):
-    """The connection ended. Commands that ran are `ConnectionLost`; whether they go on is not known.
+    """The connection ended. Commands that ran are told of after it was made again in time, or are `ConnectionLost`.
 
     Attributes:
         reason: one sentence.
@@ -59,7 +64,7 @@ class Fault(Notice):
 class BindingLost(Notice):
     """A component that was bound is not any more: it is gone, or another application has it by now.
 
-    It is bound again as soon as it can be, unless it is released.
+    It is bound again as soon as it can be, unless it is released, or was handed over or taken.
     """
 
     component_ref: str
@@ -71,6 +76,61 @@ class BindingRestored(Notice):
     """A component is bound again. What runs there was not started by this connection."""
 
     component_ref: str
+
+
+@dataclass(frozen=True, slots=True)
+class ControlChanged(Notice):
+    """A component has another holder, or another queue; see `Control.status` and docs/control.md.
+
+    Attributes:
+        component_ref: the component.
+        state: who holds it, as this application sees it.
+        holder: the subject of who holds it.
+        waiting: how many wait for it.
+        position: of this application among them, from 1 on; 0 where it does not wait.
+        reason: one sentence.
+    """
+
+    component_ref: str
+    state: LeaseState
+    holder: str
+    waiting: int
+    position: int
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class ControlRequested(Notice):
+    """Somebody asks for a component that this application holds: `client.control.grant` or `decline` answers.
+
+    Attributes:
+        component_ref: the component.
+        request_id: what is answered.
+        subject: who asks.
+        within: seconds after which no answer is a no.
+    """
+
+    component_ref: str
+    request_id: str
+    subject: str
+    within: float
+
+
+@dataclass(frozen=True, slots=True)
+class ControlDeclined(Notice):
+    """The holder keeps a component that this application has asked for."""
+
+    component_ref: str
+    request_id: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class ControlWithdrawn(Notice):
+    """Who has asked for a component does not any more."""
+
+    component_ref: str
+    request_id: str
 
 
 @dataclass(frozen=True, slots=True)

@@ -56,7 +56,7 @@ async def serve_adapter(
     changed = asyncio.Event()
     proxy = RemoteProxy(session, changed.set, host.tasks)
     proxy.accepts = lambda directory: _require_scope(tenure.principal, directory)
-    heartbeat = Heartbeat(session, host.tasks, host.sleep)
+    heartbeat = Heartbeat(session, host.tasks)
     session.notifications = {**proxy.notifications(), **heartbeat.notifications()}
     tenure.on_principal = lambda _principal: None if tenure.is_over else changed.set()
     tenure.on_expiring = expiring(session.notify, lambda: proxy.speaks_extensions)

@@ -27,7 +27,9 @@ class Heartbeat:
         sleep: waits for some seconds.
     """
 
-    def __init__(self, session: RpcSession, tasks: TaskScope, sleep: Callable[[float], Awaitable[None]]) -> None:
+    def __init__(
+        self, session: RpcSession, tasks: TaskScope, sleep: Callable[[float], Awaitable[None]] = asyncio.sleep
+    ) -> None:
         self._session = session
         self._tasks = tasks
         self._sleep = sleep

@@ -220,6 +220,8 @@ class _Commands:
             status, reason = CompletedStatus.ABORT, command.aborted
         except RoISError as error:
             status, reason = error.completed_status, str(error)
+            if status is CompletedStatus.ABORT and command.stopping:
+                reason = command.stopping
             _log.info("%s of %s ended %s: %s", unit.command_type, unit.component_ref, status, error)
         except Exception:
             # Whatever went wrong inside, the application is owed its one `completed`.

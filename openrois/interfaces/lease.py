@@ -100,8 +100,8 @@ class _Leases:
         return LeaseTokenResult(token=self._keeper.token(self._app), grace_ms=self._grace_ms)
 
     async def resume(self, params: ResumeParams) -> Reply:
-        if self._app.bound or self._app.commands.unfinished:
-            raise BadParameter("a session resumes another before it has bound or executed anything itself")
+        if self._keeper.model.holding.held_by(self._app) or self._app.commands.unfinished:
+            raise BadParameter("a session resumes another before it has bound or executed something that acts")
         try:
             former = self._keeper.resume(params.token, self._app)
         except RoISError as error:

@@ -83,14 +83,14 @@ class LeaseKeeper:
         is_new = self.model.holding.holder(component_ref) is None
         epoch = self.model.holding.bind(component_ref, holder)
         if is_new:
-            self._carry([Gained(component_ref, holder, epoch, Why.BOUND)])
+            self._carry([Gained(component_ref, holder, epoch, Why.BOUND)], by=holder)
         else:
             self.telling.adapter(component_ref, holder, epoch, holds=True)
         return epoch
 
     def release(self, component_ref: str, holder: Holder) -> None:
         """Give a component back, if `holder` has it: the first in line has it next."""
-        self._carry(self.model.release(component_ref, holder, self._now()))
+        self._carry(self.model.release(component_ref, holder, self._now()), by=holder)
 
     def leave(self, holder: Holder) -> None:
         """Give everything back, and wait for nothing more. The adapters learn that from whoever forgets the client."""
@@ -112,13 +112,13 @@ class LeaseKeeper:
         Raises:
             OutOfResources: too many wait for it.
         """
-        self._carry(self.model.request(component_ref, asker, self._now()))
+        self._carry(self.model.request(component_ref, asker, self._now()), by=asker)
         request = self.model.waiting.find(component_ref, asker)
         return "" if request is None else request.request_id
 
     def withdraw(self, component_ref: str, asker: Holder) -> None:
         """Wait for a component no more."""
-        self._carry(self.model.withdraw(component_ref, asker))
+        self._carry(self.model.withdraw(component_ref, asker), by=asker)
 
     def waited_for(self, asker: Holder) -> list[str]:
         """Return the components that somebody waits for."""
@@ -175,13 +175,13 @@ class LeaseKeeper:
         for component_ref, epoch in self.model.holding.held_by(successor).items():
             successor.bound.add(component_ref)
             self.telling.adapter(component_ref, successor, epoch, holds=True)
-        self._carry(changes)
+        self._carry(changes, by=successor)
         return former
 
     # How it is done.
 
-    def _carry(self, changes: list[Change]) -> None:
-        """Carry out what follows from an operation, and tell of it once that has been answered."""
+    def _carry(self, changes: list[Change], by: Holder | None = None) -> None:
+        """Carry out what follows from an operation, and tell everybody of it but whom its answer tells."""
         told: dict[str, tuple[Holder | None, str]] = {}
         for change in changes:
             match change:
@@ -198,7 +198,7 @@ class LeaseKeeper:
                     self.telling.of_request(change)
         for component_ref, (former, sentence) in told.items():
             if component_ref not in self._clearing:
-                self.telling.to_all(component_ref, former, sentence)
+                self.telling.to_all(component_ref, former, sentence, but=by)
             elif former is not None:
                 self.telling.say(former, self.telling.changed(component_ref, former, sentence))
         self._alarm.set(self.model.next_due())

@@ -118,7 +118,7 @@ class Telling:
             case Withdrawn(_, holder):
                 self.say(session_of(holder), LeaseWithdrawnNotification(**named))
 
-    def to_all(self, component_ref: str, former: Holder | None, reason: str) -> None:
+    def to_all(self, component_ref: str, former: Holder | None, reason: str, *, but: Holder | None = None) -> None:
         """Tell everybody whom it concerns how things stand with a component."""
         held = self._model.holding.holder(component_ref)
         concerned = set(self._watchers.get(component_ref, ()))
@@ -126,7 +126,7 @@ class Telling:
         concerned |= {
             holder for holder in (former, None if held is None else session_of(held[0])) if holder is not None
         }
-        for viewer in concerned:
+        for viewer in concerned - {but}:
             self.say(viewer, self.changed(component_ref, viewer, reason))
 
     def changed(self, component_ref: str, viewer: Holder, reason: str) -> LeaseChangedNotification:

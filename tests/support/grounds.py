@@ -16,6 +16,7 @@ from openrois.gateway.server import run_gateway
 from openrois.gateway.settings import GatewaySettings
 from openrois.interfaces import base_methods
 from openrois.jsonrpc.session import RpcSession
+from openrois.leases.model import Rules
 from openrois.registry import LocalRegistry
 from openrois.tasks import TaskScope
 from openrois.transport.memory import MemoryStream, memory_pair
@@ -213,9 +214,14 @@ class Line:
 
 
 @asynccontextmanager
-async def line() -> AsyncIterator[Line]:
+async def line(grace: float = 0) -> AsyncIterator[Line]:
+    """Run it.
+
+    Args:
+        grace: seconds for which leases survive a connection.
+    """
     async with AsyncExitStack() as stack:
         commands = await stack.enter_async_context(TaskScope())
         connections = await stack.enter_async_context(TaskScope())
-        host = EngineHost(Engine("gateway"), commands, sleep=no_wait)
+        host = EngineHost(Engine("gateway"), commands, sleep=no_wait, lease_rules=Rules(grace=grace))
         yield Line(host, *(await _furnish(host.engine)), connections)

@@ -101,7 +101,7 @@ def mypy(folder: Path) -> str:
 @pytest.mark.timeout(300)
 def test_the_guide_is_right(tmp_path: Path) -> None:
     pieces = guide()
-    assert len(pieces) == 8
+    assert len(pieces) == 9
     for name, text in pieces.items():
         (tmp_path / f"{name}.py").write_text(text)
     assert mypy(tmp_path) == ""

@@ -1,0 +1,144 @@
+"""Who controls which component: asking for it, handing it over, and stopping everything."""
+
+from collections.abc import Callable
+from typing import Any, Final
+
+from openrois.client.asking import read_message
+from openrois.client.bindings import Bindings
+from openrois.client.connection import Connection
+from openrois.client.errors import ConnectionLost
+from openrois.client.feed import Feed
+from openrois.client.notices import (
+    ControlChanged,
+    ControlDeclined,
+    ControlRequested,
+    ControlWithdrawn,
+    Disconnected,
+    Notice,
+)
+from openrois.errors import OutOfResources
+from openrois.types.leases import (
+    LeaseChangedNotification,
+    LeaseDeclinedNotification,
+    LeaseParams,
+    LeaseRequestedNotification,
+    LeaseRequestParams,
+    LeaseRequestResult,
+    LeaseResult,
+    LeaseState,
+    LeaseStatus,
+    LeaseWithdrawnNotification,
+    StopAllParams,
+    StopAllResult,
+)
+from openrois.types.messages import ComponentParams, ReturnResult
+
+__all__ = ["Control", "control_notice"]
+
+_MILLISECOND: Final = 0.001
+
+
+class Control:
+    """The leases of a client; `client.control`. Everything raises as the other operations of a client do.
+
+    Args:
+        connection: of the client.
+        bindings: what it has.
+        listen: returns what the client tells from now on, of some kinds.
+    """
+
+    def __init__(self, connection: Connection, bindings: Bindings, listen: Callable[..., Feed[Any]]) -> None:
+        self._connection = connection
+        self._bindings = bindings
+        self._listen = listen
+
+    async def status(self, component_ref: str) -> LeaseStatus:
+        """Return who controls a component; from then on `ControlChanged` tells when that changes."""
+        result = await self._connection.ask("openrois.lease.query", _params(component_ref), LeaseResult)
+        return result.lease or LeaseStatus()
+
+    async def request(self, component_ref: str, *, wait: bool = False) -> None:
+        """Ask the holder of a component for it, and return once it is bound; of a free one nobody is asked.
+
+        Args:
+            component_ref: the component.
+            wait: stay in line when the holder says no, until it is given back.
+
+        Raises:
+            OutOfResources: the holder said no, or nothing in time; or too many wait.
+            ConnectionLost: the connection ended, and with it the place in line.
+        """
+        feed = self._listen(ControlChanged, ControlDeclined, Disconnected)
+        answer = await self._connection.act("openrois.lease.request", _params(component_ref), LeaseRequestResult)
+        try:
+            if answer.lease is None or answer.lease.state is not LeaseState.MINE:
+                await self._granted(feed, component_ref, answer.request_id, wait)
+        except BaseException:
+            # It may have become ours in the same moment.
+            self._connection.post("openrois.lease.leave", _params(component_ref))
+            self._connection.post("rois.command.release", ComponentParams(component_ref=component_ref))
+            raise
+        self._bindings.use(component_ref)
+
+    async def _granted(self, feed: Feed[Any], component_ref: str, request_id: str, wait: bool) -> None:
+        async for notice in feed:
+            match notice:
+                case ControlChanged(ref, LeaseState.MINE) if ref == component_ref:
+                    return
+                case ControlDeclined(_, asked, reason) if asked == request_id and not wait:
+                    raise OutOfResources(f"{component_ref}: {reason}")
+                case Disconnected(reason):
+                    raise ConnectionLost(f"openrois.lease.request: {reason}")
+        raise ConnectionLost("openrois.lease.request: the client is closed")
+
+    async def grant(self, request_id: str) -> None:
+        """Let who asks (`ControlRequested`) have the component; what runs there ends with ABORT."""
+        await self._connection.act("openrois.lease.grant", LeaseRequestParams(request_id=request_id), ReturnResult)
+
+    async def decline(self, request_id: str) -> None:
+        """Keep the component that somebody asks for."""
+        await self._connection.act("openrois.lease.decline", LeaseRequestParams(request_id=request_id), ReturnResult)
+
+    async def take(self, component_ref: str) -> None:
+        """Bind a component, as an administrator, whoever holds it; what runs there ends with ABORT."""
+        await self._connection.act("openrois.lease.take", _params(component_ref), LeaseResult)
+        self._bindings.use(component_ref)
+
+    async def stop_all(self, engine_id: str | None = None, *, component_ref: str | None = None) -> tuple[str, ...]:
+        """Stop everything that acts on an engine, and return which components have stopped.
+
+        Args:
+            engine_id: the engine.
+            component_ref: a component of the engine, in place of its id. Without both it is every engine of which
+                this application may stop something.
+
+        Raises:
+            ComponentFailed: something did not say that it has stopped; all commands have ended with ABORT all the same.
+            OutOfResources: this application holds nothing that acts there.
+        """
+        params = StopAllParams(engine_id=engine_id, component_ref=component_ref)
+        return (await self._connection.act("openrois.stop_all", params, StopAllResult)).stopped
+
+
+def control_notice(method: str, params: dict[str, Any]) -> Notice | None:
+    """Return what a notification of leases tells an application; None for any other."""
+    match method:
+        case LeaseChangedNotification.method:
+            now = read_message(LeaseChangedNotification, params)
+            return ControlChanged(now.component_ref, now.state, now.holder, now.waiting, now.position, now.reason)
+        case LeaseRequestedNotification.method:
+            asked = read_message(LeaseRequestedNotification, params)
+            return ControlRequested(
+                asked.component_ref, asked.request_id, asked.subject, asked.answer_ms * _MILLISECOND
+            )
+        case LeaseDeclinedNotification.method:
+            declined = read_message(LeaseDeclinedNotification, params)
+            return ControlDeclined(declined.component_ref, declined.request_id, declined.reason)
+        case LeaseWithdrawnNotification.method:
+            withdrawn = read_message(LeaseWithdrawnNotification, params)
+            return ControlWithdrawn(withdrawn.component_ref, withdrawn.request_id)
+    return None
+
+
+def _params(component_ref: str) -> LeaseParams:
+    return LeaseParams(component_ref=component_ref)
