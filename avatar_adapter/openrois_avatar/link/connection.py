@@ -156,15 +156,15 @@ class EngineConnection(asyncio.BufferedProtocol):
 
     def _take(self, message: Message) -> None:
         match message:
+            case Video() | Encoded() | Doorbell() | Audio():
+                self._arrivals.take(message)
             case Hello():
                 self._greet(message)
             case Bye():
                 self._reason = message.reason
                 self._shut()
             case _:
-                assert isinstance(message, Video | Encoded | Doorbell | Audio | Event), (
-                    "the parser lets an engine say nothing else"
-                )
+                assert isinstance(message, Event), "the parser lets an engine say nothing else"
                 self._arrivals.take(message)
 
     def _greet(self, hello: Hello) -> None:

@@ -15,6 +15,7 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass
 from enum import IntEnum
+from functools import lru_cache
 from typing import Final, TypeAlias
 
 from openrois_avatar.link.messages import MAX_CHANNELS, MAX_SIDE, MIN_SIDE, LinkError
@@ -130,6 +131,7 @@ class Audio:
             raise LinkError("AUDIO: the last sample is not whole")
 
 
+@lru_cache(maxsize=16)
 def picture_size(width: int, height: int, stride: int, pixel_format: PixelFormat) -> int:
     """Bytes of a picture of this shape.
 
