@@ -129,9 +129,7 @@ class EngineConnection(asyncio.BufferedProtocol):
     def buffer_updated(self, nbytes: int) -> None:
         """Called by the event loop."""
         try:
-            for message in self._parser.buffer_updated(nbytes):
-                if self.connected:  # after a goodbye nothing counts
-                    self._take(message)
+            self._parser.buffer_updated(nbytes, self._take)
         except LinkError as error:
             _log.warning("engine link: closed: %s", error)
             self.close(str(error))
@@ -155,6 +153,8 @@ class EngineConnection(asyncio.BufferedProtocol):
         self._closed.set_result(self._reason)
 
     def _take(self, message: Message) -> None:
+        if self._reason is not None:
+            return  # after a goodbye nothing counts
         match message:
             case Video() | Encoded() | Doorbell() | Audio():
                 self._arrivals.take(message)

@@ -101,8 +101,7 @@ class Outbox:
     def claim(self) -> bool:
         """Have the socket, if nothing waits and nobody else has it; `unclaim` gives it back."""
         with self._changed:
-            waiting = self._begun or self._events or self._audio.queue or self._video or self._encoded
-            if self._writing or waiting or not self._open:
+            if self._writing or self._waits() or not self._open:
                 return False
             self._writing = True
             return True
@@ -112,7 +111,8 @@ class Outbox:
         with self._changed:
             self._writing = False
             self._begun = rest
-            self._changed.notify()
+            if self._waits() or not self._open:
+                self._changed.notify()
 
     def finish(self, farewell: Bye) -> None:
         """End after the events that wait, and `farewell`; sound and pictures are left out."""
@@ -131,6 +131,10 @@ class Outbox:
             self._open = False
             self._aborted = True
             self._changed.notify()
+
+    def _waits(self) -> bool:
+        """Whether there is anything to be sent."""
+        return bool(self._begun or self._events or self._audio.queue or self._video or self._encoded)
 
     def _next(self) -> Message | bytes | None:
         if self._begun:

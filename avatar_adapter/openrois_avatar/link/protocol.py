@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import json
 import struct
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from enum import Enum, IntEnum
 from typing import Any, Final, TypeAlias
 
@@ -165,21 +165,19 @@ class Parser:
         """Where the next bytes belong; never empty."""
         return self._target[self._filled :]
 
-    def buffer_updated(self, count: int) -> Iterator[Message]:
-        """Note that `count` bytes were written to `get_buffer()`; give the messages that they complete.
-
-        All have to be taken before more is written.
+    def buffer_updated(self, count: int, take: Callable[[Message], None]) -> None:
+        """Note that `count` bytes were written to `get_buffer()`, and let `take` have the messages that they complete.
 
         Raises:
-            LinkError: the bytes break the protocol; what was complete before the fault has been given.
+            LinkError: the bytes break the protocol; what was complete before the fault has been taken.
         """
         self._filled += count
         if self._type is None:
-            yield from self._begun()
+            self._begun(take)
         elif self._filled == len(self._target):
             kind, payload = self._type, self._target
             self._type, self._target, self._filled = None, self._small, 0
-            yield self._complete(kind, payload)
+            take(self._complete(kind, payload))
 
     def feed(self, data: Bytes) -> list[Message]:
         """The messages that `data` completes, in order.
@@ -194,8 +192,8 @@ class Parser:
             rest = rest[used:]
         return messages
 
-    def _begun(self) -> Iterator[Message]:
-        """The messages that are whole in `_small`; what follows them moves to its beginning, or to where it stays."""
+    def _begun(self, take: Callable[[Message], None]) -> None:
+        """Take the messages that are whole in `_small`; what follows moves to its beginning, or to where it stays."""
         start, end = 0, self._filled
         while end - start >= HEADER.size:
             kind, length = self._read_header(self._small[start:])
@@ -203,7 +201,7 @@ class Parser:
             if payload + length <= end:
                 start = payload + length
                 # A copy: what comes next is written over it.
-                yield self._complete(kind, memoryview(self._small[payload:start].tobytes()))
+                take(self._complete(kind, memoryview(self._small[payload:start].tobytes())))
             elif length > _SMALL - HEADER.size:
                 self._type, self._filled = kind, end - payload
                 self._target = memoryview(self._allocate(length) if kind is MessageType.VIDEO else bytearray(length))
@@ -212,7 +210,7 @@ class Parser:
             else:
                 break
         self._filled = end - start
-        if start:
+        if start and self._filled:
             self._small[: self._filled] = self._small[start:end].tobytes()
 
     def _whole(self, data: memoryview, messages: list[Message]) -> int:
@@ -235,7 +233,7 @@ class Parser:
                 lacking += self._read_header(self._small)[1]
         used = min(lacking, len(data), len(self._target) - self._filled)
         self.get_buffer()[:used] = data[:used]
-        messages.extend(self.buffer_updated(used))
+        self.buffer_updated(used, messages.append)
         return used
 
     def _read_header(self, data: memoryview) -> tuple[MessageType, int]:

@@ -44,10 +44,11 @@ class Arrivals:
         self._receivers = receivers
         self._ring: Ring | None = None
         self._hello: Hello | None = None
+        self._encodes = False
 
     def begin(self, hello: Hello) -> RingPlace | None:
         """The engine is welcome; gives the ring that it gets, if it wants one and there is one to be had."""
-        self._hello = hello
+        self._hello, self._encodes = hello, hello.encodes
         self._receivers.video.begin()
         if hello.ring:
             try:
@@ -77,26 +78,21 @@ class Arrivals:
             LinkError: a doorbell is not true, a picture is of a kind that was not announced, or cannot be passed on.
         """
         match message:
+            case Doorbell() if not self._encodes:
+                self._take_from_ring(message)
+            case Video() if not self._encodes:
+                self._receivers.video.put(message)
+            case Encoded() if self._encodes:
+                self._receivers.encoded.put(message)
+                self._receivers.video.passed_by()
             case Video() | Encoded() | Doorbell():
-                self._take_picture(message)
+                raise LinkError(f"VIDEO: HELLO announced {'h264' if self._encodes else 'no h264'}")
             case Audio():
                 samples = np.frombuffer(message.samples, dtype="<i2").reshape(-1, message.channels)
                 moment = believed(message.timestamp_ns, self._receivers.clock.now(), MAX_AHEAD)
                 tell(self._receivers.on_audio, RawAudio(samples, moment))
             case _:
                 tell(self._receivers.on_event, message)
-
-    def _take_picture(self, picture: Video | Encoded | Doorbell) -> None:
-        encodes = self._hello is not None and self._hello.encodes
-        if isinstance(picture, Encoded) is not encodes:
-            raise LinkError(f"VIDEO: HELLO announced {'h264' if encodes else 'no h264'}")
-        if isinstance(picture, Video):
-            self._receivers.video.put(picture)
-        elif isinstance(picture, Doorbell):
-            self._take_from_ring(picture)
-        else:
-            self._receivers.encoded.put(picture)
-            self._receivers.video.passed_by()
 
     def _take_from_ring(self, bell: Doorbell) -> None:
         ring = self._ring
