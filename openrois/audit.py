@@ -150,7 +150,7 @@ class Audit(AbstractContextManager["Audit"]):
             told = {name: self._fit(text) for name, text in told.items()}
         # Characters beyond ASCII and controls are escaped: one record is one line, whatever somebody put in it.
         written = [f'"{name}": {_quoted(text)}' for name, text in told.items() if text]
-        return f'{{"time": {at:.6f}, {", ".join(written)}}}'
+        return f'{{"time": {at:.6f}, {", ".join(written)}}}'.replace("\x7f", "\\u007f")
 
     def _fit(self, text: str) -> str:
         text = self._redact(text)

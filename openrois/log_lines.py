@@ -100,7 +100,9 @@ class JsonLine(_Line):
             "correlation": self._redact(correlation()),
             "exception": self._traceback(record),
         }
-        return json.dumps({name: text for name, text in told.items() if text or name == "message"})
+        line = json.dumps({name: text for name, text in told.items() if text or name == "message"})
+        # Of what is ASCII and no character it leaves this one as it is.
+        return line.replace("\x7f", "\\u007f")
 
 
 def _time(record: logging.LogRecord) -> str:

@@ -70,6 +70,7 @@ def main(arguments: Sequence[str]) -> int:
     add_network_options(parser)
     add_pixel_streaming_options(parser)
     parser.add_argument("--verbose", action="store_true", help="log more")
+    parser.add_argument("--log-format", choices=("text", "json"), default="text", help="of log lines (%(default)s)")
     chosen = parser.parse_args(arguments)
     try:
         gateway = adapter_url(chosen.gateway)
@@ -81,7 +82,7 @@ def main(arguments: Sequence[str]) -> int:
             raise ValueError(f"--pixel-streaming: the pictures of {chosen.engine} do not pass through the adapter")
     except ValueError as error:
         parser.error(str(error))
-    set_up_logging(verbose=chosen.verbose)
+    set_up_logging(verbose=chosen.verbose, form=chosen.log_format)
     sys.setswitchinterval(_SWITCH_INTERVAL)
     # Each picture is small and each encoder has a thread already: OpenCV's own threads would only wait for each other.
     cv2.setNumThreads(1)

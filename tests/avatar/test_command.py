@@ -16,7 +16,7 @@ from openrois_avatar.settings import AvatarSettings
 @pytest.fixture(autouse=True)
 def _as_before(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     interval = sys.getswitchinterval()
-    monkeypatch.setattr(command, "set_up_logging", lambda *, verbose: None)
+    monkeypatch.setattr(command, "set_up_logging", lambda **_options: None)
     yield
     sys.setswitchinterval(interval)
 

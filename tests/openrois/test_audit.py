@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from openrois import audit as audit_module
@@ -15,6 +15,7 @@ from openrois.audit import Audit
 from openrois.errors import ComponentFailed
 from tests.support.clock import Clock
 
+NASTY = ["\r\n{}", "\x1b[31m", "\x7f", '"}\n{"kind": "acted"', "\ud800"]
 ANNA = Principal("anna", frozenset({Role.OPERATOR}), ("*",), token_id="t1")
 
 
@@ -56,7 +57,8 @@ def test_who_did_what_and_who_was_refused_what(tmp_path: Path) -> None:
     assert (audit.actions, audit.refusals, audit.waiting, audit.lost, audit.failures) == (2, 1, 0, 0, 0)
 
 
-@given(st.lists(st.text(max_size=400) | st.sampled_from(["\r\n{}", "\x1b[31m", '"}\n{"kind": "acted"', "\ud800"])))
+@given(st.lists(st.text(max_size=400) | st.sampled_from(NASTY)))
+@example(["x" * 301, "Bearer abcdefgh12345", "\x7f"])
 def test_a_record_is_one_line_whatever_is_in_it(texts: list[str]) -> None:
     for text in texts:
         line = Audit()._line((1.0, "acted", text, "", text, text, text, text))

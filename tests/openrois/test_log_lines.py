@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from openrois import correlation
 from openrois.log_lines import HIDDEN, LONGEST, JsonLine, Redaction, TextLine
 
-NASTY = ("a\r\nb", "\x1b[31mred", '"}\n{"level": "error"', "\u202egnirts", "\ud800", "\x00", "tab\there", "")
+NASTY = ("a\r\nb", "\x1b[31mred", '"}\n{"level": "error"', "\u202egnirts", "\x7f", "\ud800", "\x00", "tab\there", "")
 TOKEN = "eyJhbGciOiJIUzI1NiJ9.eyJzdWIiOiJhbm5hIn0.c2lnbmF0dXJl"
 SDP = "v=0\r\no=- 1 1 IN IP4 0.0.0.0\r\na=ice-pwd:asd88fgpdd777uzjYhagZg\r\n"
 

@@ -11,6 +11,7 @@ CANARY: Final = "canary-secret"
 
 _LEAKS: Final = {
     "a secret of the tests": re.compile(rf"(?i){CANARY}"),
+    "a session description": re.compile(r"\ba=(?:ice-pwd|ice-ufrag|fingerprint):"),
     "a token": re.compile(r"\beyJ[A-Za-z0-9_-]{6,}\.eyJ[A-Za-z0-9_-]{6,}\."),
 }
 
