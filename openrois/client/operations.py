@@ -249,7 +249,7 @@ class Operations:
 
 def _new_id() -> str:
     """Return a command_id that nobody else chooses; without a slash it is no engine's."""
-    return secrets.token_hex(12)
+    return secrets.token_hex(16)
 
 
 async def _nothing(_command_id: str) -> None:

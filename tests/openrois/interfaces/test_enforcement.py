@@ -1,6 +1,8 @@
 """The gate before every method: what has no rule is refused, and whatever could name a component is looked up."""
 
+import re
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any, Final, get_args
 
 import pytest
@@ -9,13 +11,16 @@ from openrois_signaling.methods import signaling_methods
 from openrois_signaling.relay import Relay
 from pydantic import BaseModel
 
+import openrois
 from openrois.access.principal import ALLOWED, LOCAL, Principal, Role
 from openrois.application import ApplicationSession
 from openrois.gateway import applications
 from openrois.interfaces.enforcement import enforced
 from openrois.jsonrpc.session import Handler, Reply
+from openrois.leases import tokens
 from openrois.types.messages import ReturnResult, SearchResult
 from openrois.types.methods import METHODS
+from openrois.types.references import new_id
 from tests.openrois.interfaces.test_matrix import RULES
 from tests.support.authorization import Place, place, principal
 
@@ -152,3 +157,17 @@ async def test_what_is_allowed_is_asked_at_every_call() -> None:
         assert (await methods["rois.command.search"]({})).component_ref_list == ("fleet/secret",)
         app.principal = principal(None)
         assert isinstance(await methods["rois.command.search"]({}), Reply)
+
+
+def test_everything_that_is_minted_has_128_random_bits() -> None:
+    """Of the control plane: whoever knows an id of another session does so because it was told."""
+    minted = {}
+    for path in sorted(Path(openrois.__file__).parent.rglob("*.py")):
+        for bits in re.findall(r"secrets\.token_\w+\(([^)]*)\)", path.read_text()):
+            minted[f"{path.parent.name}/{path.name}", bits] = int(bits) if bits.isdigit() else vars(tokens)[bits]
+    # Names: of an adapter's connection in log lines, and of the adapter that a suite brings along. They open nothing.
+    for name in ("gateway/adapters.py", "conformance/probe.py"):
+        minted.pop((name, "4"), None)
+    assert len(minted) >= 8
+    assert min(minted.values()) >= 16
+    assert len(new_id("robot").removeprefix("robot/")) == 32
