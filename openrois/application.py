@@ -209,9 +209,9 @@ class ApplicationSession:
 
     def is_barred_from(self, component_ref: str) -> bool:
         """Tell whether another session has the component now; one that nobody has is open to what was accepted."""
-        return not self.trusted and self.host.leases.is_held_by_another(component_ref, self._present())
+        return not self.trusted and self.host.leases.is_held_by_another(component_ref, self.present())
 
-    def _present(self) -> "ApplicationSession":
+    def present(self) -> "ApplicationSession":
         """Return the session that has gone on where this one ended; itself where none has."""
         session = self
         while session.successor is not None:
@@ -239,7 +239,7 @@ class ApplicationSession:
 
     def completed(self, command_id: str, status: CompletedStatus, reason: object = "") -> None:
         """Tell the application how a command ended, and right before that why, where there is a reason."""
-        session = self._present()
+        session = self.present()
         session._explain("command_id", command_id, reason)
         session._notify(
             "rois.command.completed", Completed(command_id=command_id, status=status).model_dump(mode="json")

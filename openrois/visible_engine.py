@@ -85,7 +85,8 @@ class VisibleEngine:
 
     def hides(self, component_ref: str) -> bool:
         """Tell whether a component exists and is out of scope: for the audit trail, never for an answer."""
-        return component_ref in self._engine.directory.component_profiles and not self.sees(component_ref)
+        is_there, is_seen = component_ref in self._engine.directory.component_profiles, self.sees(component_ref)
+        return is_there and not is_seen
 
     def require(self, component_ref: str) -> HRIComponentProfile:
         """Return the profile of a component.

@@ -1,5 +1,6 @@
 """What an application was refused, told to the audit trail; what failed is no refusal, and a flood is cut."""
 
+import re
 import time
 from collections.abc import Callable, Mapping
 from typing import Any, Final
@@ -21,6 +22,8 @@ _SUBJECTS: Final = (
     *("component_ref", "stream_id", "peer_id", "command_id", "subscribe_id", "event_id", "error_id"),
     *("condition", "event_type", "query_type"),
 )
+
+_NAMED: Final = re.compile(r"component_ref\s*+=\s*+'((?:[^']|'')*+)'")
 
 
 class RefusalNotes:
@@ -51,15 +54,34 @@ class RefusalNotes:
         if not self._limit.admits():
             self._omitted += 1
             return
-        told = f"{code}: {reason}"
+        subject, refs = _subject(params), _refs(params)
+        # Looked up for what is absent, too, so that both take the same time; nobody but the trail is told.
+        hidden = [ref for ref in refs if self._app.engine.hides(ref)]
+        told = f"{code}: {reason}" + (f" (out of scope: {hidden[0][:200]})" if hidden else "")
         if self._omitted:
             told, self._omitted = f"{told} (and {self._omitted} more refusals before)", 0
-        self._app.host.audit.refused(self._app.principal, method, _subject(params), told)
+        self._app.host.audit.refused(self._app.principal, method, subject, told)
 
 
 def _subject(params: Mapping[str, Any]) -> str:
     """Return the most telling of the ids and conditions in the params; whoever sent them may have sent anything."""
-    units = params.get("command_unit_list")
-    if isinstance(units, list) and units and isinstance(units[0], dict):
-        params = units[0]
-    return next((str(params[name]) for name in _SUBJECTS if params.get(name)), "")
+    return next((str(each[name]) for each in (params, *_units(params)) for name in _SUBJECTS if each.get(name)), "")
+
+
+def _units(params: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """Return the commands in the params, in whatever depth of a sequence they stand."""
+    items = params.get("command_unit_list")
+    found: list[Mapping[str, Any]] = []
+    for item in items if isinstance(items, list) else ():
+        inner = item.get("command_list", [item]) if isinstance(item, dict) else ()
+        found += [each for each in inner if isinstance(each, dict)] if isinstance(inner, list) else []
+    return found
+
+
+def _refs(params: Mapping[str, Any]) -> list[str]:
+    """Return the references that the params name, in a condition too."""
+    found = [each.get("component_ref") for each in (params, *_units(params))]
+    condition = params.get("condition")
+    if isinstance(condition, str) and (named := _NAMED.search(condition)):
+        found.append(named[1].replace("''", "'"))
+    return [ref for ref in found if isinstance(ref, str)]

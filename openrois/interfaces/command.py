@@ -232,13 +232,7 @@ class _Commands:
         return status
 
     async def _outcome(self, unit: CommandUnit) -> tuple[Result, ...]:
-        if not self._app.principal.may_call("rois.command.execute"):
-            raise Unsupported("the application may not run commands any more")
-        if self._app.is_barred_from(unit.component_ref):
-            # It was accepted while the component was this application's, and its turn came later.
-            reason = f"{unit.component_ref} is bound by another application by now"
-            self._app.host.audit.refused(self._app.principal, unit.command_type, unit.component_ref, reason)
-            raise OutOfResources(reason)
+        _require_still(self._app, unit)
         if unit.command_type == "stop":
             self._app.host.accepted.stop(unit.component_ref, self._accepted[unit.command_id].sequence)
         self._acted("rois.command.execute", unit.component_ref, f"{unit.command_type} {unit.command_id}")
@@ -267,3 +261,22 @@ class _Commands:
         if former is not None:
             return former
         return ResultsResult(results=self._app.commands.results(params.command_id, self._app.engine.sees))
+
+
+def _require_still(app: ApplicationSession, unit: CommandUnit) -> None:
+    """Do nothing where a command may run that was accepted a while ago.
+
+    Raises:
+        Unsupported: whoever goes on in this application's place may not run it.
+        OutOfResources: another application has its component by now.
+    """
+    present = app.present()
+    error: type[RoISError] = Unsupported
+    if not (present.principal.may_call("rois.command.execute") and present.engine.sees(unit.component_ref)):
+        reason = f"the application may not run {unit.command_type} of {unit.component_ref} any more"
+    elif app.is_barred_from(unit.component_ref):
+        reason, error = f"{unit.component_ref} is bound by another application by now", OutOfResources
+    else:
+        return
+    app.host.audit.refused(present.principal, unit.command_type, unit.component_ref, reason)
+    raise error(reason)

@@ -9,6 +9,7 @@ from typing import Any, Final, cast
 
 from openrois.access.principal import Principal, Role
 from openrois.application import EngineHost
+from openrois.audit import Audit
 from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.catalog.component_type import ComponentType
 from openrois.contract import Client, Sink
@@ -168,12 +169,12 @@ class Place:
 
 
 @asynccontextmanager
-async def place(*robots: str | Watched) -> AsyncIterator[Place]:
+async def place(*robots: str | Watched, audit: Audit | None = None) -> AsyncIterator[Place]:
     """Run a gateway with robots; one that is given by its id has all seventeen components."""
     watched = [Watched(robot) if isinstance(robot, str) else robot for robot in robots]
     engine = Engine("gateway")
     for robot in watched:
         await engine.attach(robot)
     async with AsyncExitStack() as stack:
-        host = EngineHost(engine, await stack.enter_async_context(TaskScope()))
+        host = EngineHost(engine, await stack.enter_async_context(TaskScope()), audit=audit or Audit())
         yield Place(host, {robot.robot.engine_id: robot for robot in watched})

@@ -13,6 +13,7 @@ from openrois.gateway.refusals import REFUSALS_AT_ONCE, REFUSALS_PER_SECOND, Ref
 from openrois.tasks import TaskScope
 from openrois.types.codes import ReturnCode
 from openrois.types.messages import ReturnResult
+from tests.support.authorization import place, principal
 from tests.support.clock import Clock
 
 REFUSED = ReturnResult(return_code=ReturnCode.UNSUPPORTED)
@@ -60,3 +61,34 @@ async def test_what_a_refusal_is_about(
             notes = RefusalNotes(ApplicationSession(EngineHost(Engine("g"), tasks, audit=audit), print))
             notes.note("m", params, result, "no")
     assert [record.get("subject", "") for record in told(tmp_path / "audit")] == ([] if subject is None else [subject])
+
+
+async def test_the_trail_alone_tells_what_is_out_of_scope_from_what_is_not_there(tmp_path: Path) -> None:
+    status = {"query_type": "component_status", "condition": "component_ref = 'fleet/move'"}
+    unit = {"component_ref": "fleet/move", "command_type": "stop", "command_id": "c"}
+    asked: list[tuple[str, dict[str, Any], str]] = [
+        ("rois.command.bind", {"component_ref": "fleet/move"}, "fleet/move"),
+        ("rois.query.query", status, "fleet/move"),
+        ("rois.command.execute", {"command_unit_list": [{"command_list": [unit]}]}, "fleet/move"),
+        ("rois.stream.connect_stream", {"component_ref": "fleet/none"}, ""),
+        ("rois.event.subscribe", {"event_type": "e", "condition": "component_ref = 'it''s not there'"}, ""),
+        ("rois.command.execute", {"command_unit_list": [unit | {"component_ref": "none/move"}]}, ""),
+    ]
+    with Audit(tmp_path / "audit") as audit:
+        async with place("fleet", audit=audit) as where, where.application(principal("operator", "fleet/x")) as wire:
+            for method, params, _ in asked:
+                assert await wire.code(method, params) == "UNSUPPORTED"
+    records = told(tmp_path / "audit")
+    assert [record["method"] for record in records] == [method for method, _, _ in asked]
+    for record, (_, _, hidden) in zip(records, asked, strict=True):
+        assert record["who"] == "somebody"
+        assert ("(out of scope: fleet/move)" in record["reason"]) == bool(hidden)
+
+
+async def test_a_method_that_no_role_may_call_is_in_the_trail(tmp_path: Path) -> None:
+    with Audit(tmp_path / "audit") as audit:
+        async with place("fleet", audit=audit) as where, where.application(principal("viewer", "*")) as wire:
+            assert await wire.code("rois.command.bind", {"component_ref": "fleet/move"}) == "UNSUPPORTED"
+    (record,) = told(tmp_path / "audit")
+    assert (record["method"], record["subject"]) == ("rois.command.bind", "fleet/move")
+    assert record["reason"] == "UNSUPPORTED: rois.command.bind is not for the roles of this application"
