@@ -4,7 +4,7 @@ import json
 from typing import Any
 
 import pytest
-from hypothesis import example, given
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from openrois.access.principal import LOCAL, Principal
@@ -59,6 +59,7 @@ def test_a_parameter_that_stands_twice_is_not_believed() -> None:
     assert may_be_uplink([transport(""), transport('{"direction": "recvonly"}')])
 
 
+@settings(max_examples=50)
 @given(st.recursive(st.none() | st.booleans() | st.text(), lambda inner: st.dictionaries(st.text(), inner)))
 @example({"direction": "sendonly"})
 def test_whatever_another_reader_takes_for_sending_is_an_uplink(told: Any) -> None:
