@@ -23,7 +23,8 @@ __all__ = ["INTERRUPTED", "add_gateway_benches", "add_json", "carry_out", "count
 INTERRUPTED: Final = 130
 """The exit status of a command that Ctrl-C ended, as shells have it."""
 
-_MOST: Final = 10_000
+_MOST: Final = 1000
+_MOST_CONNECTIONS: Final = 100_000
 
 
 def add_gateway_benches(benches: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
@@ -65,7 +66,9 @@ def add_gateway_benches(benches: "argparse._SubParsersAction[argparse.ArgumentPa
     )
     told = "connections on which nothing happens, over TLS (about 30 s)"
     options = benches.add_parser("idle", help=told, description=told)
-    options.add_argument("--connections", type=count, default=idle.connections, help="that are open (%(default)s)")
+    options.add_argument(
+        "--connections", type=_connections, default=idle.connections, help="that are open (%(default)s)"
+    )
     options.add_argument("--seconds", type=seconds, default=idle.seconds, help="for which all are open (%(default)s)")
     add_json(options)
     options.set_defaults(
@@ -87,11 +90,15 @@ def add_json(options: argparse.ArgumentParser) -> None:
     options.add_argument("--json", type=_new_file, metavar="FILE", help="write everything that was measured to FILE")
 
 
-def _number(convert: Callable[[str], float], text: str) -> float:
+def _number(convert: Callable[[str], float], text: str, most: int = _MOST) -> float:
     number = convert(text)
-    if not 0 < number <= _MOST:
-        raise argparse.ArgumentTypeError(f"{text} is not above 0 and at most {_MOST}")
+    if not 0 < number <= most:
+        raise argparse.ArgumentTypeError(f"{text} is not above 0 and at most {most}")
     return number
+
+
+def _connections(text: str) -> int:
+    return int(_number(int, text, _MOST_CONNECTIONS))
 
 
 def seconds(text: str) -> float:

@@ -6,15 +6,16 @@ from pathlib import Path
 import pytest
 from openrois_avatar.bench import command
 
+from openrois.bench.rpc import RpcSettings, run_rpc
 
-def test_rpc_measures_gateway_and_floor(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    file = tmp_path / "rpc.json"
-    assert command.main(["rpc", "--rounds", "1", "--seconds", "0.2", "--json", str(file)]) == 0
-    assert "query through the gateway" in capsys.readouterr().out
-    figures = json.loads(file.read_text())
-    assert figures["bench"] == "rpc"
-    assert figures["tcp"]["p50"] < figures["query"]["p50"]
-    assert figures["pipelined"]["per_second"] > 0
+
+async def test_rpc_measures_gateway_and_floor() -> None:
+    said: list[str] = []
+    report = await run_rpc(RpcSettings(rounds=1, seconds=0.1, requests=20, clients=2), said.append)
+    assert len(said) == 1
+    assert "query through the gateway" in str(report)
+    assert report.tcp.p50 < report.query.p50
+    assert report.pipelined.per_second > 0
 
 
 def test_events_reach_everybody_who_may_hear_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
