@@ -1,6 +1,5 @@
 """Components that live in this process, under one engine id."""
 
-import asyncio
 import time
 from collections import Counter
 from collections.abc import Awaitable, Callable, Coroutine, Iterable
@@ -11,6 +10,7 @@ from openrois.component import Component
 from openrois.contract import Directory, Event, Extension, OnFault, Sink, ignore_fault
 from openrois.errors import BadParameter, OutOfResources, TimedOut, Unsupported, require_usable
 from openrois.faults import FaultMint
+from openrois.tasks import Deadline
 from openrois.types.codes import ErrorType
 from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIEngineProfile, RoISIdentifier
@@ -130,7 +130,7 @@ class LocalRegistry:
             raise OutOfResources(f"{component_ref} answers at most {MAX_QUERIES} queries at a time")
         self._queries[component_ref] += 1
         try:
-            async with asyncio.timeout(QUERY_TIMEOUT):
+            with Deadline(QUERY_TIMEOUT):
                 return await component.ask(query_type)
         except TimeoutError:
             raise TimedOut(f"{component_ref} did not answer {query_type} in {QUERY_TIMEOUT:.0f} s") from None

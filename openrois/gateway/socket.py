@@ -127,6 +127,14 @@ class ServerSocket:
         except ConnectionError as error:
             raise StreamClosed(self.response.close_code or 1006) from error
 
+    def send_now(self, text: str) -> bool:
+        """Send one text message if all before it have left, and tell whether that was so."""
+        transport = self._request.transport
+        if transport is None or self.response.closed or transport.is_closing() or transport.get_write_buffer_size():
+            return False
+        transport.write(_frame(text.encode()))
+        return True
+
     async def send_many(self, texts: Sequence[str]) -> None:
         """Send text messages with one write; waits while the other side is slow."""
         transport = self._request.transport

@@ -24,8 +24,9 @@ from openrois.jsonrpc.intake import MAX_RUNNING_REQUESTS, Intake, IntakeRules
 from openrois.jsonrpc.latencies import Latencies
 from openrois.jsonrpc.outbox import Outbox, OutboxOverflow
 from openrois.jsonrpc.protocol import Peer, RequestId
+from openrois.jsonrpc.writing import Writer
 from openrois.logs import Tally
-from openrois.transport.stream import BatchStream, MessageStream, StreamClosed
+from openrois.transport.stream import MessageStream, StreamClosed
 
 __all__ = [
     "MAX_PROBLEMS",
@@ -47,9 +48,6 @@ CALL_TIMEOUT: Final = 10.0
 
 FAIR_SHARE: Final = 64
 """Messages of one connection that are taken in a row; then others have their turn."""
-
-BATCH_TEXT: Final = 64 * 1024
-"""Characters that are handed over at once; what comes behind them may still be dropped."""
 
 _FLUSH_TIMEOUT: Final = 1.0
 
@@ -106,6 +104,7 @@ class RpcSession:
     def __post_init__(self) -> None:
         self._peer = Peer()
         self._calls = Calls(self._peer)
+        self._writer = Writer(self.stream, self.outbox)
         self._violations = Tally(_log, "protocol violations")
         self._closed: StreamClosed | None = None
         self._answered = 0
@@ -142,7 +141,7 @@ class RpcSession:
         before = _cancellations()
         try:
             async with asyncio.TaskGroup() as self._tasks:
-                self._tasks.create_task(self._write())
+                self._tasks.create_task(self._writer.run())
                 try:
                     await self._read()
                 except StreamClosed as closed:
@@ -204,14 +203,6 @@ class RpcSession:
             self.on_refusal(request.method, request.params, result, reason)
             self.explain(request.id, reason)
 
-    async def _write(self) -> None:
-        with suppress(StreamClosed):
-            if isinstance(self.stream, BatchStream):
-                while True:
-                    await self.stream.send_many(await self.outbox.get_some(BATCH_TEXT))
-            while True:
-                await self.stream.send(await self.outbox.get())
-
     async def _serve(self, request: protocol.Request, over: Callable[[], None]) -> None:
         correlation.request.set(request.id)
         if _log.isEnabledFor(logging.DEBUG):
@@ -269,7 +260,7 @@ class RpcSession:
         if self._closed is not None:
             return
         try:
-            self.outbox.put(text, droppable=droppable)
+            self._writer.put(text, droppable=droppable)
         except OutboxOverflow as overflow:  # It does not read, so a closing handshake could not reach it either.
             _log.warning("connection aborted: %s", overflow)
             self.overflows = 1

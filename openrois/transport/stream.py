@@ -58,7 +58,11 @@ class MessageStream(Protocol):
 
 @runtime_checkable
 class BatchStream(Protocol):
-    """What a message stream has that hands over several messages for little more than one."""
+    """What a message stream has that hands over several messages for little more than one, and one without waiting."""
+
+    def send_now(self, text: str) -> bool:
+        """Hand over one message if all before it have left, and tell whether that was so."""
+        ...
 
     async def send_many(self, texts: Sequence[str]) -> None:
         """Hand over messages in this order; waits while the other side is slow.

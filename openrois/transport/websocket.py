@@ -54,6 +54,14 @@ class WebSocketStream:
         except ConnectionClosed as closed:
             raise _closed(closed) from closed
 
+    def send_now(self, text: str) -> bool:
+        """Send one text message if all before it have left, and tell whether that was so."""
+        connection = self._connection
+        if connection.state is not State.OPEN or connection.transport.get_write_buffer_size():
+            return False
+        connection.transport.write(Frame(Opcode.TEXT, text.encode()).serialize(mask=True))
+        return True
+
     async def send_many(self, texts: Sequence[str]) -> None:
         """Send text messages with one write; waits while the kernel's buffer is full."""
         connection = self._connection

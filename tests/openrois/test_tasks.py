@@ -5,7 +5,7 @@ import logging
 
 import pytest
 
-from openrois.tasks import TaskScope
+from openrois.tasks import Deadline, TaskScope
 
 
 async def test_leaving_the_block_cancels_and_awaits_what_runs() -> None:
@@ -86,3 +86,55 @@ async def test_an_error_in_the_block_passes_through() -> None:
     with pytest.raises(ZeroDivisionError):
         await fail()
     assert len(tasks) == 0
+
+
+class TestDeadline:
+    async def test_what_ends_in_time_ends_as_it_would(self) -> None:
+        with Deadline(60):
+            await asyncio.sleep(0)
+        with pytest.raises(KeyError), Deadline(60):
+            raise KeyError
+
+    async def test_what_takes_too_long_is_cancelled_and_times_out(self) -> None:
+        with pytest.raises(TimeoutError), Deadline(0):
+            await asyncio.Event().wait()
+        task = asyncio.current_task()
+        assert task is not None
+        assert task.cancelling() == 0
+        await asyncio.sleep(0)
+
+    async def test_what_ends_with_its_time_has_timed_out_only_if_it_was_stopped(self) -> None:
+        async def work() -> None:
+            try:
+                await asyncio.Event().wait()
+            except asyncio.CancelledError:
+                raise KeyError from None
+
+        with pytest.raises(KeyError), Deadline(0):
+            await work()
+
+    async def test_whoever_is_cancelled_besides_ends(self) -> None:
+        entered = asyncio.Event()
+
+        async def work() -> None:
+            with Deadline(60):
+                entered.set()
+                await asyncio.Event().wait()
+
+        task = asyncio.ensure_future(work())
+        await entered.wait()
+        task.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await task
+
+    async def test_both_at_once(self) -> None:
+        async def work() -> None:
+            with Deadline(0):
+                await asyncio.Event().wait()
+
+        task = asyncio.ensure_future(work())
+        loop = asyncio.get_running_loop()
+        await asyncio.sleep(0)
+        loop.call_later(0, task.cancel)
+        with pytest.raises((asyncio.CancelledError, TimeoutError)):
+            await task
