@@ -9,6 +9,7 @@ from typing import Final
 from aiohttp import WebSocketError, WSCloseCode, WSMessage, WSMsgType, web
 
 from openrois.gateway.admission import SUBPROTOCOL
+from openrois.jsonrpc.session import STOOD_STILL
 from openrois.transport.stream import StreamClosed, close_reason
 
 __all__ = ["ADAPTER", "APPLICATION", "ServerSocket", "SocketProfile"]
@@ -75,18 +76,21 @@ class ServerSocket:
 
     async def keep_alive(self) -> None:
         """Ping for ever; a side that stays silent after a ping is cut off: it may not read a close frame either."""
+        clock = asyncio.get_running_loop().time
         while True:
             await asyncio.sleep(self._profile.ping_interval)
             self._heard.clear()
+            due = clock() + self._profile.ping_timeout
             try:
                 async with asyncio.timeout(self._profile.ping_timeout):
                     await self.response.ping()
                     await self._heard.wait()
             except (TimeoutError, ConnectionError):
-                if self._reading:
+                if self._reading and clock() < due + STOOD_STILL:
                     self.abort()
                     return
-                # Its answer may wait here unread, behind requests that take their time: that is not its fault.
+                # Its answer may wait here unread, behind requests that take their time, or because this process stood
+                # still: that is not its fault.
 
     async def receive(self) -> str:
         """Return the next text message; a binary one ends the connection with 1003."""

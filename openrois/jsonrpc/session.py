@@ -43,6 +43,9 @@ __all__ = [
 
 _log = logging.getLogger(__name__)
 
+STOOD_STILL: Final = 0.5
+"""Seconds by which the loop is late when the process itself has stood still: nobody else is blamed for that time."""
+
 CALL_TIMEOUT: Final = 10.0
 """Seconds that a call of ours waits for its answer."""
 
@@ -308,7 +311,7 @@ class RpcSession:
             raise SessionClosed(str(self._closed))
         request_id, text, answer = self._calls.open(name, params, on_result, on_late, on_reason)
         # `asyncio.timeout` takes as long as all the rest of a call.
-        expiry = loop.call_at(deadline, _expire, answer)
+        expiry = loop.call_at(deadline, _expire, answer, deadline)
         started = perf_counter()
         if _log.isEnabledFor(logging.DEBUG):
             _log.debug("asks %s for %s, as its request %d", self.peer or "the other side", name, request_id)
@@ -354,8 +357,14 @@ def _handled(methods: Mapping[str, Handler], request: protocol.Request) -> Await
     return handler(request.params)
 
 
-def _expire(answer: asyncio.Future[Any]) -> None:
-    if not answer.done():
+def _expire(answer: asyncio.Future[Any], deadline: float) -> None:
+    loop = answer.get_loop()
+    if answer.done():
+        return
+    if loop.time() > deadline + STOOD_STILL:
+        # This process stood still: the answer may have come meanwhile, and was not read.
+        loop.call_later(STOOD_STILL, _expire, answer, loop.time() + STOOD_STILL)
+    else:
         answer.set_exception(TimeoutError())
 
 

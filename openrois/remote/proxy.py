@@ -6,6 +6,8 @@ import secrets
 from collections.abc import Callable
 from typing import Any, Final
 
+from pydantic import ConfigDict
+
 from openrois.contract import Directory, Event, Extension, OnFault, Sink, SubscriptionLost
 from openrois.errors import (
     Aborted,
@@ -59,6 +61,12 @@ _FAILED: Final[dict[CompletedStatus, type[RoISError]]] = {
 
 
 _READ_EVENT: Final = EventNotification.__pydantic_validator__.validate_python
+
+
+class _Greeting(HelloResult):
+    """The answer to our greeting: what a newer engine says of itself beside what we know is passed over."""
+
+    model_config = ConfigDict(extra="ignore")
 
 
 class RemoteProxy:
@@ -141,7 +149,7 @@ class RemoteProxy:
     async def _hello(self, profile: HRIEngineProfile) -> None:
         params = {"version": EXTENSION_VERSION, "extensions": [*EXTENSIONS, LEASES]}
         try:
-            result = await self._asking.ask("openrois.hello", params, HelloResult)
+            result = await self._asking.ask("openrois.hello", params, _Greeting)
         except Unsupported:
             self._plain = True
         except ComponentFailed as error:

@@ -76,6 +76,7 @@ class FaultRelay:
         self._sleep = sleep
         self._chance = random.Random(seed)  # noqa: S311 - chance that repeats is the point
         self._deaf = False
+        self._refusing = False
         self._connections: set[_Connection] = set()
         self._tasks = TaskScope()
         self._server: asyncio.Server | None = None
@@ -108,8 +109,13 @@ class FaultRelay:
         """Return how many connections pass through it now."""
         return len(self._connections)
 
-    def cut(self) -> None:
-        """Reset every connection, at both ends and at once; the next one passes."""
+    def cut(self, *, refuse: bool = False) -> None:
+        """Reset every connection, at both ends and at once; the next one passes.
+
+        Args:
+            refuse: later ones are reset, too, until `mend`.
+        """
+        self._refusing = refuse
         for connection in tuple(self._connections):
             connection.abort()
 
@@ -124,14 +130,14 @@ class FaultRelay:
 
     def mend(self) -> None:
         """Let connections pass from now on; those that were half open stay so."""
-        self._deaf = False
+        self._deaf = self._refusing = False
 
     def change(self, **weather: Any) -> None:
         """Change some of the weather, from the next piece on."""
         self.weather = replace(self.weather, **weather)
 
     async def _accept(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-        if len(self._connections) >= MAX_CONNECTIONS:
+        if self._refusing or len(self._connections) >= MAX_CONNECTIONS:
             writer.transport.abort()
             return
         self.accepted += 1

@@ -70,7 +70,7 @@ class Book:
     def bound(self, component_ref: str, witness: "Witness") -> None:
         """Note that a bind was answered OK (I3)."""
         holder = self.holders.get(component_ref)
-        assert holder in (None, witness) or holder.gone, f"{component_ref} has two holders"
+        assert holder is None or holder is witness, f"{component_ref} has two holders"
         self.holders[component_ref] = witness
 
     def released(self, component_ref: str, witness: "Witness") -> None:
@@ -257,12 +257,19 @@ class Witness:
     async def attached(self, engine_id: str = "robot") -> None:
         """Wait until an engine is there."""
         async with asyncio.timeout(PATIENCE):
-            while not any(
-                each["identifier"]["code"] == engine_id
-                for each in (await self.ask("rois.system.get_profile", condition=""))["profile"]["sub_profiles"]
-            ):
-                self._news.clear()
-                await self._news.wait()
+            while engine_id not in await self._engines():  # noqa: ASYNC110 - whoever has not connected is not told
+                await asyncio.sleep(0.01)
+
+    async def _engines(self) -> list[str]:
+        below = (await self.ask("rois.system.get_profile", condition=""))["profile"]["sub_profiles"]
+        return [each["identifier"]["code"] for each in below]
+
+    def inherits(self, former: "Witness") -> None:
+        """Go on where another one was cut off: what that one began ends here."""
+        for command_id in former.unfinished():
+            self._accepted[command_id] = None
+        if self._book.holders.get("robot/lamp") is former:
+            self._book.holders["robot/lamp"] = self
 
     def check(self) -> None:
         """Judge what was heard, when the connection has ended (I1, I2, I7)."""
@@ -277,6 +284,15 @@ class Witness:
     def unfinished(self) -> list[str]:
         """Return the accepted commands without an end."""
         return [command_id for command_id in self._accepted if command_id not in self._ends]
+
+    @property
+    def accepted(self) -> tuple[str, ...]:
+        """The commands that were accepted."""
+        return tuple(self._accepted)
+
+    def how(self, command_id: str) -> str:
+        """Return how a command has ended; empty where it has not."""
+        return self._ends[command_id][0] if command_id in self._ends else ""
 
     async def settled(self) -> None:
         """Wait until every command has ended; a connection that is over tells no more."""

@@ -3,7 +3,7 @@
 import sys
 import time
 
-from openrois.adapter import run
+from openrois.adapter import blocking, run
 from openrois.authoring.marks import command
 from tests.support.components import Bell, Lamp
 
@@ -17,4 +17,6 @@ class Blocking(Bell):
 
 
 if __name__ == "__main__":
+    # What blocks is told of sooner than others have to be.
+    blocking.told_of_blocking.__wrapped__.__defaults__ = (0.1,)  # type: ignore[attr-defined]
     run(Lamp(), Blocking("bell"), gateway=sys.argv[1], engine_id=(*sys.argv[2:], "robot")[0])

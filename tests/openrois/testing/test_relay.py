@@ -67,10 +67,14 @@ async def test_a_cut_resets_both_ends_and_lets_the_next_pass() -> None:
         async with through(relay) as pair:
             assert await say(pair, b"one") == b"one"
             assert len(relay) == 1
-            relay.cut()
+            relay.cut(refuse=True)
             async with asyncio.timeout(PATIENCE):
                 with suppress(ConnectionResetError):
                     assert await pair[0].read(1) == b""
+        async with through(relay) as pair, asyncio.timeout(PATIENCE):
+            with suppress(ConnectionResetError):
+                assert await pair[0].read(1) == b""
+        relay.mend()
         async with through(relay) as pair:
             assert await say(pair, b"two") == b"two"
         assert relay.accepted == 2

@@ -1,0 +1,287 @@
+"""F7 to F9, F21, F22, F25, F27: the gateway itself is killed, told to stop, stopped, or has no disk and no files."""
+
+import asyncio
+import os
+import random
+import resource
+import signal
+import sqlite3
+from collections.abc import Callable, Iterable
+from contextlib import AsyncExitStack
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+from aiohttp import ClientSession
+from websockets.exceptions import InvalidHandshake
+
+from openrois.adapter.running import hosted, serve
+from openrois.client import Client, ConnectionState
+from openrois.dialer import serve_parent
+from openrois.journal import file as journal_file
+from openrois.journal.file import JournalFile, Record
+from openrois.tasks import TaskScope
+from tests.support.components import Bell, Lamp
+from tests.support.demo import free_port
+from tests.support.ground import gateway_program, ground, turns
+from tests.support.invariants import Book, calm
+from tests.support.seeds import ALL, SOME
+
+LAMP, BELL = "robot/lamp", "robot/bell"
+
+
+async def robot(stack: AsyncExitStack, url: str, lamp: Lamp) -> None:
+    """Let a robot of this process dial a gateway, soon again whenever that is gone."""
+
+    async def briefly(_seconds: float) -> None:
+        await asyncio.sleep(0.05)
+
+    host = await stack.enter_async_context(hosted("robot", lamp, Bell()))
+    scope = await stack.enter_async_context(TaskScope())
+    scope.start(serve_parent(host, f"{url.replace('http', 'ws', 1)}adapter", sleep=briefly))
+
+
+@pytest.mark.parametrize("seed", SOME)
+async def test_f7_a_gateway_that_is_killed(seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    chance, port, book, lamp = random.Random(seed), str(free_port()), Book(), Lamp()
+    start = partial(
+        gateway_program, "--port", port, "--journal", str(tmp_path / "journal"), log=tmp_path / "gateway.log"
+    )
+    url = f"http://127.0.0.1:{port}/"
+    count = chance.randint(1, 4)
+    async with calm(caplog), AsyncExitStack() as stack:
+        async with start() as gateway:
+            await robot(stack, url, lamp)
+            async with book.witness(url) as app:
+                await app.attached()
+                assert await app.bind() == "OK"
+                assert await app.execute("ended", "switch") == "OK"
+                assert await app.end_of("ended") == "OK"
+                for number in range(count):
+                    units: list[dict[str, Any]] = [
+                        {"component_ref": LAMP, "command_type": kind, "command_id": f"{kind}{number}", "arguments": []}
+                        for kind in ("start", "switch")
+                    ]
+                    assert await app.code("rois.command.execute", command_unit_list=units) == "OK"
+                await turns(chance, 100)
+                gateway.signal(signal.SIGKILL)
+                await app.gone.wait()
+        ended = {name: app.how(name) for name in (*app.accepted, "ended") if app.how(name)}
+        book.holders.clear()
+        async with start(), book.witness(url, extended=True) as again:
+            again.inherits(app)
+            await again.attached()
+            for command_id in app.unfinished():
+                result = await again.ask("rois.command.get_command_result", command_id=command_id, condition="")
+                status = await again.end_of(command_id)
+                assert (result["return_code"], status) in {("ERROR", "ERROR"), ("OK", "ABORT"), ("OK", "OK")}
+                if status == "ERROR":
+                    assert again.reasons[command_id] == "the gateway was restarted"
+            assert ended["ended"] == "OK"
+            # No ghost of the former holder.
+            assert await again.bind() == "OK"
+            assert await again.execute("new", "switch") == "OK"
+            assert await again.end_of("new") == "OK"
+    book.check()
+
+
+@pytest.mark.parametrize("seed", SOME)
+async def test_f8_a_gateway_that_is_told_to_stop(seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    chance, book, lamp = random.Random(seed), Book(), Lamp()
+    ends = chance.random() < 0.5
+    async with calm(caplog), AsyncExitStack() as stack:
+        options = ("--port", "0", "--drain", "10" if ends else "0.1")
+        gateway = await stack.enter_async_context(gateway_program(*options, log=tmp_path / "gateway.log"))
+        url = gateway.first.removeprefix("listening ")
+        await robot(stack, url, lamp)
+        apps = [await stack.enter_async_context(book.witness(url, extended=True)) for _ in range(5)]
+        await apps[0].attached()
+        assert await apps[0].bind() == "OK"
+        assert await apps[0].execute("runs") == "OK"
+        async with asyncio.timeout(5):
+            await lamp.glowing.wait()
+        gateway.signal(signal.SIGTERM)
+        async with ClientSession() as http, asyncio.timeout(5):
+            while ends:
+                async with http.get(f"{url}readyz") as answer:
+                    if answer.status == 503:
+                        break
+        if ends:
+            await turns(chance, 100)
+            lamp.may_end.set()
+        assert await apps[0].end_of("runs") == ("OK" if ends else "ABORT")
+        for each in apps:
+            async with asyncio.timeout(5):
+                await each.gone.wait()
+            assert each.close_code == 1012
+            assert 1 <= float(each.close_reason.removeprefix("retry_after=")) < 1.1
+        assert await gateway.ended() == 0
+        assert "Traceback" not in gateway.log()
+    book.check()
+
+
+@pytest.mark.parametrize("clients", [100, pytest.param(1000, marks=pytest.mark.long)])
+async def test_f9_all_come_back_after_a_restart(clients: int, tmp_path: Path) -> None:
+    if clients > 100 and "OPENROIS_SEEDS" not in os.environ:
+        pytest.skip("a thousand clients: set OPENROIS_SEEDS")
+    port = str(free_port())
+    url = f"http://127.0.0.1:{port}/"
+    start = partial(gateway_program, "--port", port, log=tmp_path / "gateway.log")
+    loop = asyncio.get_running_loop()
+    async with AsyncExitStack() as stack:
+        async with start() as gateway:
+            await stack.enter_async_context(serve(Lamp(), engine_id="robot", gateway=url))
+            apps = [Client(url) for _ in range(clients)]
+            for each in apps:
+                await stack.enter_async_context(each)
+            gateway.signal(signal.SIGTERM)
+            assert await gateway.ended() == 0
+        async with start():
+            began = loop.time()
+            async with asyncio.timeout(60):
+                while await apps[0].search() != (LAMP,):  # noqa: ASYNC110 - it is asked until it is there
+                    await asyncio.sleep(0.01)
+                robot_after = loop.time() - began
+                while any(each.state is not ConnectionState.CONNECTED for each in apps):  # noqa: ASYNC110 - all of them
+                    await asyncio.sleep(0.05)
+                after = loop.time() - began
+            print(f"{clients} clients were back after {after:.1f} s, the robot after {robot_after:.1f} s")
+            for each in apps[:: clients // 20]:
+                assert await each.search() == (LAMP,)
+
+
+def _shifted(clock: Callable[[], float], seconds: float) -> float:
+    return clock() + seconds
+
+
+@pytest.mark.parametrize("seed", ALL)
+async def test_f21_a_wall_clock_that_jumps(seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    async with ground(seed, tmp_path, caplog) as place:
+        await place.robot()
+        app = await place.witness(extended=True)
+        assert await app.bind() == "OK"
+        await app.subscribe("rang", BELL)
+        assert await app.execute("runs") == "OK"
+        now = place.host.wall_clock
+        for _ in range(4):
+            jump = place.chance.choice([3600, -3600, 365 * 86400, -365 * 86400])
+            place.host.wall_clock = partial(_shifted, now, jump)
+            place.bell.ring(str(jump))
+            assert await app.execute(f"at {jump} {place.chance.random()}", "switch") == "OK"
+            await app.ask("rois.system.connect")
+        assert app.how("runs") == ""
+        async with asyncio.timeout(5):
+            while len(app.events) < 4:
+                await turns(place.chance)
+        assert await app.code("rois.event.get_event_detail", event_id=app.events[0]["event_id"], condition="") == "OK"
+        place.lamp.may_end.set()
+        assert await app.end_of("runs") == "OK"
+        await app.settled()
+        assert app.errors == []
+
+
+@pytest.mark.parametrize("seed", SOME)
+async def test_f22_a_gateway_that_was_suspended(seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    chance, book, lamp = random.Random(seed), Book(), Lamp()
+    async with calm(caplog), AsyncExitStack() as stack:
+        options = ("--port", "0", "--adapter-timeout", "0.3")
+        gateway = await stack.enter_async_context(gateway_program(*options, log=tmp_path / "gateway.log"))
+        url = gateway.first.removeprefix("listening ")
+        await robot(stack, url, lamp)
+        app = await stack.enter_async_context(book.witness(url, extended=True))
+        await app.attached()
+        await app.ask("rois.system.connect")
+        assert await app.bind() == "OK"
+        assert await app.execute("runs") == "OK"
+        # These stand between the gateway and the robot when the gateway stops.
+        condition = f"component_ref = '{LAMP}'"
+        asked = [
+            await app.begin("rois.query.query", query_type="brightness", condition=condition)
+            for _ in range(chance.randint(20, 60))
+        ]
+        await turns(chance, 30)
+        gateway.signal(signal.SIGSTOP)
+        await asyncio.sleep(1.0 + chance.random() * 0.3)
+        lamp.may_end.set()
+        gateway.signal(signal.SIGCONT)
+        async with asyncio.timeout(5):
+            codes = {(await each)["result"]["return_code"] for each in asked}
+        assert codes == {"OK"}
+        assert await app.end_of("runs") == "OK"
+        assert await app.execute("after", "switch") == "OK"
+        assert await app.end_of("after") == "OK"
+        assert app.errors == []
+    book.check()
+
+
+class FailingDisk(JournalFile):
+    """A journal's file whose writes fail by chance, and then all of them."""
+
+    chance = random.Random(0)
+
+    def write(self, records: Iterable[Record]) -> None:
+        if self.chance.random() < 0.5:
+            raise sqlite3.OperationalError("disk I/O error")
+        super().write(records)
+
+
+@pytest.mark.parametrize("seed", ALL)
+async def test_f25_a_disk_that_is_full_or_fails(
+    seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if seed % 2:
+        # SQLite itself says that it is full.
+        monkeypatch.setattr(journal_file, "MAX_PAGES", 6)
+    else:
+        FailingDisk.chance = random.Random(seed)
+        monkeypatch.setattr("openrois.journal.journal.JournalFile", FailingDisk)
+    monkeypatch.setattr("openrois.journal.journal._RETRY", 0.01)
+    full: dict[str, Any] = {"audit_file": Path("/dev/full"), "journal": tmp_path / "journal"}
+    async with ground(seed, tmp_path, caplog, audited=False, ready=False, **full) as place:
+        await place.robot()
+        app = await place.witness(extended=True)
+        assert await app.bind() == "OK"
+        for number in range(8):
+            assert await app.execute(f"{number}-{'x' * 900}", "switch") == "OK"
+        await app.settled()
+        assert place.lamp.total == 8
+        async with ClientSession() as http, http.get(f"{place.gateway.url}healthz") as alive:
+            assert alive.status == 200
+
+
+@pytest.mark.parametrize("seed", SOME)
+async def test_f27_no_more_files(seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    chance, book = random.Random(seed), Book()
+    most = chance.randint(48, 72)
+
+    def limited() -> None:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
+
+    async with calm(caplog), AsyncExitStack() as stack:
+        gateway = await stack.enter_async_context(
+            gateway_program("--port", "0", log=tmp_path / "gateway.log", preexec_fn=limited)
+        )
+        url = gateway.first.removeprefix("listening ")
+        port = int(url.rsplit(":", 1)[1].strip("/"))
+        app = await stack.enter_async_context(book.witness(url))
+        crowd = [await asyncio.open_connection("127.0.0.1", port) for _ in range(most + 30)]
+        process = psutil.Process(gateway.process.pid)
+        before = process.cpu_times().user + process.cpu_times().system
+        for _ in range(10):
+            assert await app.code("rois.system.get_profile", condition="") == "OK"
+            await asyncio.sleep(0.05)
+        used = process.cpu_times().user + process.cpu_times().system - before
+        assert used < 0.3, "it spins"
+        for _, writer in crowd:
+            writer.transport.abort()
+        async with asyncio.timeout(10):
+            while True:
+                try:
+                    async with book.witness(url) as fresh:
+                        assert await fresh.code("rois.system.get_profile", condition="") == "OK"
+                    break
+                except (OSError, TimeoutError, EOFError, InvalidHandshake):
+                    await asyncio.sleep(0.05)
+    book.check()
