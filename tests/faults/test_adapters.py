@@ -43,7 +43,7 @@ async def lost(place: Ground, holder: Witness, listener: Witness, stranger: Witn
     assert stranger.errors == []
 
 
-async def back(place: Ground, holder: Witness) -> None:
+async def back(place: Ground, holder: Witness, command_id: str = "again") -> None:
     """Check that a robot that is back works, and that nobody has it before it is bound again."""
     place.relay.mend()
     await place.attached()
@@ -51,8 +51,8 @@ async def back(place: Ground, holder: Witness) -> None:
     assert await holder.status() in ("READY", "BUSY")
     assert await holder.execute("unbound") == "OUT_OF_RESOURCES"
     assert await holder.bind() == "OK"
-    assert await holder.execute("again", "switch") == "OK"
-    assert await holder.end_of("again") == "OK"
+    assert await holder.execute(command_id, "switch") == "OK"
+    assert await holder.end_of(command_id) == "OK"
 
 
 @pytest.mark.parametrize("seed", ALL)
@@ -73,38 +73,9 @@ async def test_f1_f4_a_connection_that_breaks(seed: int, tmp_path: Path, caplog:
 
 
 @pytest.mark.parametrize("seed", SOME)
-async def test_f1_a_process_that_is_killed(seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
-    async with (
-        ground(seed, tmp_path, caplog) as place,
-        robot_program(place.adapter_url, log=tmp_path / "robot.log") as robot,
-    ):
-        await place.attached()
-        who = await three(place)
-        assert await who[0].execute("c") == "OK"
-        await turns(place.chance, 200)
-        robot.signal(signal.SIGKILL)
-        await lost(place, *who, ["c"])
-
-
-@pytest.mark.parametrize("seed", SOME)
-async def test_f2_a_process_that_stands_still(seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
-    async with (
-        ground(seed, tmp_path, caplog, quick=True) as place,
-        robot_program(place.adapter_url, log=tmp_path / "robot.log") as robot,
-    ):
-        await place.attached()
-        who = await three(place)
-        assert await who[0].execute("c") == "OK"
-        await asyncio.sleep(place.chance.random() * 0.1)
-        robot.signal(signal.SIGSTOP)
-        await lost(place, *who, ["c"])
-        # What it says now is for a connection that is over.
-        robot.signal(signal.SIGCONT)
-        await back(place, who[0])
-
-
-@pytest.mark.parametrize("seed", SOME)
-async def test_f28_a_component_that_blocks(seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+async def test_f1_f2_f28_a_process_that_blocks_stands_still_and_dies(
+    seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
     async with (
         ground(seed, tmp_path, caplog, quick=True) as place,
         robot_program(place.adapter_url, log=tmp_path / "robot.log") as robot,
@@ -118,6 +89,19 @@ async def test_f28_a_component_that_blocks(seed: int, tmp_path: Path, caplog: py
         await lost(place, *who, [])
         await back(place, who[0])
         assert "the adapter stands still" in robot.log()
+        await who[1].subscribe("rang", BELL)
+        assert await who[0].execute("c") == "OK"
+        await asyncio.sleep(place.chance.random() * 0.1)
+        robot.signal(signal.SIGSTOP)
+        await lost(place, *who, ["c"])
+        # What it says now is for a connection that is over.
+        robot.signal(signal.SIGCONT)
+        await back(place, who[0], "once more")
+        await who[1].subscribe("rang", BELL)
+        assert await who[0].execute("d") == "OK"
+        await turns(place.chance, 200)
+        robot.signal(signal.SIGKILL)
+        await lost(place, *who, ["d"])
 
 
 @pytest.mark.parametrize("seed", SOME)

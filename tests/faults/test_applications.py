@@ -138,7 +138,8 @@ async def test_f13_f14_ids_that_come_twice(seed: int, tmp_path: Path, caplog: py
 async def test_f15_f16_a_storm_of_events_and_one_who_reads_slowly(
     seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    async with ground(seed, tmp_path, caplog) as place:
+    # The applications of this process read megabytes.
+    async with ground(seed, tmp_path, caplog, longest=1.0) as place:
         await place.robot()
         await place.robot(type(place.lamp)("lamp"), engine_id="calm")
         quick, slow = await place.witness(extended=True), await place.witness(extended=True)

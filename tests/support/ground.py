@@ -26,7 +26,7 @@ from openrois.registry import LocalRegistry
 from openrois.tasks import TaskScope
 from openrois.testing import FaultRelay
 from tests.support.components import Bell, Lamp
-from tests.support.invariants import PATIENCE, Book, Witness, calm, check_audit
+from tests.support.invariants import LONGEST_BLOCK, PATIENCE, Book, Witness, calm, check_audit
 
 __all__ = ["Child", "Ground", "ground", "program", "robot_program", "turns"]
 
@@ -115,6 +115,7 @@ async def ground(
     quick: bool = False,
     ready: bool = True,
     audited: bool = True,
+    longest: float = LONGEST_BLOCK,
     **settings: Any,
 ) -> AsyncIterator[Ground]:
     """Run a gateway behind a relay for one seed of one fault; in the end the rules are checked.
@@ -126,6 +127,7 @@ async def ground(
         quick: silent sides are found soon.
         ready: the gateway has to be ready in the end.
         audited: there is an audit trail to be checked.
+        longest: seconds of processor time that one turn of the loop, with gateway, robots and applications, may take.
         settings: of the gateway.
     """
     chance, hosts = random.Random(seed), list[EngineHost]()
@@ -137,7 +139,7 @@ async def ground(
     audit = folder / "audit.jsonl"
     chosen = {"port": 0, "audit_file": audit if audited else None} | settings
     application, adapter = QUICK if quick else (APPLICATION, ADAPTER)
-    async with calm(log):
+    async with calm(log, longest):
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr(server, "EngineHost", make)
             running = run_gateway(GatewaySettings(**chosen), application=application, adapter=adapter)

@@ -29,7 +29,7 @@ from websockets.exceptions import ConnectionClosed
 
 from tests.support.schema import check_notification, check_result
 
-__all__ = ["Book", "Witness", "calm", "check_audit"]
+__all__ = ["LONGEST_BLOCK", "PATIENCE", "Book", "Witness", "calm", "check_audit"]
 
 PATIENCE: Final = 10.0
 LONGEST_BLOCK: Final = 0.1
@@ -303,13 +303,13 @@ class Witness:
 
 
 @asynccontextmanager
-async def calm(log: pytest.LogCaptureFixture) -> AsyncIterator[None]:
+async def calm(log: pytest.LogCaptureFixture, longest: float = LONGEST_BLOCK) -> AsyncIterator[None]:
     """Check that meanwhile no task fails unheard and nothing keeps the loop busy (I10), and that all ends (I5)."""
     descriptors, loop = _descriptors(), asyncio.get_running_loop()
     unheard: list[str] = []
     loop.set_exception_handler(lambda _loop, context: unheard.append(str(context)))
     before = asyncio.all_tasks()
-    busy = asyncio.ensure_future(_longest_turn())
+    busy = asyncio.ensure_future(_watch_turns(longest))
     try:
         yield
     finally:
@@ -334,13 +334,13 @@ def _descriptors() -> int:
     return sum(1 for _ in Path("/proc/self/fd").iterdir())
 
 
-async def _longest_turn() -> None:
+async def _watch_turns(longest: float) -> None:
     """Look every few milliseconds at how much processor time the loop has had since the last look (I10)."""
     while True:
         began = time.thread_time()
         await asyncio.sleep(0.002)
         took = time.thread_time() - began
-        assert took < LONGEST_BLOCK, f"the loop was busy for {took * 1000:.0f} ms without a pause (I10)"
+        assert took < longest, f"the loop was busy for {took * 1000:.0f} ms without a pause (I10)"
 
 
 def check_audit(path: Path, *, commands: int) -> None:
