@@ -137,7 +137,7 @@ class TestProfiles:
             assert result["component_profiles"]["robot/lamp"]["function"] == "actuation"
 
     async def test_the_path_alone_decides(self, gateway: Gateway, stack: AsyncExitStack) -> None:
-        await stack.enter_async_context(plain_adapter(gateway, path="adapter?token=x"))
+        await stack.enter_async_context(plain_adapter(gateway, path="adapter?x=y"))
         await attached(gateway)
         for path in ("adapter/", "adapters", "x/adapter", "Adapter"):
             async with deployment.application(gateway, path) as app:

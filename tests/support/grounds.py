@@ -1,7 +1,8 @@
 """Gateways to try a client on: ours over a socket, ours in memory, and one that speaks the base wire alone."""
 
 import asyncio
-from collections.abc import AsyncIterator, Callable, Mapping
+import json
+from collections.abc import AsyncIterator, Callable, Mapping, Sequence
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass, field
 from typing import Any, Final, cast
@@ -73,6 +74,17 @@ async def _memory() -> AsyncIterator[Ground]:
         yield Ground(running.robot, running.lamp, running.bell, {"dial": running.dial}, True, running.host.engine)
 
 
+class _Accepted(WebSocketStream):
+    """The other end of a dialled connection: what it sends is not masked, which the library sees to."""
+
+    def send_now(self, text: str) -> bool:
+        return False
+
+    async def send_many(self, texts: Sequence[str]) -> None:
+        for text in texts:
+            await self.send(text)
+
+
 @asynccontextmanager
 async def _plain() -> AsyncIterator[Ground]:
     async with TaskScope() as tasks:
@@ -80,7 +92,7 @@ async def _plain() -> AsyncIterator[Ground]:
         robot, lamp, bell, _ = await _furnish(host.engine)
 
         async def handle(socket: ServerConnection) -> None:
-            await serve_plain(host, WebSocketStream(cast(Any, socket)))
+            await serve_plain(host, _Accepted(cast(Any, socket)))
 
         async with serve(handle, "127.0.0.1", 0) as server:
             port = next(iter(server.sockets)).getsockname()[1]
@@ -91,8 +103,9 @@ async def serve_plain(host: EngineHost, stream: MessageStream) -> None:
     """Serve the base wire alone: no `openrois.hello`, and events without their results, which may be asked for."""
     session = RpcSession(stream)
 
-    def notify(method: str, params: Mapping[str, Any], *, droppable: bool = False) -> None:
-        kept = {name: value for name, value in params.items() if name != "results"}
+    def notify(method: str, params: Mapping[str, Any] | str, *, droppable: bool = False) -> None:
+        told: Mapping[str, Any] = json.loads(params) if isinstance(params, str) else params
+        kept = {name: value for name, value in told.items() if name != "results"}
         session.notify(method, kept, droppable=droppable)
 
     app = ApplicationSession(host, notify)
