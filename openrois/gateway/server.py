@@ -28,6 +28,7 @@ from openrois.gateway.places import Places
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import ADAPTER, APPLICATION, ServerSocket, SocketProfile
 from openrois.gateway.tenure import Tenure
+from openrois.http_log import HTTP_LOG
 from openrois.journal.journal import Journal
 from openrois.leases.model import Rules
 from openrois.log_lines import Redaction
@@ -40,10 +41,6 @@ from openrois.transport.stream import MessageStream, StreamClosed
 __all__ = ["Gateway", "run_gateway"]
 
 _log = logging.getLogger(__name__)
-
-_http = logging.getLogger(f"{__name__}.http")
-# At DEBUG the library logs requests that cannot be read, with their headers, tokens too.
-_http.setLevel(logging.INFO)
 
 _OPENRPC: Final = "openrpc.json"
 _BACKLOG: Final = 1024
@@ -130,7 +127,7 @@ async def run_gateway(
             application,
             adapter,
         )
-        runner = web.AppRunner(server.app, access_log=None, logger=_http, shutdown_timeout=_SHUTDOWN_TIMEOUT)
+        runner = web.AppRunner(server.app, access_log=None, logger=HTTP_LOG, shutdown_timeout=_SHUTDOWN_TIMEOUT)
         await runner.setup()
         stack.push_async_callback(runner.cleanup)
         context = None if entrance.certificate is None else entrance.certificate.context

@@ -2,18 +2,15 @@
 
 import asyncio
 import hmac
-import logging
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 from typing import Final
 
 from aiohttp import web
 
-__all__ = ["LOOPBACK", "MetricsUnavailable", "metrics_address", "serving_metrics"]
+from openrois.http_log import HTTP_LOG
 
-_http = logging.getLogger(f"{__name__}.http")
-# At DEBUG the library logs requests that cannot be read, with their headers, tokens too.
-_http.setLevel(logging.INFO)
+__all__ = ["LOOPBACK", "MetricsUnavailable", "metrics_address", "serving_metrics"]
 
 LOOPBACK: Final = "127.0.0.1"
 
@@ -64,7 +61,7 @@ async def serving_metrics(
 
     app = web.Application()
     app.router.add_get("/metrics", answer)
-    runner = web.AppRunner(app, access_log=None, logger=_http, shutdown_timeout=_SHUTDOWN_TIMEOUT)
+    runner = web.AppRunner(app, access_log=None, logger=HTTP_LOG, shutdown_timeout=_SHUTDOWN_TIMEOUT)
     await runner.setup()
     try:
         try:

@@ -12,10 +12,19 @@ import pytest
 
 from openrois.gateway.server import Gateway
 from openrois.log_lines import JsonLine, Redaction
+from openrois.transport.credentials import Credentials
+from openrois.transport.websocket import dial
 from tests.support import deployment
 from tests.support.deployment import Door
 
 TOKEN = "not-a-token-that-a-pattern-knows"
+
+
+class Nothing(Redaction):
+    """Hides nothing: that nobody logs a secret is to be seen without the last net."""
+
+    def __call__(self, text: str) -> str:
+        return text
 
 
 @pytest.fixture
@@ -23,8 +32,10 @@ def log() -> Iterator[io.StringIO]:
     """What the whole process logs, everything at DEBUG, as JSON lines; nothing is hidden in it."""
     text = io.StringIO()
     handler = logging.StreamHandler(text)
-    handler.setFormatter(JsonLine(Redaction()))
-    loggers = [logging.getLogger(name) for name in (None, "openrois", "aiohttp", "websockets", "asyncio")]
+    handler.setFormatter(JsonLine(Nothing()))
+    loggers = [
+        logging.getLogger(name) for name in (None, "openrois", "aiohttp", "websockets", "websockets.client", "asyncio")
+    ]
     before = [logger.level for logger in loggers]
     for logger in loggers:
         logger.setLevel(logging.DEBUG)
@@ -66,20 +77,28 @@ async def test_a_request_is_followed_from_the_application_to_the_adapter(log: io
 async def test_no_token_is_logged_by_any_library(log: io.StringIO) -> None:
     async with deployment.gateway() as gateway:
         headers = {"Authorization": f"Bearer {TOKEN}"}
-        async with deployment.application(gateway, additional_headers=headers) as app:
-            await app.ask("rois.system.connect")
+        async with dial(gateway.url.replace("http", "ws"), credentials=Credentials(TOKEN)) as stream:
+            await stream.send('{"jsonrpc": "2.0", "id": 1, "method": "rois.system.connect"}')
+            assert "OK" in await stream.receive()
         async with aiohttp.ClientSession() as http, http.get(f"{gateway.url}?token={TOKEN}", headers=headers) as answer:
             assert TOKEN not in await answer.text()
         await malformed(gateway)
     assert "asked for rois.system.connect" in log.getvalue()
+    assert "requests that cannot be read" in log.getvalue()
     assert TOKEN not in log.getvalue()
 
 
 async def malformed(gateway: Gateway) -> None:
     """Send a request that cannot be read, and whose header holds a token."""
     host, port = gateway.url.removeprefix("http://").rstrip("/").split(":")
-    reader, writer = await asyncio.open_connection(host, int(port))
-    writer.write(f"GET / HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer {TOKEN}\x00\r\n\r\n".encode())
-    async with deployment.patience():
-        assert b"400" in await reader.readline()
-    writer.close()
+    for request in (
+        f"GET / HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer {TOKEN}\x00\r\n\r\n",
+        f"GET /?x={TOKEN}\x00 HTTP/1.1\r\nHost: localhost\r\n\r\n",
+        f"GET / HTTP/9.9 {TOKEN}\r\n\r\n",
+        f"{TOKEN} / HTTP/1.1\r\n\r\n",
+    ):
+        reader, writer = await asyncio.open_connection(host, int(port))
+        writer.write(request.encode())
+        async with deployment.patience():
+            assert b"400" in await reader.readline()
+        writer.close()

@@ -1,0 +1,29 @@
+"""The log of the HTTP server's library: without what it could not read of a request, for a token may stand in it."""
+
+import logging
+from typing import Final
+
+from aiohttp.http_exceptions import HttpProcessingError
+
+from openrois.logs import Tally
+
+__all__ = ["HTTP_LOG"]
+
+HTTP_LOG: Final = logging.getLogger(__name__)
+"""For `AppRunner(logger=...)`: the library's own shows every line that it could not read, and a traceback for each."""
+
+HTTP_LOG.setLevel(logging.INFO)
+
+_unreadable = Tally(logging.getLogger(f"{__name__}.unreadable"), "requests that cannot be read")
+
+
+def _is_no_request(record: logging.LogRecord) -> bool:
+    """Tell whether a record is about something else than a request that could not be read, and count that."""
+    error = record.exc_info[1] if record.exc_info else None
+    if not isinstance(error, HttpProcessingError):
+        return True
+    _unreadable.note(type(error).__name__)
+    return False
+
+
+HTTP_LOG.addFilter(_is_no_request)
