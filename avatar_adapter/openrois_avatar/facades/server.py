@@ -11,6 +11,7 @@ from urllib.parse import unquote, urlsplit
 
 from aiohttp import WSCloseCode, WSMsgType, web
 
+from openrois.http_log import HTTP_LOG
 from openrois.rate import RateLimit
 from openrois.tasks import TaskScope
 from openrois_avatar.facades.messages.reading import MESSAGE_LIMIT, ProtocolError
@@ -93,7 +94,9 @@ class StreamerServer:
         app = web.Application()
         app.router.add_get("/{path:.*}", self._answer)
         app.on_shutdown.append(self._close)
-        runner = web.AppRunner(app, access_log=None, shutdown_timeout=_SHUTDOWN_TIMEOUT, handler_cancellation=True)
+        runner = web.AppRunner(
+            app, access_log=None, logger=HTTP_LOG, shutdown_timeout=_SHUTDOWN_TIMEOUT, handler_cancellation=True
+        )
         await runner.setup()
         try:
             try:
