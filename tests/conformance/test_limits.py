@@ -16,16 +16,17 @@ from openrois_streaming.input.messages import MESSAGE_LIMIT
 from openrois_streaming.sessions import SESSIONS_LIMIT
 
 from openrois import command_log, condition, engine, error_log, event_log, faults, registry, remembered
+from openrois.access import claims, jwks, keys
 from openrois.application import EngineHost
 from openrois.errors import OutOfResources
-from openrois.gateway import adapters, applications, heads, places
+from openrois.gateway import adapters, applications, heads, places, reloading, tenure
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import ADAPTER, APPLICATION
 from openrois.interfaces import command, crowding, stream
 from openrois.jsonrpc import calls, intake, outbox, session
 from openrois.registry import LocalRegistry
 from openrois.transport import websocket
-from openrois.types import messages, reasons, references, streams, values
+from openrois.types import access, messages, reasons, references, streams, values
 from tests.support import deployment, wire
 from tests.support.components import Bell
 from tests.support.deployment import Door
@@ -36,6 +37,7 @@ KIB, MIB = 1024, 1024 * 1024
 DOOR = "robot/door"
 
 HERE = "tests/conformance/test_limits.py"
+ACCESS = "tests/openrois/access"
 TRANSPORT = "tests/conformance/test_transport.py"
 PLACES = "tests/openrois/gateway/test_places.py"
 HEADS = "tests/openrois/gateway/test_heads.py"
@@ -54,6 +56,36 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
     "time for the head of a request, TLS included; connections that have not sent one": (
         (heads.HEAD_TIMEOUT, heads.MAX_HEADS),
         (f"{HEADS}::test_half_a_handshake_is_cut", f"{HEADS}::test_of_too_many_the_oldest_is_cut"),
+    ),
+    "token; subject and id of one; patterns in a scope, and each of them": (
+        (access.MAX_TOKEN, claims.MAX_NAME, claims.MAX_PATTERNS, claims.MAX_PATTERN),
+        (f"{ACCESS}/test_tokens.py::test_forged_tokens", f"{ACCESS}/test_claims.py::test_what_is_no_such_claim"),
+    ),
+    "lifetime of a token / difference of clocks": (
+        (claims.MAX_LIFETIME, claims.LEEWAY),
+        (
+            f"{ACCESS}/test_claims.py::test_how_long_a_token_may_last",
+            f"{ACCESS}/test_tokens.py::test_times_and_clocks",
+        ),
+    ),
+    "keys of an issuer; their text; time to get it; time between two attempts": (
+        (keys.MAX_KEYS, keys.MAX_KEY_FILE / KIB, jwks.FETCH_TIMEOUT, jwks.REFETCH_PAUSE),
+        (
+            f"{ACCESS}/test_keys.py::test_what_is_no_key_set",
+            f"{ACCESS}/test_jwks.py::test_what_an_issuer_may_not_answer",
+            f"{ACCESS}/test_jwks.py::test_ten_thousand_names_cause_one_fetch",
+        ),
+    ),
+    "keys of an issuer that does not answer": (
+        (jwks.KEPT, jwks.FRESH),
+        (f"{ACCESS}/test_jwks.py::test_while_the_issuer_is_down_its_keys_hold_for_an_hour",),
+    ),
+    "between two looks at tokens and at the list of revocations; before its end a connection is told": (
+        (tenure.CHECK_INTERVAL, reloading.LOOK_INTERVAL, tenure.WARNING_TIME),
+        (
+            "tests/openrois/gateway/test_tenure.py::test_it_looks_every_second",
+            "tests/openrois/gateway/test_tenure.py::test_a_new_token_makes_it_longer_and_warns_again",
+        ),
     ),
     "message from an application / an adapter": (
         (APPLICATION.max_message / KIB, ADAPTER.max_message / MIB, 1009, 1003),
