@@ -4,6 +4,7 @@ import asyncio
 import gc
 import logging
 import os
+import resource
 import signal
 import sys
 from collections.abc import Sequence
@@ -12,6 +13,7 @@ from typing import Final
 import uvloop
 
 from openrois.gateway.configuration import configure, printed
+from openrois.gateway.places import MAX_ADAPTERS, MAX_APPLICATIONS
 from openrois.gateway.server import Gateway, run_gateway
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.supervisor import Supervisor
@@ -25,6 +27,9 @@ _log = logging.getLogger(__name__)
 
 _YOUNG: Final = 20_000
 """Objects by which there may be more than before until garbage is looked for among the new ones."""
+
+_OTHER_FILES: Final = 1024
+"""Open files of the gateway beside those of its connections: heads that are waited for, logs, what is served."""
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -44,6 +49,7 @@ def main(arguments: Sequence[str]) -> int:
         )
         for warning in configured.warnings:
             _log.warning("%s", warning)
+        _allow_files()
         uvloop.run(_run(settings))
     except (JournalUnusable, ValueError) as error:
         print(f"openrois gateway: {error}", file=sys.stderr)
@@ -82,6 +88,17 @@ async def _drain(told: asyncio.Event, gateway: Gateway, supervisor: Supervisor) 
 
 async def _wait(told: asyncio.Event) -> None:
     await told.wait()
+
+
+def _allow_files() -> None:
+    """Take as many open files as the system allows, up to what all places for connections need."""
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    wanted = MAX_APPLICATIONS + MAX_ADAPTERS + _OTHER_FILES
+    allowed = wanted if hard == resource.RLIM_INFINITY else min(hard, wanted)
+    if soft != resource.RLIM_INFINITY and soft < allowed:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (allowed, hard))
+    if allowed < wanted:
+        _log.warning("the system allows %d open files, and %d connections may want one each", allowed, wanted)
 
 
 def _calm_the_collector() -> None:
