@@ -6,6 +6,7 @@ from typing import Any
 
 import pytest
 
+from openrois.jsonrpc import session
 from openrois.jsonrpc.calls import MAX_LATE
 from openrois.jsonrpc.outbox import Outbox
 from openrois.jsonrpc.session import RpcError, SessionClosed
@@ -178,3 +179,13 @@ async def test_a_question_that_waits_for_room_fails_with_the_connection() -> Non
         async with asyncio.timeout(60):
             ended = await asyncio.gather(*calls, return_exceptions=True)
         assert {type(end) for end in ended} == {SessionClosed}
+
+
+async def test_time_for_which_the_process_stood_still_is_nobody_elses(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(session, "STOOD_STILL", 0.02)
+    loop = asyncio.get_running_loop()
+    answer: asyncio.Future[object] = loop.create_future()
+    session._expire(answer, loop.time() - 1)
+    assert not answer.done()
+    with pytest.raises(TimeoutError):
+        await answer
