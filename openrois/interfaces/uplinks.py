@@ -61,5 +61,5 @@ def require_may_send(app: ApplicationSession, component_ref: str) -> bool:
         if profile.function is ComponentFunction.ACTUATION and engine_of(ref) == engine_id
     ]
     if exclusive and not any(app.may_operate(ref) for ref in exclusive):
-        raise OutOfResources(f"one who sends to {engine_id} has bound one of its actuation components")
+        raise OutOfResources(f"who sends to {engine_id} operates it: bind one of its actuation components first")
     return bool(exclusive)

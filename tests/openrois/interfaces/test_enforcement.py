@@ -171,3 +171,13 @@ def test_everything_that_is_minted_has_128_random_bits() -> None:
     assert len(minted) >= 8
     assert min(minted.values()) >= 16
     assert len(new_id("robot").removeprefix("robot/")) == 32
+
+
+def test_operations_reach_the_engine_through_what_is_shown_of_it() -> None:
+    """The engine itself is for what ends a stream that is not shown any more, and for STOP, which spares nothing."""
+    reached = {
+        path.name: path.read_text().count("host.engine")
+        for path in sorted(Path(openrois.__file__).with_name("interfaces").glob("*.py"))
+        if "host.engine" in path.read_text()
+    }
+    assert reached == {"stop.py": 2, "stream.py": 1}
