@@ -9,6 +9,8 @@ export { Client } from "./rois/client.ts";
 export type { Command, Concurrent, Profile, Step } from "./rois/client.ts";
 export { ComponentEvent, ComponentProxy } from "./rois/component.ts";
 export type { ComponentClass, Settable } from "./rois/component.ts";
+export { Control } from "./rois/control.ts";
+export type { ControlEvents } from "./rois/control.ts";
 export { and, escapeLike, like, onlyComponent, quote, where } from "./rois/conditions.ts";
 export type { ConnectionOptions, ConnectionState } from "./rois/connection.ts";
 export { componentType, componentsByEngine, engineOf } from "./rois/discovery.ts";

@@ -66,6 +66,22 @@ export class Bindings {
     }
   }
 
+  /** It was granted, and stays bound until it is released. */
+  gained(componentRef: string): void {
+    this.#lasting.add(componentRef);
+    this.#states.set(componentRef, "held");
+  }
+
+  /** Another application has it by now: it is not fought for. */
+  taken(componentRef: string): void {
+    if (this.#states.get(componentRef) === "held") this.delete(componentRef);
+  }
+
+  /** Of what is held again after a connection was lost: what is wanted no more is given back. */
+  resumed(call: Call, refs: readonly string[]): void {
+    for (const componentRef of refs) if (!this.#states.has(componentRef)) this.#giveBack(call, componentRef);
+  }
+
   /** The session that held them is gone. */
   lost(): void {
     for (const [componentRef, state] of this.#states) {

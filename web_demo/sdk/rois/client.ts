@@ -3,6 +3,7 @@
 import { Bindings } from "./bindings.ts";
 import type { Renewal } from "./claims.ts";
 import { Completions } from "./completions.ts";
+import { Control } from "./control.ts";
 import type { ComponentClass } from "./component.ts";
 import { and, where } from "./conditions.ts";
 import { RoISError } from "./errors.ts";
@@ -17,6 +18,7 @@ import type {
 } from "./generated/types.ts";
 import { Link } from "./link.ts";
 import type { Call, ClientOptions, Ended, RoISEvent } from "./link.ts";
+import { Resumption } from "./resumption.ts";
 import { Restoration } from "./restoration.ts";
 import { Subscriptions } from "./subscriptions.ts";
 import type { Subscription } from "./subscriptions.ts";
@@ -50,6 +52,9 @@ export class Client extends Link {
   readonly #subscriptions = new Subscriptions();
   readonly #bindings = new Bindings();
   readonly #restoration: Restoration;
+  readonly #resumption: Resumption;
+  /** Asks for components that others hold, hands them over, and stops everything. */
+  readonly control: Control;
 
   /**
    * @param url the gateway, `ws://`, `wss://` or what it prints, `http://`; read relative to the page, which is what
@@ -63,6 +68,11 @@ export class Client extends Link {
       restored: (claim) => this.onceConnected(() => this.emitter.emit("restored", claim)),
     };
     this.#restoration = new Restoration(this.#bindings, this.#subscriptions, renewal, options?.backoff);
+    this.control = new Control(this, this.#bindings);
+    this.#resumption = new Resumption(this.#completions, (refs) => {
+      this.#bindings.resumed(this.call, refs);
+      this.changed();
+    });
     this.on("completed", (completed) => this.#completions.completed(completed));
     this.on("event", (event) => this.#subscriptions.deliver(event));
   }
@@ -215,12 +225,13 @@ export class Client extends Link {
     return (await this.call("rois.event.get_event_detail", { event_id: eventId })).results ?? [];
   }
 
-  protected override began(call: Call): Promise<void> {
-    return this.#restoration.begin(call);
+  protected override async began(call: Call): Promise<void> {
+    this.#bindings.resumed(call, await this.#resumption.begin(call, this.extensions));
+    await this.#restoration.begin(call);
   }
 
   protected override ended(closed: boolean): void {
-    this.#completions.lost();
+    this.#resumption.ended(closed);
     this.#restoration.stop();
     if (!closed) return;
     this.#subscriptions.end();

@@ -30,9 +30,15 @@ export class Completions {
     this.#settle(completed.command_id, completed);
   }
 
-  /** The session is gone; what it would have reported is lost. */
-  lost(): void {
-    for (const commandId of [...this.#waiting.keys()]) {
+  /** The commands that have not ended. */
+  get unfinished(): readonly string[] {
+    return [...this.#waiting.keys()];
+  }
+
+  /** The session is gone; what it would have reported of commands is lost. */
+  lost(commandIds = this.unfinished): void {
+    for (const commandId of commandIds) {
+      if (!this.#waiting.has(commandId)) continue;
       this.#settle(
         commandId,
         new ConnectionLost(`${commandId}: the connection ended before the command did`),

@@ -1,0 +1,168 @@
+import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import type { JsonObject } from "../../sdk/jsonrpc/peer.ts";
+import { ConnectionLost } from "../../sdk/jsonrpc/session.ts";
+import { Client } from "../../sdk/rois/client.ts";
+import { RoISError } from "../../sdk/rois/errors.ts";
+import { FakeGateway } from "../support/fake_gateway.ts";
+
+const ARM = "r/arm";
+const unit = { component_ref: ARM, command_type: "start", arguments: [] };
+
+let gateway: FakeGateway;
+let client: Client;
+let tokens: number;
+
+beforeEach(async () => {
+  vi.useFakeTimers();
+  tokens = 0;
+  gateway = new FakeGateway(["rois.stream", "signaling", "openrois.lease"])
+    .on("openrois.lease.token", () => ({ token: `t${++tokens}`, grace_ms: 10_000 }))
+    .on("rois.command.bind", () => ({}))
+    .on("rois.command.release", () => ({}))
+    .on("rois.command.execute", () => ({}));
+  client = new Client("ws://test/", { webSocket: gateway.webSocket });
+  await client.connect();
+});
+
+afterEach(() => {
+  vi.useRealTimers();
+});
+
+async function cut(): Promise<void> {
+  gateway.socket.end(1006);
+  await vi.advanceTimersByTimeAsync(2000);
+}
+
+const resumed = (more: JsonObject = {}): JsonObject => ({
+  token: "next",
+  grace_ms: 10_000,
+  leases: [{ component_ref: ARM, epoch: 7 }],
+  unknown: [],
+  ...more,
+});
+
+describe("a lost connection", () => {
+  it("is resumed, and its commands are told of", async () => {
+    await client.bind(ARM);
+    const [id = ""] = await client.execute([unit]);
+    gateway.on("openrois.lease.resume", () => resumed());
+    await cut();
+    expect(gateway.called("openrois.lease.resume")).toEqual([{ token: "t1", command_ids: [id] }]);
+    const ended = client.completed(id);
+    gateway.notify("rois.command.completed", { command_id: id, status: "OK" });
+    await expect(ended).resolves.toMatchObject({ status: "OK" });
+    expect(gateway.called("rois.command.release")).toEqual([]);
+    await cut();
+    expect(gateway.called("openrois.lease.resume")[1]).toMatchObject({ token: "next" });
+  });
+
+  it("of commands that the gateway does not know nobody tells", async () => {
+    const [id = ""] = await client.execute([unit]);
+    gateway.on("openrois.lease.resume", () => resumed({ unknown: [id] }));
+    await cut();
+    await expect(client.completed(id)).rejects.toBeInstanceOf(ConnectionLost);
+    expect(gateway.called("rois.command.release")).toEqual([{ component_ref: ARM }]);
+  });
+
+  it("that cannot be resumed is as lost as any", async () => {
+    const [id = ""] = await client.execute([unit]);
+    gateway.on("openrois.lease.resume", () => ({ return_code: "UNSUPPORTED" }));
+    await cut();
+    await expect(client.completed(id)).rejects.toBeInstanceOf(ConnectionLost);
+    expect(tokens).toBe(2);
+  });
+
+  it("is not waited for longer than the gateway keeps it", async () => {
+    const [id = ""] = await client.execute([unit]);
+    const lost = expect(client.completed(id)).rejects.toBeInstanceOf(ConnectionLost);
+    gateway.stop();
+    await vi.advanceTimersByTimeAsync(10_000);
+    await lost;
+  });
+
+  it("that the gateway takes for alive is resumed later", async () => {
+    await client.bind(ARM);
+    const [id = ""] = await client.execute([unit]);
+    gateway.on("openrois.lease.resume", () => ({ return_code: "OUT_OF_RESOURCES" }));
+    gateway.on("rois.command.bind", () => ({ return_code: "OUT_OF_RESOURCES" }));
+    await cut();
+    gateway.on("openrois.lease.resume", () => resumed());
+    gateway.on("rois.command.bind", () => ({}));
+    const restored = vi.fn();
+    client.on("restored", restored);
+    await vi.advanceTimersByTimeAsync(1000);
+    expect(restored).toHaveBeenCalled();
+    const ended = client.completed(id);
+    gateway.notify("rois.command.completed", { command_id: id, status: "OK" });
+    await expect(ended).resolves.toMatchObject({ status: "OK" });
+  });
+
+  it("ends at once where the client is closed", async () => {
+    const [id = ""] = await client.execute([unit]);
+    const lost = expect(client.completed(id)).rejects.toBeInstanceOf(ConnectionLost);
+    await client.close();
+    await lost;
+  });
+});
+
+describe("control", () => {
+  const status = (state: string): JsonObject => ({
+    component_ref: ARM,
+    state,
+    holder: "ann",
+    epoch: 7,
+    waiting: 0,
+    position: 0,
+  });
+
+  it("of a free component is had at once", async () => {
+    gateway.on("openrois.lease.request", () => ({ lease: status("MINE"), request_id: "" }));
+    await client.control.request(ARM);
+    gateway.on("openrois.lease.resume", () => ({ return_code: "UNSUPPORTED" }));
+    await cut();
+    expect(gateway.called("rois.command.bind")).toEqual([{ component_ref: ARM }]);
+  });
+
+  it("is granted, and lost again when another one has it", async () => {
+    gateway.on("openrois.lease.request", () => ({ lease: status("HELD"), request_id: "q" }));
+    const asking = client.control.request(ARM);
+    await vi.advanceTimersByTimeAsync(0);
+    gateway.notify("openrois.lease.changed", { ...status("MINE"), reason: "granted" });
+    await asking;
+    gateway.notify("openrois.lease.changed", { ...status("HELD"), reason: "taken" });
+    gateway.on("openrois.lease.resume", () => ({ return_code: "UNSUPPORTED" }));
+    await cut();
+    expect(gateway.called("rois.command.bind")).toEqual([]);
+  });
+
+  it("is declined", async () => {
+    gateway.on("openrois.lease.request", () => ({ lease: status("HELD"), request_id: "q" }));
+    gateway.on("openrois.lease.leave", () => ({}));
+    const refused = expect(client.control.request(ARM)).rejects.toBeInstanceOf(RoISError);
+    await vi.advanceTimersByTimeAsync(0);
+    gateway.notify("openrois.lease.declined", { component_ref: ARM, request_id: "q", reason: "no" });
+    await refused;
+    expect(gateway.called("openrois.lease.leave")).toHaveLength(1);
+  });
+
+  it("is asked for by somebody, granted, declined and taken", async () => {
+    for (const name of ["grant", "decline", "take"]) gateway.on(`openrois.lease.${name}`, () => ({}));
+    gateway.on("openrois.lease.query", () => ({ lease: status("HELD") }));
+    const asked = vi.fn();
+    client.control.on("openrois.lease.requested", asked);
+    const told = { component_ref: ARM, request_id: "q", subject: "bob", answer_ms: 30_000 };
+    gateway.notify("openrois.lease.requested", told);
+    expect(asked).toHaveBeenCalledExactlyOnceWith(told);
+    await client.control.grant("q");
+    await client.control.decline("q");
+    await client.control.take(ARM);
+    expect((await client.control.status(ARM))?.state).toBe("HELD");
+  });
+
+  it("stops everything", async () => {
+    gateway.on("openrois.stop_all", () => ({ stopped: [ARM], failed: [] }));
+    await expect(client.control.stopAll("r")).resolves.toEqual([ARM]);
+    await expect(client.control.stopAll()).resolves.toEqual([ARM]);
+    expect(gateway.called("openrois.stop_all")).toEqual([{ engine_id: "r" }, {}]);
+  });
+});
