@@ -70,6 +70,19 @@ async def test_it_is_stopped_and_what_is_out_of_reach_is_named(guest: Visit) -> 
     assert await outcome(guest, "avatar/Navigation", "start") == "ERROR"
 
 
+async def test_the_red_button_and_its_key_stop_everything(guest: Visit) -> None:
+    await _figure(guest)
+    await guest.item("map").focus()
+    for key in ("Shift+ArrowUp", "Shift+ArrowLeft", "Enter"):
+        await guest.page.keyboard.press(key)
+    await _says(guest, "^Walking")
+    await guest.page.keyboard.press("x")
+    await expect(guest.item("stop-all")).to_have_text("Stopped", timeout=PATIENCE * 1000)
+    assert await outcome(guest, "avatar/Navigation", "start") == "ABORT"
+    await guest.press("stop-all")
+    assert [m["params"] for m in guest.sent if m["method"] == "openrois.stop_all"] == [{"engine_id": "avatar"}] * 2
+
+
 async def test_somebody_is_followed_until_stop(guest: Visit) -> None:
     await _figure(guest)
     await guest.until("document.querySelector('.map-thing.person')")

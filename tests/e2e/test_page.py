@@ -60,7 +60,7 @@ async def test_the_tab_key_goes_everywhere_in_the_order_in_which_one_reads(guest
     await expect(guest.item("microphone-toggle")).to_be_visible()  # once the avatar has said what it takes
     await expect(guest.item("say-language")).to_be_visible()  # once the voice has said what it speaks
     order = [
-        *("skip", "show-avatar", "show-inspector", "help-open", "theme-toggle", "stage"),
+        *("skip", "show-avatar", "show-inspector", "stop-all", "help-open", "theme-toggle", "stage"),
         *("sound-off", "statistics-toggle", "control-toggle", "fullscreen"),
         *("say-text", "say-language", "say-send"),  # pause and stop have nothing to do yet
         *reactions,

@@ -15,6 +15,7 @@ import type { Avatar } from "./avatars.ts";
 import { Banner } from "./banner.ts";
 import { Control } from "./control.ts";
 import { FiguresPanel } from "./figures.ts";
+import { Handover } from "./handover.ts";
 import { Gaze } from "./gaze.ts";
 import { Header } from "./header.ts";
 import { MessageLog } from "./log.ts";
@@ -28,6 +29,7 @@ import { SayLine } from "./say.ts";
 import { installShortcuts } from "./shortcuts.ts";
 import { Sound } from "./sound.ts";
 import { Stage } from "./stage.ts";
+import { StopButton } from "./stop_button.ts";
 import { StreamCard } from "./stream_card.ts";
 import { PageToken, gatewayIsThere } from "./token.ts";
 import { findTrouble } from "./trouble.ts";
@@ -72,6 +74,8 @@ const gaze = new Gaze(client, stage.element);
 const operator = new OperatorCard(client, receiver);
 const map = new MapCard(client);
 const control = new Control(client, receiver, stage.video);
+const handover = new Handover(client);
+const stopButton = new StopButton(client);
 new MessageLog(client);
 new StampReader(stage.video, stage.frames, (reading) => readings.stampRead(reading));
 
@@ -108,6 +112,8 @@ function avatarChanged(): void {
   reactions.setComponent(present?.reaction ?? null);
   gaze.setComponent(present?.gaze ?? null);
   control.setComponent(present?.teleoperation ?? null);
+  handover.setComponent(present?.teleoperation ?? null);
+  stopButton.setEngine(present?.engineId ?? null);
   map.setAvatar(present);
   if (present) {
     void readClock(present);
@@ -195,6 +201,7 @@ function toAvatar(run: (key: string) => void): (key: string) => void {
 }
 
 installShortcuts([
+  { keys: ["x"], label: "STOP: everything that moves", run: () => undefined },
   {
     keys: ["/"],
     label: "Say something, or search in the inspector",
