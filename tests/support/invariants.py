@@ -305,6 +305,8 @@ class Witness:
 @asynccontextmanager
 async def calm(log: pytest.LogCaptureFixture, longest: float = LONGEST_BLOCK) -> AsyncIterator[None]:
     """Check that meanwhile no task fails unheard and nothing keeps the loop busy (I10), and that all ends (I5)."""
+    # What was there before is not looked at again: that would take longer than all the rest.
+    gc.freeze()
     descriptors, loop = _descriptors(), asyncio.get_running_loop()
     unheard: list[str] = []
     loop.set_exception_handler(lambda _loop, context: unheard.append(str(context)))
@@ -317,6 +319,7 @@ async def calm(log: pytest.LogCaptureFixture, longest: float = LONGEST_BLOCK) ->
         with suppress(asyncio.CancelledError):
             await busy
     gc.collect()
+    gc.unfreeze()
     await asyncio.sleep(0)
     assert not unheard, f"{unheard} (I10)"
     failed = [record.getMessage() for record in log.records if record.exc_info or "never retrieved" in record.message]
