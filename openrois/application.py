@@ -288,9 +288,15 @@ class ApplicationSession:
         # Read before it waits: a malformed one is the fault of who tells it, not of the call that it waits for.
         is_status = method == StreamStatusNotification.method
         notice = StreamStatusNotification.model_validate(params) if is_status else None
-        if notice is not None and not self.engine.sees(notice.component_ref):
-            return
-        self.order.tell(engine_of(subject_of(params)), lambda: self._deliver(method, params, notice))
+        engine_id = engine_of(subject_of(params))
+
+        def deliver() -> None:
+            shown = engine_id in self.engine.engine_ids and (notice is None or self.engine.sees(notice.component_ref))
+            # What is not shown any more could not be ended in time.
+            if shown:
+                self._deliver(method, params, notice)
+
+        self.order.tell(engine_id, deliver)
 
     def _deliver(self, method: str, params: Mapping[str, Any], notice: StreamStatusNotification | None) -> None:
         if not self._passes(method, params):

@@ -10,7 +10,8 @@ from openrois.access.principal import Principal
 from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.errors import Unsupported
 from openrois.gateway.tenure import Tenure
-from openrois.types.codes import ErrorType
+from openrois.types.codes import ErrorType, StreamStatus
+from openrois.types.references import new_id
 from openrois.withdrawal import Claims
 from tests.openrois.interfaces.test_matrix import condition, unit
 from tests.support.authorization import Place, Wire, place, principal
@@ -193,6 +194,22 @@ async def test_a_stream_that_cannot_be_ended_is_no_reason_to_show_it(
     await holder.wire.until("rois.system.profile_changed")
     assert await holder.has(LOST) == NOTHING
     assert "a stream that its application may not have any more could not be ended: not now" in caplog.text
+    streams = holder.where.robots[LOST].streams
+    streams.announce(holder.streams[LOST], StreamStatus.STREAMING_RUNNING)
+    streams.offer(streams.streams[holder.streams[LOST]].client, new_id(LOST), [])
+    frames = [json.loads(frame) for frame in await holder.wire.ask("rois.command.search", {})]
+    assert not {"rois.stream.notify_stream_status", "signaling.offer"} & {frame.get("method") for frame in frames}
+
+
+async def test_what_is_out_of_sight_in_an_engine_that_is_not_is_not_told_of_either(holder: Holder) -> None:
+    robot, streams = holder.where.robots[LOST].robot, holder.where.robots[LOST].streams
+    streams.refusal = Unsupported("not now")
+    holder.tenure.replace(principal("operator", robot.ref("Navigation")))
+    await holder.wire.until("rois.system.profile_changed")
+    streams.announce(holder.streams[LOST], StreamStatus.STREAMING_RUNNING)
+    frames = [json.loads(frame) for frame in await holder.wire.ask("rois.command.search", {})]
+    assert "rois.stream.notify_stream_status" not in {frame.get("method") for frame in frames}
+    assert frames[-1]["result"]["component_ref_list"] == [robot.ref("Navigation")]
 
 
 async def test_who_does_not_see_it_does_not_wait_for_it_either() -> None:
