@@ -102,7 +102,7 @@ class Resumption:
             if not self._bindings.wants(lease.component_ref):
                 # It was given back while there was no connection.
                 session.post("rois.command.release", {"component_ref": lease.component_ref})
-        self._commands.lost(f"{self._reason}; the gateway does not know of it", resumed.unknown)
+        self._commands.lost(f"{self._reason}; the gateway does not know of it", resumed.forgotten)
 
     async def _get_token(self, session: RpcSession) -> None:
         try:

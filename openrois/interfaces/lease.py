@@ -119,7 +119,7 @@ class _Leases:
             token=self._keeper.token(self._app),
             grace_ms=self._grace_ms,
             leases=tuple(Lease(component_ref=ref, epoch=epoch) for ref, epoch in held.items()),
-            unknown=tuple(command_id for command_id in params.command_ids if command_id not in self._app.commands),
+            forgotten=tuple(command_id for command_id in params.command_ids if command_id not in self._app.commands),
         )
         return Reply(result, lambda: self._tell_missed(params.command_ids))
 

@@ -122,7 +122,7 @@ class ResumeResult(LeaseTokenResult):
     """Result of `openrois.lease.resume`: the next token, what is held, and which commands are not known."""
 
     leases: tuple[Lease, ...] = Field(default=(), strict=False)
-    unknown: tuple[str, ...] = Field(default=(), strict=False)
+    forgotten: tuple[str, ...] = Field(default=(), strict=False)
 
 
 class LeaseChangedNotification(LeaseStatus):

@@ -57,7 +57,7 @@ async def test_a_cut_connection_is_resumed(house: House) -> None:
         async with application(house.gateway) as again:
             resumed = await again.ask("openrois.lease.resume", token=token, command_ids=["glow", "who?"])
             assert [held["component_ref"] for held in resumed["leases"]] == [LAMP]
-            assert (resumed["unknown"], resumed["token"] != token) == (["who?"], True)
+            assert (resumed["forgotten"], resumed["token"] != token) == (["who?"], True)
             seen = await bob.next("openrois.lease.changed")
             assert (seen["state"], seen["epoch"]) == ("HELD", resumed["leases"][0]["epoch"])
             house.robot.lamp.may_end.set()

@@ -104,7 +104,7 @@ RESULTS: dict[str, dict[str, Any]] = {
         "token": str,
         "grace_ms": int,
         "leases": [{"component_ref": str, "epoch": int}],
-        "unknown": [str],
+        "forgotten": [str],
     },
     "openrois.stop_all": {"stopped": [str], "failed": [str]},
     "signaling.answer": {},

@@ -66,7 +66,7 @@ export class Resumption {
       this.#keep(resumed);
       this.#former = "";
       this.#orphans = [];
-      this.#completions.lost(resumed.unknown ?? []);
+      this.#completions.lost(resumed.forgotten ?? []);
       return (resumed.leases ?? []).map((lease) => lease.component_ref);
     } catch (error) {
       if (!(error instanceof RoISError || error instanceof RpcError)) throw error;

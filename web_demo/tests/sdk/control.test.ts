@@ -37,7 +37,7 @@ const resumed = (more: JsonObject = {}): JsonObject => ({
   token: "next",
   grace_ms: 10_000,
   leases: [{ component_ref: ARM, epoch: 7 }],
-  unknown: [],
+  forgotten: [],
   ...more,
 });
 
@@ -58,7 +58,7 @@ describe("a lost connection", () => {
 
   it("of commands that the gateway does not know nobody tells", async () => {
     const [id = ""] = await client.execute([unit]);
-    gateway.on("openrois.lease.resume", () => resumed({ unknown: [id] }));
+    gateway.on("openrois.lease.resume", () => resumed({ forgotten: [id] }));
     await cut();
     await expect(client.completed(id)).rejects.toBeInstanceOf(ConnectionLost);
     expect(gateway.called("rois.command.release")).toEqual([{ component_ref: ARM }]);

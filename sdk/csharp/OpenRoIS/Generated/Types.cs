@@ -842,8 +842,8 @@ namespace OpenRoIS
         [JsonProperty("leases")]
         public List<Lease> Leases { get; set; } = new List<Lease>();
 
-        [JsonProperty("unknown")]
-        public List<string> Unknown { get; set; } = new List<string>();
+        [JsonProperty("forgotten")]
+        public List<string> Forgotten { get; set; } = new List<string>();
     }
 
     /// <summary>How an operation ended (RoIS_HRI::ReturnCode_t).</summary>

@@ -173,7 +173,7 @@ const isResumeResult: Check = object({
   token: optional(text),
   grace_ms: optional(integer),
   leases: optional(list(isLease)),
-  unknown: optional(list(text)),
+  forgotten: optional(list(text)),
 });
 
 const isStopAllResult: Check = object({

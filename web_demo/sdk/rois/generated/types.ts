@@ -436,7 +436,7 @@ export interface ResumeResult {
   readonly token?: string;
   readonly grace_ms?: number;
   readonly leases?: readonly Lease[];
-  readonly unknown?: readonly string[];
+  readonly forgotten?: readonly string[];
 }
 
 /** How an operation ended (RoIS_HRI::ReturnCode_t). */
