@@ -22,8 +22,12 @@ ENGINE: Final = "puppet"
 _CONTRAST: Final = Path(__file__).with_name("contrast.js")
 _READABLE: Final = 4.5
 _MARKED: Final = "document.querySelector('[data-testid=say-words] mark')?.textContent"
-_TOO_EARLY: Final = 60
-"""Milliseconds by which `completed` may come before the last sound: how exactly the page is listened to."""
+_BUFFER: Final = """probe.connections.flatMap((each) => each.getReceivers())
+    .filter(({ track }) => track.kind === "audio").forEach((each) => (each.jitterBufferTarget = 700))"""
+"""Makes the browser hold sound back for 0.7 s."""
+_TOO_EARLY: Final = 300
+"""Milliseconds by which `completed` may come before the last sound on a busy machine; `python -m benchmarks.speech`
+measures what it is. Who knew nothing of the buffer would be 0.5 s too early."""
 _START_AND_STOP: Final = """async (milliseconds) => {
     document.querySelector("[data-testid=say-text]").form.requestSubmit();
     if (milliseconds) await new Promise((resolve) => setTimeout(resolve, milliseconds));
@@ -157,14 +161,13 @@ async def test_the_word_that_is_heard_is_marked_and_a_pause_holds_it(guest: Visi
     assert await outcome(guest, "avatar/SpeechSynthesis", "suspend") == "OK"
 
 
-async def test_completed_comes_when_the_last_sound_was_heard(guest: Visit) -> None:
+async def test_completed_waits_for_a_browser_that_buffers_much(guest: Visit) -> None:
     await guest.listen()
+    await guest.page.evaluate(_BUFFER)
+    await guest.until("openrois.audio.playoutDelay > 550", within=30)
+    await guest.until_sent("rois.stream.report_playout", lambda report: report["milliseconds"] > 550)
     utterance = await said(guest, "Green parrots whistle loudly.")
-    reports = [sent["params"] for sent in guest.sent if sent["method"] == "rois.stream.report_playout"]
-    assert reports[-1]["stream_id"] == await guest.stream_id("audio")
-    # On a busy machine the buffer may have grown since its last report.
-    grown = max(0.0, utterance.playout - reports[-1]["milliseconds"])
-    assert utterance.lead < grown + _TOO_EARLY
+    assert utterance.lead < _TOO_EARLY
     assert [word.word for word in utterance.words] == ["Green", "parrots", "whistle", "loudly"]
 
 
