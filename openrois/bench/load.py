@@ -15,7 +15,7 @@ from openrois.bench.errors import BenchFailed, within
 
 __all__ = ["Application", "Door", "applications"]
 
-PATIENCE: Final = 60.0
+PATIENCE: Final = 240.0
 """Seconds that all connections of a bench have to open."""
 
 AT_ONCE: Final = 32

@@ -175,6 +175,10 @@ def test_what_is_written() -> None:
     }
 
 
+def test_params_may_be_text_already() -> None:
+    assert Peer.notification("m", '{"a":1}') == '{"jsonrpc":"2.0","method":"m","params":{"a":1}}'
+
+
 def test_text_is_written_as_it_is_and_numbers_json_does_not_have_are_refused() -> None:
     assert encode({"a": "お早う"}) == '{"a":"お早う"}'
     with pytest.raises(ValueError):
