@@ -1,6 +1,5 @@
 """The page at a gateway that asks for tokens, over TLS: pasted, in the address, and kept for the tab."""
 
-import time
 from pathlib import Path
 
 import pytest
@@ -18,7 +17,9 @@ async def connected(page: Page) -> None:
 
 async def test_a_page_over_tls_with_a_token(browser: Browser, tmp_path: Path) -> None:
     cert, key = Authority(tmp_path).issue()
-    async with guarded(tmp_path, tls_cert=cert, tls_key=key) as coming:
+    revoked = tmp_path / "revoked"
+    revoked.write_text("")
+    async with guarded(tmp_path, tls_cert=cert, tls_key=key, auth_revocations=revoked) as coming:
         async with await browser.new_context(ignore_https_errors=True) as context:
             page = await context.new_page()
             requested: list[str] = []
@@ -39,10 +40,11 @@ async def test_a_page_over_tls_with_a_token(browser: Browser, tmp_path: Path) ->
             assert token not in "".join(requested)
         async with await browser.new_context(ignore_https_errors=True) as context:
             page = await context.new_page()
-            soon = fresh(roles="viewer", exp=time.time() + 3)
+            soon = fresh(roles="viewer", jti="soon")
             await page.goto(f"{coming.gateway.url}#token={soon}")
             await connected(page)
             assert await page.evaluate("location.href") == coming.gateway.url
+            revoked.write_text("jti soon\n")
             # When it has ended the page asks for another one.
             await expect(page.get_by_test_id("token-form")).to_be_visible()
             await page.goto(f"{coming.gateway.url}#token={fresh()}")

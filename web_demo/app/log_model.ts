@@ -40,7 +40,8 @@ export class LogModel {
     return this.#entries;
   }
 
-  add(traffic: Traffic): LogEntry {
+  add(heard: Traffic): LogEntry {
+    const traffic = withoutToken(heard);
     const sort = this.#sort(traffic);
     const index = sort === null ? -1 : this.#again(sort);
     const before = this.#entries[index];
@@ -116,6 +117,12 @@ function isFailure({ kind, message }: Traffic): boolean {
   if (kind === "error" || kind === "violation") return true;
   const code = field(field(message, "result"), "return_code");
   return typeof code === "string" && code !== "OK";
+}
+
+/** A token is nothing to look at: whoever sees the page could use it. */
+function withoutToken(traffic: Traffic): Traffic {
+  if (traffic.method !== "openrois.auth.refresh" || traffic.kind !== "request") return traffic;
+  return { ...traffic, message: { method: traffic.method, params: { token: "…" } } };
 }
 
 function summarize({ kind, message }: Traffic): string {

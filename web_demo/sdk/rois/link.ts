@@ -94,7 +94,9 @@ export abstract class Link {
   protected readonly emitter = new Emitter<ClientEvents>();
   readonly #connection: Connection;
   readonly #idleProbe: number;
-  readonly #token: ClientOptions["token"];
+  readonly #newest: () => string | undefined;
+  /** The token that the gateway was shown last. */
+  #shown: string | undefined;
   #probe: ReturnType<typeof setInterval> | undefined;
   #doubt: ReturnType<typeof setTimeout> | undefined;
   #extensions: readonly string[] | null = null;
@@ -108,8 +110,12 @@ export abstract class Link {
    */
   constructor(url: string | URL = "./", options: ClientOptions = {}) {
     this.#idleProbe = options.idleProbe ?? 20_000;
-    this.#token = options.token;
-    this.#connection = new Connection(url, options, (session) => this.#handshake(session));
+    const { token } = options;
+    this.#newest = typeof token === "function" ? token : () => token;
+    const show = (): string | undefined => (this.#shown = this.#newest());
+    this.#connection = new Connection(url, { ...options, token: show }, (session) =>
+      this.#handshake(session),
+    );
     this.#connection.events.on("state", (state) => this.#stateChanged(state));
     this.#connection.events.on("notification", (notification) => this.#notified(notification));
     this.#connection.events.on("traffic", (traffic) => this.emitter.emit("traffic", traffic));
@@ -272,8 +278,10 @@ export abstract class Link {
 
   /** The gateway ends the connection with its token: a newer one, if there is one, is shown on this connection. */
   #renew(): void {
-    const token = typeof this.#token === "function" ? this.#token() : undefined;
-    if (token !== undefined) void this.call("openrois.auth.refresh", { token }).catch(() => undefined);
+    const token = this.#newest();
+    if (token === undefined || token === this.#shown) return;
+    this.#shown = token;
+    void this.call("openrois.auth.refresh", { token }).catch(() => undefined);
   }
 
   /** It stands right before what it explains, so that nothing but the last one has to be kept. */

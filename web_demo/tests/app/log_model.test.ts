@@ -24,6 +24,14 @@ describe("LogModel", () => {
     expect(log.add(traffic({})).number).toBe(MAX_ENTRIES + 5);
   });
 
+  it("never has a token", () => {
+    const log = new LogModel();
+    const method = "openrois.auth.refresh";
+    log.add(traffic({ method, message: { id: 1, method, params: { token: "canary.a.b" } } }));
+    expect(JSON.stringify(log.entries)).not.toContain("canary");
+    expect(log.entries[0]?.summary).toContain("…");
+  });
+
   it("takes events of one subscription that come in a row for one line", () => {
     const log = new LogModel();
     const event = (subscribe_id: string): number =>

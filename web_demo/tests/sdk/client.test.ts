@@ -68,8 +68,8 @@ describe("connecting", () => {
     expect(gateway.socket.protocols).toEqual(["openrois.v1", "openrois.bearer.a.b.3"]);
   });
 
-  it("has one token and no other", async () => {
-    const client = clientOf({ token: "a.b.c" });
+  it.each(["a.b.c", () => "a.b.c"])("has one token and no other: %s", async (token) => {
+    const client = clientOf({ token });
     await client.connect();
     gateway.notify("openrois.auth.expiring", { seconds: 60 });
     await vi.advanceTimersByTimeAsync(100);
