@@ -136,10 +136,11 @@ class Visit:
 
     async def until_sent(self, method: str, fits: Callable[[Message], bool]) -> Message:
         """Wait until the page has sent a request of a method whose params fit, and return them."""
-        sent = await self._until_passed(
-            lambda: [each["params"] for each in self.sent if each["method"] == method and fits(each["params"])]
-        )
-        return sent[-1]
+
+        def found() -> list[Message]:
+            return [each["params"] for each in self.sent if each["method"] == method and fits(each["params"])]
+
+        return (await self._until_passed(found))[-1]
 
     def executed(self, component_ref: str, command_type: str) -> list[str]:
         """The ids of the commands of this type that the page executed on a component so far."""
