@@ -46,6 +46,9 @@ _OPENRPC: Final = "openrpc.json"
 _BACKLOG: Final = 1024
 """Connections that the kernel keeps for us: all clients of a gateway come back at once when it has restarted."""
 
+_IDLE: Final = 0.8 * HEAD_TIMEOUT
+"""Seconds after which a connection that was answered and says nothing is closed, in good order, before it is cut."""
+
 _SHUTDOWN_TIMEOUT: Final = 1.0
 
 
@@ -127,7 +130,9 @@ async def run_gateway(
             application,
             adapter,
         )
-        runner = web.AppRunner(server.app, access_log=None, logger=HTTP_LOG, shutdown_timeout=_SHUTDOWN_TIMEOUT)
+        runner = web.AppRunner(
+            server.app, access_log=None, logger=HTTP_LOG, shutdown_timeout=_SHUTDOWN_TIMEOUT, keepalive_timeout=_IDLE
+        )
         await runner.setup()
         stack.push_async_callback(runner.cleanup)
         context = None if entrance.certificate is None else entrance.certificate.context
