@@ -143,4 +143,6 @@ def test_any_text_is_a_key_set_or_none(text: bytes) -> None:
 async def test_keys_without_names() -> None:
     key = parse_key(SECRET)
     assert await StoredKeys((key,)).find("whatever") == (key,)
+    assert StoredKeys((key,)).is_usable()
+    assert not StoredKeys(()).is_usable()
     assert SECRET not in repr(key)
