@@ -211,3 +211,17 @@ async def test_stop(house: House) -> None:
         assert await ann.code("openrois.stop_all", component_ref=LAMP, engine_id="robot") == "BAD_PARAMETER"
         assert await ann.code("openrois.stop_all", component_ref="nobody/x") == "UNSUPPORTED"
         assert await ann.code("openrois.stop_all", engine_id="nobody") == "UNSUPPORTED"
+
+
+async def test_stop_passes_a_flood_of_ones_own(house: House) -> None:
+    async with application(house.gateway) as ann:
+        await holding(ann)
+        await glowing(house.robot)
+        house.robot.door.may_answer.clear()
+        for _ in range(1000):
+            await ann.begin("rois.query.query", query_type="view", condition="component_ref = 'robot/door'")
+        stopping = await ann.begin("openrois.stop_all")
+        assert (await ann.answer(stopping))["result"]["return_code"] == "OK"
+        assert not house.robot.lamp.glowing.is_set()
+        house.robot.door.may_answer.set()
+        assert await ann.completed("glow") == {"glow": "ABORT"}

@@ -287,3 +287,34 @@ class TestEnd:
             parent.stream.abort()
             await settle()
             assert not child.registry._subscriptions
+
+
+async def test_of_two_gateways_that_believe_to_be_in_charge_the_later_one_is(child: Child) -> None:
+    ends = [memory_pair(), memory_pair()]
+    async with TaskScope() as tasks:
+        host = EngineHost(child.engine, tasks, sleep=child.sleep)
+        serving = [asyncio.ensure_future(serve_engine(host, near)) for near, _ in ends]
+        old, new = (Parent(far) for _, far in ends)
+
+        async def code(parent: Parent, command_id: str) -> str:
+            unit = {"component_ref": LAMP, "command_type": "switch", "command_id": command_id}
+            answer = await parent.ask("rois.command.execute", command_unit_list=[unit])
+            if answer["return_code"] == "OK":
+                assert (await parent.hear())["params"]["command_id"] == command_id
+            return str(answer["return_code"])
+
+        await old.tell("openrois.holder", component_ref=LAMP, holds=True, epoch=5, client_id="ann")
+        assert await code(old, "1") == "OK"
+        await new.tell("openrois.holder", component_ref=LAMP, holds=True, epoch=7, client_id="bob")
+        assert await code(new, "2") == "OK"
+        assert await code(old, "3") == "OUT_OF_RESOURCES"
+        await old.tell("openrois.holder", component_ref=LAMP, holds=True, epoch=6, client_id="ann")
+        assert await code(old, "4") == "OUT_OF_RESOURCES"
+        await new.stream.close()
+        await serving[1]
+        assert await code(old, "5") == "OK"
+        await old.stream.close()
+        await serving[0]
+        child.grace_ends.set()
+    told = [params["epoch"] for name, params, _ in child.streams.calls if name == "openrois.holder" and params["holds"]]
+    assert told == [5, 7]
