@@ -20,7 +20,7 @@ __all__ = ["DeadMan", "HolderExtension"]
 
 _log = logging.getLogger(__name__)
 
-ALLOWANCE: Final = 0.05
+ALLOWANCE: Final = 0.1
 """Seconds that are left for calling `stop` once the last sign of life is too old."""
 
 _LATE: Final = 0.02

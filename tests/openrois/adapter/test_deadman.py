@@ -137,10 +137,10 @@ def test_what_moves_has_one_by_itself() -> None:
 @pytest.mark.parametrize("command_type", ["start", "turn"])
 async def test_without_a_sign_of_life_it_stops(robot: Robot, command_type: str) -> None:
     running = await robot.driving(command_type)
-    await robot.time.pass_by(0.4)
+    await robot.time.pass_by(0.3)
     robot.lifeline.sign()
-    await robot.time.pass_by(0.05)
-    await robot.time.pass_by(DEAD_MAN - ALLOWANCE - 0.06)
+    await robot.time.pass_by(0.1)
+    await robot.time.pass_by(DEAD_MAN - ALLOWANCE - 0.11)
     assert not robot.rover.stopped.is_set()
     await robot.time.pass_by(0.015)
     assert robot.rover.stopped.is_set()
@@ -190,7 +190,7 @@ async def test_a_brake_that_fails_is_no_reason_to_wait(robot: Robot) -> None:
 async def test_what_has_no_stop_is_cancelled(robot: Robot) -> None:
     running = robot.run("pull", "r/winch")
     await settle()
-    await robot.time.pass_by(0.15)
+    await robot.time.pass_by(0.105)
     assert "winch" in await aborted(running)
 
 

@@ -255,6 +255,7 @@ def test_like_the_reference() -> None:
 
 
 @pytest.mark.long
+@pytest.mark.timeout(900)
 def test_like_the_reference_for_long() -> None:
     compare(5000)
 
