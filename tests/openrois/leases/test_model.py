@@ -87,6 +87,12 @@ class LeaseMachine(RuleBasedStateMachine):
                 case Gained(ref, holder, epoch):
                     assert ref not in self.told
                     self.begun(ref, holder, epoch)
+                    # Whoever has it now asks no more.
+                    done = [
+                        key for key, asked in self.asked.items() if (asked.component_ref, asked.asker) == (ref, holder)
+                    ]
+                    for key in done:
+                        del self.asked[key]
                 case Asked(request, holder):
                     assert self.model.holding.is_held(request.component_ref, holder)
                     self.asked[request.request_id] = request
