@@ -1,0 +1,122 @@
+"""`python -m benchmarks.soak_gateway`: what a gateway keeps of applications that come and go for an hour."""
+
+import argparse
+import asyncio
+import json
+import os
+import sys
+import time
+import urllib.request
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Final
+
+import uvloop
+from prometheus_client.parser import text_string_to_metric_families
+
+from benchmarks.soak.slope import slope
+from benchmarks.soak_gateway.robot import ENGINE
+from benchmarks.soak_gateway.visits import Visitors
+from openrois.bench.conditions import conditions, load
+from openrois.bench.processes import Child, child
+
+_INTERVAL: Final = 2.0
+_SETTLING: Final = 15.0
+"""Seconds until nothing may be left of the last visit: the grace of leases is 10."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """Gateway and adapter at one moment; memory in MiB."""
+
+    at: float
+    gateway: float
+    adapter: float
+    descriptors: int
+    tasks: int
+    load: float
+
+
+def _descriptors(process: Child) -> int:
+    return len(list(Path(f"/proc/{process.pid}/fd").iterdir()))
+
+
+def _tasks(metrics: str) -> int:
+    with urllib.request.urlopen(metrics, timeout=10) as response:
+        families = text_string_to_metric_families(response.read().decode())
+    return next(int(s.value) for family in families for s in family.samples if s.name == "openrois_gateway_tasks")
+
+
+async def _sampled(gateway: Child, adapter: Child, metrics: str, seconds: float) -> list[Sample]:
+    samples = []
+    end = time.monotonic() + seconds
+    while True:
+        tasks = await asyncio.to_thread(_tasks, metrics)
+        sizes = round(gateway.memory(), 2), round(adapter.memory(), 2)
+        samples.append(Sample(round(time.monotonic(), 1), *sizes, _descriptors(gateway), tasks, load()))
+        if time.monotonic() >= end:
+            return samples
+        await asyncio.sleep(_INTERVAL)
+
+
+async def _soak(chosen: argparse.Namespace) -> dict[str, object]:
+    before = load()
+    metrics = f"http://127.0.0.1:{chosen.metrics}/metrics"
+    options = ("gateway", "--port", "0", "--metrics", f"127.0.0.1:{chosen.metrics}")
+    async with child("-m", "openrois.cli", *options) as gateway:
+        url = gateway.said.rpartition(" ")[2]
+        async with child("-m", "benchmarks.soak_gateway.robot", url) as adapter:
+            visitors, over = Visitors(url, chosen.visitors, chosen.seed), asyncio.Event()
+
+            async def crowd(minutes: float) -> list[Sample]:
+                over.clear()
+                visiting = asyncio.ensure_future(visitors.run(over))
+                samples = await _sampled(gateway, adapter, metrics, minutes * 60)
+                over.set()
+                await visiting
+                return samples
+
+            # What is made once (modules, caches, the records that are kept) is there before anything is counted.
+            warm_up = await crowd(chosen.warm_up)
+            rest = (await _sampled(gateway, adapter, metrics, _SETTLING))[-1]
+            visitors.visits.clear()
+            busy = await crowd(chosen.minutes)
+            end = (await _sampled(gateway, adapter, metrics, _SETTLING))[-1]
+    return {
+        "command": ["python", "-m", "benchmarks.soak_gateway", *sys.argv[1:]],
+        "engine": ENGINE,
+        "conditions": str(conditions(before)),
+        "visits": dict(visitors.visits),
+        "faults": visitors.faults,
+        "gateway_mb_per_hour": round(slope([(each.at, each.gateway) for each in busy]) * 3600, 2),
+        "adapter_mb_per_hour": round(slope([(each.at, each.adapter) for each in busy]) * 3600, 2),
+        "gateway_at_rest_mb": [rest.gateway, end.gateway],
+        "adapter_at_rest_mb": [rest.adapter, end.adapter],
+        "left_over": {"descriptors": end.descriptors - rest.descriptors, "tasks": end.tasks - rest.tasks},
+        "load": [min(each.load for each in busy), max(each.load for each in busy)],
+        "cpus": os.cpu_count(),
+        "samples": [asdict(each) for each in (*warm_up, *busy, end)],
+    }
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Run it; 0 if nothing is left over and every visit went well. Whether memory grows is for a person to judge."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.soak_gateway", description=__doc__)
+    parser.add_argument("--minutes", type=float, default=60.0, help="after the warm-up (%(default)s)")
+    parser.add_argument("--warm-up", type=float, default=5.0, help="minutes (%(default)s)")
+    parser.add_argument("--visitors", type=int, default=8, help="at a time (%(default)s)")
+    parser.add_argument("--seed", type=int, default=6)
+    parser.add_argument("--metrics", type=int, default=18770, help="port of the gateway's figures (%(default)s)")
+    parser.add_argument("--json", type=Path, help="write everything here")
+    chosen = parser.parse_args(arguments)
+    report = uvloop.run(_soak(chosen))
+    if chosen.json:
+        chosen.json.write_text(json.dumps(report, indent=1) + "\n")
+    print(json.dumps({name: value for name, value in report.items() if name != "samples"}, indent=2))
+    left: dict[str, int] = report["left_over"]  # type: ignore[assignment]
+    return 1 if report["faults"] or any(value > 0 for value in left.values()) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
