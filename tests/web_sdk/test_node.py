@@ -42,7 +42,7 @@ async def test_a_tour_of_all_operations(start: Start, node: Path, websocket: str
     flags = own_websocket(node) if websocket == "own" else []
     async with gateway() as running, attached(running, robot), start("tour.mjs", running.url, *flags) as app:
         connected = await app.says("connected")
-        assert connected["extensions"] == ["rois.stream", "signaling"]
+        assert connected["extensions"] == ["rois.stream", "signaling", "openrois.lease"]
         assert connected["websocket"] is (websocket == "own") or not own_websocket(node)
         assert await app.says("profile") == [["robot"], 17]
         assert await app.says("found") == [robot.ref("SpeechSynthesis")]

@@ -113,7 +113,7 @@ def test_a_way_ends_where_it_shall_and_keeps_clear_of_everything(
 
 
 @given(floors(3), points(), points(), st.lists(points(), min_size=1, max_size=2))
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 def test_no_detour_is_shorter(floor: Floor, start: Point, goal: Point, between: list[Point]) -> None:
     detour = [start, *between, goal]
     if room_along(floor, detour) < (RADIUS + MARGIN) / cos(pi / 6):
