@@ -189,6 +189,7 @@ class _Server:
         self.app = web.Application(middlewares=[heads.middleware(), guard(entrance.admission)])
         self.app.router.add_get("/healthz", healthz)
         self.app.router.add_get("/readyz", partial(readyz, readiness, metrics_token))
+        self.app.router.add_get("/admitted", self._admitted)
         self.app.router.add_get("/adapter", self._adapter)
         self.app.router.add_get("/{path:.*}", self._page_or_application)
         self.app.on_shutdown.append(self._close_all)
@@ -207,6 +208,11 @@ class _Server:
         if path == _OPENRPC:
             return web.Response(body=openrpc(), content_type="application/json")
         return page_response(path)
+
+    async def _admitted(self, request: web.Request) -> web.Response:
+        """Answer as a WebSocket would be: a browser does not tell its page why one was refused."""
+        await self._entrance.admission.application(request)
+        return web.json_response({"status": "ok"})
 
     async def _adapter(self, request: web.Request) -> web.StreamResponse:
         if not _wants_websocket(request):

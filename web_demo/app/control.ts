@@ -7,6 +7,7 @@ import type { InputMedia } from "../sdk/media/index.ts";
 import { byTestId, make, setText } from "./dom.ts";
 import { GamepadWatch } from "./gamepad.ts";
 import type { Pad } from "./gamepad.ts";
+import { explain } from "./permission.ts";
 
 const BUSY = "Somebody else drives this avatar";
 const KEYS: readonly (readonly [string, string])[] = [
@@ -62,6 +63,12 @@ export class Control {
       teleoperation.on(name, (reason) => this.#say(reason));
     teleoperation.on("ended", () => this.#show(false));
     if (this.#pads.pad) void this.#padChanged(this.#pads.pad);
+  }
+
+  /** The token does not let the avatar be driven. */
+  set barred(barred: boolean) {
+    this.#button.disabled = barred;
+    explain(this.#button, barred);
   }
 
   async toggle(): Promise<void> {

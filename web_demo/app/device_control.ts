@@ -4,6 +4,8 @@ import type { MediaKind } from "../sdk/index.ts";
 import type { LocalStream } from "../sdk/media/index.ts";
 import { icon, make, setText } from "./dom.ts";
 import { deviceTrouble, deviceWords } from "./device_words.ts";
+import type { DeviceLease, GiveBack } from "./device_lease.ts";
+import { explain } from "./permission.ts";
 
 const NAMES: Readonly<Record<MediaKind, string>> = { audio: "microphone", video: "camera" };
 
@@ -32,9 +34,23 @@ export class DeviceControl {
   /** The user's answer is awaited. */
   #asking = false;
   #used = "";
+  readonly #lease: DeviceLease;
+  #giveBack: GiveBack | null = null;
+  /** Why it was not turned on, or is off; empty for nothing. */
+  #refusal = "";
+  #barred = false;
 
-  /** @param body is shown while the device is in use */
-  constructor(kind: MediaKind, body: HTMLElement, onTrack: (track: MediaStreamTrack | null) => void) {
+  /**
+   * @param body is shown while the device is in use
+   * @param lease is held meanwhile
+   */
+  constructor(
+    kind: MediaKind,
+    body: HTMLElement,
+    lease: DeviceLease,
+    onTrack: (track: MediaStreamTrack | null) => void,
+  ) {
+    this.#lease = lease;
     const name = NAMES[kind];
     this.#body = body;
     this.#onTrack = onTrack;
@@ -59,7 +75,7 @@ export class DeviceControl {
   watch(stream: LocalStream | null): void {
     if (stream === this.#stream) return;
     this.#stopListening?.();
-    void this.#stream?.disconnect();
+    void this.off();
     this.#stream = stream;
     this.#stopListening = stream?.on("change", () => this.#render()) ?? null;
     this.#render();
@@ -71,18 +87,55 @@ export class DeviceControl {
     this.#renderWords();
   }
 
+  /** The token does not let anything be sent. */
+  set barred(barred: boolean) {
+    if (barred === this.#barred) return;
+    this.#barred = barred;
+    this.#render();
+  }
+
   async toggle(): Promise<void> {
     const stream = this.#stream;
-    if (!stream) return;
-    if (stream.captured !== null || this.#asking) {
-      this.#asking = false;
-      return stream.disconnect();
-    }
+    if (!stream || this.#barred) return;
+    if (stream.captured !== null || this.#asking) return this.off();
     this.#asking = true;
+    this.#refusal = "";
     this.#render();
-    await stream.connect();
+    try {
+      const giveBack = await this.#lease.take();
+      if (this.#isUnwanted(stream)) return giveBack();
+      this.#giveBack = giveBack;
+      await stream.connect();
+    } catch (error) {
+      this.#refusal = error instanceof Error ? error.message : String(error);
+    }
     this.#asking = false;
+    if (stream.desire === "disconnected") this.#giveUp();
     this.#render();
+  }
+
+  /** @param why in a sentence; empty where the user wants it so */
+  async off(why = ""): Promise<void> {
+    const giveBack = this.#giveBack;
+    this.#giveBack = null;
+    this.#asking = false;
+    this.#refusal = giveBack === null ? "" : why;
+    this.#render();
+    try {
+      await this.#stream?.disconnect();
+    } finally {
+      giveBack?.();
+    }
+  }
+
+  /** It was turned off, or another avatar was chosen, while control was asked for. */
+  #isUnwanted(stream: LocalStream): boolean {
+    return !this.#asking || stream !== this.#stream;
+  }
+
+  #giveUp(): void {
+    this.#giveBack?.();
+    this.#giveBack = null;
   }
 
   #render(): void {
@@ -90,12 +143,14 @@ export class DeviceControl {
     const track = stream?.captured ?? null;
     const on = track !== null;
     if (on && this.#body.hidden) void this.#list();
-    this.#button.disabled = stream === null;
+    this.#button.disabled = stream === null || this.#barred;
+    explain(this.#button, this.#barred);
     this.#button.setAttribute("aria-pressed", String(on));
     this.#renderWords();
-    const trouble = stream && deviceTrouble(stream.captureProblem, on ? stream.problem : null);
-    setText(this.#trouble, trouble ?? "");
-    this.#trouble.hidden = trouble === null;
+    const trouble =
+      this.#refusal || (stream && deviceTrouble(stream.captureProblem, on ? stream.problem : null));
+    setText(this.#trouble, trouble || "");
+    this.#trouble.hidden = !trouble;
     this.#body.hidden = !on;
     if (!on) this.#choice.hidden = true;
     this.#onTrack(track);

@@ -2,6 +2,7 @@
 
 import type { Client, LeaseRequestedNotification, LeaseStatus } from "../sdk/index.ts";
 import { byRole, byTestId, setText } from "./dom.ts";
+import { WATCHING } from "./permission.ts";
 
 type Press = () => Promise<unknown>;
 
@@ -14,6 +15,8 @@ export class Handover {
   #componentRef: string | null = null;
   #asked: LeaseRequestedNotification | null = null;
   #answering: ReturnType<typeof setTimeout> | undefined;
+  #held = "";
+  #watching = false;
   #press: { readonly yes: Press | null; readonly no: Press | null } = { yes: null, no: null };
 
   constructor(client: Client) {
@@ -35,7 +38,22 @@ export class Handover {
     void this.#look();
   }
 
+  /** What control is held for, in a sentence, as long as it is; empty for nothing. */
+  set held(held: string) {
+    if (held === this.#held) return;
+    this.#held = held;
+    void this.#look();
+  }
+
+  /** Whoever only watches asks for nothing, and is told so. */
+  set watching(watching: boolean) {
+    if (watching === this.#watching) return;
+    this.#watching = watching;
+    void this.#look();
+  }
+
   async #look(): Promise<void> {
+    if (this.#watching) return this.#show(WATCHING, null, null);
     const componentRef = this.#componentRef;
     if (componentRef === null) return this.#hide();
     const status = await this.#client.control.status(componentRef).catch(() => null);
@@ -44,8 +62,9 @@ export class Handover {
   }
 
   #changed({ state = "FREE", holder = "", position = 0 }: LeaseStatus): void {
-    if (state === "MINE" && this.#asked) return;
+    if (this.#watching || (state === "MINE" && this.#asked)) return;
     this.#asked = null;
+    if (state === "MINE" && this.#held !== "") return this.#show(this.#held, null, null);
     if (state === "FREE" || state === "MINE") return this.#hide();
     const componentRef = this.#componentRef ?? "";
     const away = state === "ABSENT" ? ", whose connection is lost," : "";
@@ -90,6 +109,8 @@ export class Handover {
   }
 
   #show(words: string, yes: readonly [string, Press] | null, no: readonly [string, Press] | null): void {
+    // What only tells stands in the page, and what asks above it.
+    this.#bar.classList.toggle("telling", yes === null && no === null);
     setText(this.#words, words);
     setText(this.#yes, yes?.[0] ?? "");
     setText(this.#no, no?.[0] ?? "");

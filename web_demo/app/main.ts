@@ -12,6 +12,7 @@ import {
 import type { Desire, LocalStream, RemoteStream } from "../sdk/media/index.ts";
 import { AvatarDirectory } from "./avatars.ts";
 import type { Avatar } from "./avatars.ts";
+import { DeviceLease } from "./device_lease.ts";
 import { Banner } from "./banner.ts";
 import { Control } from "./control.ts";
 import { FiguresPanel } from "./figures.ts";
@@ -31,8 +32,9 @@ import { Sound } from "./sound.ts";
 import { Stage } from "./stage.ts";
 import { StopButton } from "./stop_button.ts";
 import { StreamCard } from "./stream_card.ts";
-import { PageToken, gatewayIsThere } from "./token.ts";
+import { PageToken, isTurnedAway } from "./token.ts";
 import { findTrouble } from "./trouble.ts";
+import type { Unwelcome } from "./trouble.ts";
 import { Views } from "./views.ts";
 
 declare global {
@@ -54,7 +56,9 @@ const codecs = canStream ? decodableCodecs("video") : [];
 const token = new PageToken(sessionStorage);
 // Before anything reads the address.
 token.takeFrom(location, history);
-let unwelcome = false;
+let unwelcome: Unwelcome | null = null;
+/** The token with which the page was let in last. */
+let welcomed: string | undefined;
 const client = new Client("./", { token: () => token.value });
 const receiver = new MediaReceiver(client, { input: true });
 let before = recall(sessionStorage, Date.now());
@@ -71,11 +75,20 @@ const overlay = new Overlay(readings);
 const say = new SayLine(client, (cut) => void window.openrois.audio?.hush(cut));
 const reactions = new Reactions(client);
 const gaze = new Gaze(client, stage.element);
-const operator = new OperatorCard(client, receiver);
+const lease = new DeviceLease(
+  client,
+  () => token.value !== undefined,
+  (why) => operator.off(why),
+);
+const operator = new OperatorCard(client, receiver, lease);
 const map = new MapCard(client);
 const control = new Control(client, receiver, stage.video);
 const handover = new Handover(client);
-const stopButton = new StopButton(client);
+const stopButton = new StopButton(client, lease);
+operator.onChange = () => {
+  const words = token.value === undefined ? "" : operator.sending;
+  handover.held = words && `${words}: you have control`;
+};
 new MessageLog(client);
 new StampReader(stage.video, stage.frames, (reading) => readings.stampRead(reading));
 
@@ -93,11 +106,22 @@ function takeToken(text: string): boolean {
   return true;
 }
 
-/** A browser does not say why a WebSocket was refused: a gateway that answers otherwise did not want this page. */
-async function askWhy(): Promise<void> {
-  if (client.state.name === "connected") unwelcome = false;
-  if (client.state.name !== "waiting") return;
-  unwelcome = await gatewayIsThere();
+/** Where the gateway does not want this page, it is not asked again before there is another token. */
+async function askWhy({ state } = client): Promise<void> {
+  if (state.name === "connected") {
+    unwelcome = null;
+    welcomed = token.value;
+  }
+  if (state.name !== "waiting" || state.retryAt === Infinity) return;
+  const shown = token.value;
+  const away = await isTurnedAway(shown);
+  if (client.state !== state || token.value !== shown) return;
+  const ended = shown === welcomed || token.hasEnded(Date.now());
+  unwelcome = !away ? null : shown === undefined ? "none" : ended ? "ended" : "refused";
+  if (away) {
+    operator.off("");
+    client.hold();
+  }
   render();
 }
 
@@ -110,17 +134,26 @@ function avatarChanged(): void {
   reactions.offered = avatar?.reaction !== null;
   say.setComponents(present?.speech ?? null, present?.progress ?? null);
   reactions.setComponent(present?.reaction ?? null);
-  gaze.setComponent(present?.gaze ?? null);
   control.setComponent(present?.teleoperation ?? null);
-  handover.setComponent(present?.teleoperation ?? null);
   stopButton.setEngine(present?.engineId ?? null);
-  map.setAvatar(present);
+  allow(present, token.mayOperate);
   if (present) {
     void readClock(present);
     void operator.watch(present).then((streams) => Object.assign(window.openrois, streams));
   }
   views.update(directory.profile, client.state.name === "connected");
   render();
+}
+
+/** What the token lets nobody use says so; who has control has the component that drives, or else what there is. */
+function allow(present: Avatar | null, mayOperate: boolean): void {
+  const seat = present && (present.teleoperation ?? present.reaction ?? present.speech);
+  lease.setComponent(seat);
+  handover.setComponent(token.value === undefined ? (present?.teleoperation ?? null) : seat);
+  handover.watching = present !== null && !mayOperate;
+  for (const part of [say, reactions, control, stopButton, operator]) part.barred = !mayOperate;
+  gaze.setComponent(mayOperate ? (present?.gaze ?? null) : null);
+  map.setAvatar(mayOperate ? present : present && { ...present, navigation: null, follow: null });
 }
 
 /** Milliseconds since the last frame was shown; a picture that nobody can see does not age. */

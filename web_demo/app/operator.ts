@@ -4,6 +4,7 @@ import type { Client } from "../sdk/index.ts";
 import type { LocalStream, MediaReceiver } from "../sdk/media/index.ts";
 import type { Avatar } from "./avatars.ts";
 import { DeviceControl } from "./device_control.ts";
+import type { DeviceLease } from "./device_lease.ts";
 import { sendingWords } from "./device_words.ts";
 import { byRole, byTestId, make, setText } from "./dom.ts";
 import { HearingPanel } from "./senses/hearing_panel.ts";
@@ -20,19 +21,22 @@ export class OperatorCard {
   readonly #camera: DeviceControl;
   /** Components that have said that they take what is sent. */
   readonly #taking = new Set<string>();
+  /** Is told when another device is on, or none. */
+  onChange: () => void = () => undefined;
   readonly #on = { audio: false, video: false };
 
-  constructor(client: Client, receiver: MediaReceiver) {
+  /** @param lease is held while a device is on */
+  constructor(client: Client, receiver: MediaReceiver, lease: DeviceLease) {
     this.#client = client;
     this.#receiver = receiver;
     this.#hearing = new HearingPanel(client, () => this.#tell());
     this.#sight = new SightPanel(client, () => this.#tell());
-    this.#microphone = new DeviceControl("audio", this.#hearing.element, (track) => {
+    this.#microphone = new DeviceControl("audio", this.#hearing.element, lease, (track) => {
       this.#on.audio = track !== null;
       this.#hearing.show(track);
       this.#tell();
     });
-    this.#camera = new DeviceControl("video", this.#sight.element, (track) => {
+    this.#camera = new DeviceControl("video", this.#sight.element, lease, (track) => {
       this.#on.video = track !== null;
       this.#sight.show(track);
       this.#tell();
@@ -61,6 +65,21 @@ export class OperatorCard {
     return { microphone, camera };
   }
 
+  /** The token does not let anything be sent. */
+  set barred(barred: boolean) {
+    this.#microphone.barred = this.#camera.barred = barred;
+  }
+
+  /** What is on, in words; empty for nothing. */
+  get sending(): string {
+    return sendingWords(this.#on.audio, this.#on.video);
+  }
+
+  /** Lets go of the devices that are in use. @param why in a sentence */
+  off(why: string): void {
+    for (const device of [this.#microphone, this.#camera]) void device.off(why);
+  }
+
   toggleMicrophone(): void {
     void this.#microphone.toggle();
   }
@@ -75,9 +94,10 @@ export class OperatorCard {
     if (!this.#camera) return;
     this.#microphone.used = this.#hearing.listens ? "listened to" : "";
     this.#camera.used = this.#sight.looks ? "looked at" : "";
-    const words = sendingWords(this.#on.audio, this.#on.video);
+    const words = this.sending;
     this.#sending.hidden = words === "";
     setText(this.#sending, words);
+    this.onChange();
   }
 
   /** Asks a component whether applications may send to it; one that cannot be asked has not changed its mind. */

@@ -5,6 +5,7 @@ import type { Client } from "../sdk/index.ts";
 import { ComponentWatch, isUsable } from "./component_status.ts";
 import { byRole, byTestId, icon, make, setText } from "./dom.ts";
 import { describeEnd } from "./outcome.ts";
+import { explain } from "./permission.ts";
 import { bestColumns, reactionLook } from "./reaction_names.ts";
 
 const BUSY = "somebody else is moving this avatar; try again in a moment";
@@ -18,19 +19,27 @@ export class Reactions {
   #reaction: Reaction | null = null;
   #shown = "";
   #performance = 0;
+  #usable = false;
+  #barred = false;
 
   constructor(client: Client) {
     this.#client = client;
     this.#watch = new ComponentWatch(client, (status) => {
-      const usable = isUsable(status);
-      for (const button of this.#buttons) button.disabled = !usable;
-      if (usable) void this.#fill();
+      this.#usable = isUsable(status);
+      this.#render();
+      if (this.#usable) void this.#fill();
     });
   }
 
   /** Whether the avatar has reactions at all, now or when it is back. */
   set offered(offered: boolean) {
     this.#section.hidden = !offered || this.#buttons.length === 0;
+  }
+
+  /** The token does not let the avatar react. */
+  set barred(barred: boolean) {
+    this.#barred = barred;
+    this.#render();
   }
 
   /** @param componentRef the Reaction component; null when the avatar has none or is away */
@@ -44,6 +53,13 @@ export class Reactions {
   /** Performs the reaction whose button stands at this place, from 0. */
   press(index: number): void {
     this.#buttons[index]?.click();
+  }
+
+  #render(): void {
+    for (const button of this.#buttons) {
+      button.disabled = !this.#usable || this.#barred;
+      explain(button, this.#barred);
+    }
   }
 
   get #buttons(): HTMLButtonElement[] {
@@ -61,6 +77,7 @@ export class Reactions {
       this.#grid.replaceChildren(...refs.map((ref, index) => this.#button(ref, index)));
       this.#grid.style.setProperty("--columns", String(bestColumns(refs.length, [6, 5, 7])));
       this.#grid.style.setProperty("--columns-narrow", String(bestColumns(refs.length, [4, 5, 3])));
+      this.#render();
       setText(this.#state, "");
       this.#section.hidden = refs.length === 0;
     } catch {

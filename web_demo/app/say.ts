@@ -7,6 +7,7 @@ import type { Availability } from "./component_status.ts";
 import { byRole, byTestId, make, setText } from "./dom.ts";
 import { languageChoice } from "./languages.ts";
 import { describeEnd, describeFailure } from "./outcome.ts";
+import { explain } from "./permission.ts";
 import { SpeechWords } from "./speech_words.ts";
 
 type State = "idle" | "speaking" | "paused" | "done" | "stopped" | "failed" | "refused" | "unavailable";
@@ -27,6 +28,7 @@ export class SayLine {
   readonly #onCut: (cut: Promise<unknown>) => void;
   #speech: SpeechSynthesis | null = null;
   #usable = false;
+  #barred = false;
   #performance = 0;
   #stopping = new AbortController();
   #last = "";
@@ -65,6 +67,14 @@ export class SayLine {
     this.#watch.watch(componentRef);
   }
 
+  /** The token does not let the avatar speak. */
+  set barred(barred: boolean) {
+    this.#barred = barred;
+    this.#input.placeholder = barred ? "Your token lets you watch only" : "Say something";
+    for (const control of [this.#input, this.#send]) explain(control, barred);
+    this.#render();
+  }
+
   focus(): void {
     this.#input.focus();
   }
@@ -98,7 +108,7 @@ export class SayLine {
   async #speak(): Promise<void> {
     const text = this.#input.value.trim();
     const speech = this.#speech;
-    if (!speech || !this.#usable) return;
+    if (!speech || !this.#usable || this.#barred) return;
     if (text === "") return this.focus();
     const performance = ++this.#performance;
     const language = this.#language.value;
@@ -157,9 +167,8 @@ export class SayLine {
   }
 
   #render(): void {
-    this.#input.disabled = !this.#usable;
-    this.#language.disabled = !this.#usable;
-    this.#send.disabled = !this.#usable;
+    const disabled = !this.#usable || this.#barred;
+    this.#input.disabled = this.#language.disabled = this.#send.disabled = disabled;
     const paused = this.#state.dataset["state"] === "paused";
     this.#stop.disabled = this.#pause.disabled = !this.#usable || !this.#speaking;
     this.#pause.setAttribute("aria-label", paused ? "Go on" : "Pause");

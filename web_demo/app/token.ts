@@ -24,6 +24,19 @@ export class PageToken {
     return this.#value;
   }
 
+  /** Whether it lets its bearer operate, as far as a page can read it; the gateway decides. */
+  get mayOperate(): boolean {
+    const { roles = "" } = claimsOf(this.#value ?? "");
+    if (this.#value === undefined || roles === "") return true;
+    return [roles].flat().some((role) => role === "operator" || role === "administrator");
+  }
+
+  /** @param now milliseconds since the epoch */
+  hasEnded(now: number): boolean {
+    const { exp } = claimsOf(this.#value ?? "");
+    return typeof exp === "number" && exp * 1000 <= now;
+  }
+
   /** Keeps a token; returns false for a text that is none. */
   give(text: string): boolean {
     const token = shaped(text);
@@ -57,10 +70,30 @@ function shaped(text: string): string | undefined {
   return token.length <= 6144 && SHAPE.test(token) ? token : undefined;
 }
 
-/** Whether the gateway is there although it does not let the page in: then it is a token that is missing. */
-export async function gatewayIsThere(): Promise<boolean> {
+/** What a token says of itself; nothing where it cannot be read. */
+function claimsOf(token: string): { readonly roles?: unknown; readonly exp?: unknown } {
+  const [, payload = ""] = token.split(".");
   try {
-    return (await fetch("healthz", { cache: "no-store", signal: AbortSignal.timeout(5000) })).ok;
+    const claims: unknown = JSON.parse(atob(payload.replaceAll("-", "+").replaceAll("_", "/")));
+    return typeof claims === "object" && claims !== null ? claims : {};
+  } catch {
+    return {};
+  }
+}
+
+/**
+ * Whether the gateway is there and does not take this token, or wants one. A browser does not tell why a WebSocket was
+ * refused; a plain request with the same token is answered.
+ */
+export async function isTurnedAway(token: string | undefined): Promise<boolean> {
+  const headers: Record<string, string> = token === undefined ? {} : { Authorization: `Bearer ${token}` };
+  try {
+    const { status } = await fetch("admitted", {
+      cache: "no-store",
+      headers,
+      signal: AbortSignal.timeout(5000),
+    });
+    return status === 401 || status === 403;
   } catch {
     return false;
   }

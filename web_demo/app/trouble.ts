@@ -3,12 +3,15 @@
 import type { ConnectionState, StreamStatus } from "../sdk/index.ts";
 import type { Problem } from "../sdk/media/index.ts";
 
+/** `none`: without one. `ended`: with one that was good before. `refused`: with one that is not good. */
+export type Unwelcome = "none" | "ended" | "refused";
+
 export interface Situation {
   /** The browser has WebRTC. */
   readonly canStream: boolean;
   readonly connection: ConnectionState;
-  /** The gateway is there and does not let the page in. */
-  readonly unwelcome: boolean;
+  /** The gateway is there and does not let the page in: with which token; null while nothing is known of that. */
+  readonly unwelcome: Unwelcome | null;
   /** The gateway has the streaming extension; false for one that speaks plain RoIS. */
   readonly streaming: boolean;
   /** Null while the profile has not been read. */
@@ -47,6 +50,21 @@ export const STALLED_AFTER = 2500;
 
 const USABLE_CODECS = ["video/h264", "video/vp8"];
 
+const TOKEN_WORDS: Readonly<Record<Unwelcome, Pick<Trouble, "title" | "text">>> = {
+  none: {
+    title: "The gateway asks for a token",
+    text: "Paste the one that you were given. It stays in this tab, until the tab is closed or the token ends.",
+  },
+  ended: {
+    title: "Your token has ended",
+    text: "Its time is over, or it was revoked; microphone and camera are off. Paste a new one to go on.",
+  },
+  refused: {
+    title: "The gateway does not take this token",
+    text: "It may have ended, be revoked or be for another gateway, or a part of it is missing. Paste another one.",
+  },
+};
+
 /** Returns the trouble that stands before all others; null when all is well or still starting. */
 export function findTrouble(situation: Situation): Trouble | null {
   return connectionTrouble(situation) ?? avatarTrouble(situation) ?? streamTrouble(situation);
@@ -61,13 +79,7 @@ function connectionTrouble({ canStream, connection, unwelcome, streaming }: Situ
     };
   }
   if (connection.name === "waiting" || (connection.name === "connecting" && connection.attempt > 0)) {
-    if (unwelcome) {
-      return {
-        kind: "no-token",
-        title: "The gateway asks for a token",
-        text: "Paste the one that you were given. It stays in this tab, until the tab is closed or the token ends.",
-      };
-    }
+    if (unwelcome) return { kind: "no-token", ...TOKEN_WORDS[unwelcome] };
     return {
       kind: "no-gateway",
       title: "The gateway does not answer",

@@ -46,6 +46,15 @@ async def test_a_token_in_the_header_or_beside_the_subprotocol(tmp_path: Path) -
             assert (await ask(connection, "rois.system.connect"))["result"] == {"return_code": "OK"}
 
 
+async def test_a_page_learns_whether_its_token_is_taken(tmp_path: Path) -> None:
+    tried = [(401, {}), (401, {"Authorization": "Bearer x.y.z"}), (200, {"Authorization": f"Bearer {fresh()}"})]
+    tried.append((403, {"Authorization": f"Bearer {fresh(roles='adapter')}"}))
+    async with guarded(tmp_path) as coming, aiohttp.ClientSession() as session:
+        for status, headers in tried:
+            async with session.get(f"{coming.gateway.url}admitted", headers=headers) as answer:
+                assert answer.status == status
+
+
 async def test_strangers_all_get_the_same_answer(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     keys = Keys()
     table = forgeries(keys, time.time())

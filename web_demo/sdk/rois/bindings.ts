@@ -39,10 +39,12 @@ export class Bindings {
     return componentRef;
   }
 
-  /** It is released. */
-  delete(componentRef: string): void {
+  /** It is not wanted any more, except for what `during` does; returns whether nothing needs it now. */
+  delete(componentRef: string): boolean {
     this.#lasting.delete(componentRef);
+    if (this.#uses.has(componentRef)) return false;
     this.#states.delete(componentRef);
+    return true;
   }
 
   clear(): void {
@@ -74,7 +76,9 @@ export class Bindings {
 
   /** Another application has it by now: it is not fought for. */
   taken(componentRef: string): void {
-    if (this.#states.get(componentRef) === "held") this.delete(componentRef);
+    if (this.#states.get(componentRef) !== "held") return;
+    this.#lasting.delete(componentRef);
+    this.#states.delete(componentRef);
   }
 
   /** Of what is held again after a connection was lost: what is wanted no more is given back. */

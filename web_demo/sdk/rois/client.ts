@@ -127,9 +127,9 @@ export class Client extends Link {
     return this.#bindings.bindAny(this.call, condition);
   }
 
-  /** Gives a component back. Idempotent. */
+  /** Gives a component back, once no work of `bound` needs it any more. Idempotent. */
   async release(componentRef: string): Promise<void> {
-    this.#bindings.delete(componentRef);
+    if (!this.#bindings.delete(componentRef)) return;
     await this.call("rois.command.release", { component_ref: componentRef });
   }
 

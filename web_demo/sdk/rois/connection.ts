@@ -12,7 +12,7 @@ export type ConnectionState =
   /** `attempt` counts the failures since the connection was last good; 0 at the first try. */
   | { readonly name: "connecting"; readonly attempt: number }
   | { readonly name: "connected" }
-  /** The next attempt starts at `retryAt`, in milliseconds since the epoch. */
+  /** The next attempt starts at `retryAt`, in milliseconds since the epoch; infinite for none by itself. */
   | { readonly name: "waiting"; readonly retryAt: number; readonly attempt: number; readonly reason: string }
   | { readonly name: "closed" };
 
@@ -91,6 +91,13 @@ export class Connection {
   /** Cuts a wait short: the next attempt starts now. */
   retryNow(): void {
     if (this.#state.name === "waiting") this.#dial();
+  }
+
+  /** Makes no further attempt before `retryNow`: there is reason to believe that none succeeds. */
+  hold(): void {
+    if (this.#state.name !== "waiting") return;
+    clearTimeout(this.#timer);
+    this.#enter({ ...this.#state, retryAt: Number.POSITIVE_INFINITY });
   }
 
   /** Nothing was heard for so long that the connection is taken for dead: the next one is made. */

@@ -168,6 +168,11 @@ export abstract class Link {
     this.#connection.retryNow();
   }
 
+  /** While there is no connection: makes no further attempt before `retryNow`, such as with another token. */
+  hold(): void {
+    this.#connection.hold();
+  }
+
   /**
    * There is reason to believe that the network is another one: connects anew unless the gateway gives a sign of life
    * within three seconds.

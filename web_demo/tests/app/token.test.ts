@@ -52,6 +52,34 @@ describe("the page's token", () => {
     expect(token.value).toBe(TOKEN);
   });
 
+  it.each([
+    [{ roles: "viewer" }, false],
+    [{ roles: ["viewer", "maintenance"] }, false],
+    [{ roles: ["viewer", "operator"] }, true],
+    [{ roles: "administrator" }, true],
+    [{}, true],
+    [null, true],
+    [{ roles: [7], sub: "Zoë ~~~???" }, false],
+  ])("says of %j whether its bearer may operate: %s", (claims, expected) => {
+    const token = new PageToken(new Store());
+    expect(token.mayOperate).toBe(true);
+    const bytes = new TextEncoder().encode(JSON.stringify(claims));
+    const payload = btoa(String.fromCharCode(...bytes))
+      .replaceAll("+", "-")
+      .replaceAll("/", "_");
+    token.give(`e30.${payload.replaceAll("=", "")}.c2ln`);
+    expect(token.mayOperate).toBe(expected);
+  });
+
+  it("knows when it has ended, where it can be read", () => {
+    const token = new PageToken(new Store());
+    expect(token.hasEnded(1e15)).toBe(false);
+    token.give(TOKEN);
+    expect(token.hasEnded(1e15)).toBe(false);
+    token.give(`e30.${btoa('{"exp": 100}').replaceAll("=", "")}.c2ln`);
+    expect([token.hasEnded(99_999), token.hasEnded(100_000)]).toEqual([false, true]);
+  });
+
   it("holds without a place to keep it", () => {
     const store = new Store();
     store.closed = true;

@@ -7,7 +7,7 @@ type Change = Partial<Omit<Situation, "video">> & { video?: Partial<Situation["v
 const situation = ({ video, ...change }: Change): Situation => ({
   canStream: true,
   connection: { name: "connected" },
-  unwelcome: false,
+  unwelcome: null,
   streaming: true,
   avatar: { name: "avatar", present: true },
   codecs: ["video/H264", "video/VP8"],
@@ -35,7 +35,7 @@ describe("findTrouble", () => {
     ["no-webrtc", { canStream: false }],
     ["no-gateway", { connection: { name: "waiting", retryAt: 5, attempt: 1, reason: "" } }],
     ["no-gateway", { connection: { name: "connecting", attempt: 3 } }],
-    ["no-token", { connection: { name: "waiting", retryAt: 5, attempt: 1, reason: "" }, unwelcome: true }],
+    ["no-token", { connection: { name: "waiting", retryAt: 5, attempt: 1, reason: "" }, unwelcome: "none" }],
     ["no-streaming", { streaming: false }],
     ["no-adapter", { avatar: "none" }],
     ["adapter-gone", { avatar: { name: "avatar", present: false } }],

@@ -96,6 +96,21 @@ describe("reconnecting", () => {
     expect(gateway.sockets).toHaveLength(2);
   });
 
+  it("does not try again by itself while it is held", async () => {
+    const client = start();
+    await vi.advanceTimersByTimeAsync(0);
+    client.hold();
+    expect(client.state).toEqual({ name: "connected" });
+    gateway.socket.end(4401, "the token has ended");
+    client.hold();
+    expect(client.state).toMatchObject({ name: "waiting", retryAt: Infinity });
+    await vi.advanceTimersByTimeAsync(600_000);
+    expect(gateway.sockets).toHaveLength(1);
+    client.retryNow();
+    await vi.advanceTimersByTimeAsync(0);
+    expect(client.state).toEqual({ name: "connected" });
+  });
+
   it("gives up on a socket that does not open", async () => {
     const stuck: FakeSocket[] = [];
     const client = start({

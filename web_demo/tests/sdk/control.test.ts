@@ -41,6 +41,17 @@ const resumed = (more: JsonObject = {}): JsonObject => ({
   ...more,
 });
 
+it("a release lets a work that goes on keep the component", async () => {
+  let finish = (): void => undefined;
+  const work = client.bound(ARM, () => new Promise<void>((resolve) => (finish = resolve)));
+  await client.bind(ARM);
+  await client.release(ARM);
+  expect(gateway.called("rois.command.release")).toEqual([]);
+  finish();
+  await work;
+  expect(gateway.called("rois.command.release")).toEqual([{ component_ref: ARM }]);
+});
+
 describe("a lost connection", () => {
   it("is resumed, and its commands are told of", async () => {
     await client.bind(ARM);

@@ -1,0 +1,128 @@
+"""The page of an operator elsewhere: over TLS with a token, from the one that is refused to the one that has ended."""
+
+import asyncio
+import time
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager, suppress
+from pathlib import Path
+
+import pytest
+import pytest_asyncio
+from openrois_avatar.adapter import run_avatar
+from openrois_avatar.settings import AvatarSettings
+from playwright.async_api import Browser, expect
+
+from openrois.dialer import serve_parent
+from openrois.transport.credentials import Credentials
+from tests.support.browser import Visit, running_browser, visiting
+from tests.support.certificates import Authority
+from tests.support.guarded import Guarded, fresh, guarded
+
+pytestmark = [pytest.mark.browser, pytest.mark.asyncio(loop_scope="session")]
+
+_DEVICES = ("--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream")
+_REFUSED = (r"WebSocket connection to .* failed", r"Failed to load resource.* 401")
+_MICROPHONE = "openrois.microphone.status === 'STREAMING_RUNNING'"
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="session")
+async def browser(chromium: Path) -> AsyncIterator[Browser]:
+    async with running_browser(chromium, *_DEVICES) as browser:
+        yield browser
+
+
+@asynccontextmanager
+async def _avatar(coming: Guarded, authority: Authority) -> AsyncIterator[None]:
+    url = f"{coming.address}adapter"
+    shown = Credentials(fresh(sub="avatar", roles="adapter", scope=["avatar/*"]), authority.file)
+    async with run_avatar(AvatarSettings(gateway=url, engine="puppet", credentials=shown)) as avatar:
+        serving = asyncio.create_task(serve_parent(avatar.host, url, credentials=shown))
+        try:
+            yield
+        finally:
+            serving.cancel()
+            with suppress(asyncio.CancelledError):
+                await serving
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="session")
+async def coming(puppet: None, tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Guarded]:
+    """A gateway with TLS that asks for tokens, and an avatar behind it."""
+    folder = tmp_path_factory.mktemp("gateway")
+    authority = Authority(folder)
+    cert, key = authority.issue()
+    revoked = folder / "revoked"
+    revoked.write_text("")
+    async with (
+        guarded(folder, tls_cert=cert, tls_key=key, auth_revocations=revoked) as coming,
+        _avatar(coming, authority),
+    ):
+        yield coming
+
+
+async def _give(visit: Visit, token: str) -> None:
+    await visit.item("token").fill(token)
+    await visit.item("token").press("Enter")
+
+
+async def test_an_operator_comes_with_a_token_and_operates_until_it_ends(browser: Browser, coming: Guarded) -> None:
+    url = coming.gateway.url
+    async with visiting(browser, url, tolerated=_REFUSED, ignore_https_errors=True) as visit:
+        await expect(visit.item("banner")).to_contain_text("The gateway asks for a token")
+        await _give(visit, fresh(exp=int(time.time()) - 100, iat=int(time.time()) - 200, sub="anna"))
+        await expect(visit.item("banner")).to_contain_text("Your token has ended")
+        await _give(visit, fresh(sub="anna") + "x")
+        await expect(visit.item("banner")).to_contain_text("does not take this token")
+
+        await _give(visit, fresh(sub="anna", jti="first"))
+        await visit.no_banner()
+        await visit.plays()
+        # A picture of this size keeps a slow machine busy.
+        await visit.read("openrois.video.suspend().then(() => true)")
+        await visit.press("microphone-toggle")
+        await visit.until(_MICROPHONE)
+        await expect(visit.item("handover")).to_contain_text("Microphone is on: you have control")
+        stream_id = await visit.stream_id("microphone")
+        await visit.item("say-text").fill("Hi.")
+        await visit.item("say-text").press("Enter")
+        await expect(visit.item("say-state")).to_have_attribute("data-state", "done")
+        await visit.item("say-text").fill("Nobody hears this to its end. " * 12)
+        await visit.item("say-text").press("Enter")
+        await expect(visit.item("say-state")).to_have_attribute("data-state", "speaking")
+        await visit.until_executed("avatar/SpeechSynthesis", "start")
+        await visit.press("stop-all")
+        await expect(visit.item("stop-all")).to_have_text("Stopped")
+        await expect(visit.item("say-state")).to_have_attribute("data-state", "stopped")
+        # Neither the end of a speech nor STOP takes the microphone.
+        assert await visit.read(_MICROPHONE)
+        assert await visit.stream_id("microphone") == stream_id
+        await visit.press("camera-toggle")
+        await visit.until("openrois.camera.status === 'STREAMING_RUNNING'")
+        # Control is given back with the last of them.
+        await visit.press("microphone-toggle")
+        await expect(visit.item("handover")).to_contain_text("Camera is on: you have control")
+        await expect(visit.item("camera-toggle")).to_contain_text("Sent")
+
+        (coming.folder / "revoked").write_text("jti first\n")
+        await expect(visit.item("banner")).to_contain_text("Your token has ended")
+        for item in ("sending", "handover"):
+            await expect(visit.item(item)).to_be_hidden()
+        assert await visit.read("openrois.client.state.retryAt === Infinity")
+        await _give(visit, fresh(sub="anna"))
+        await visit.no_banner()
+
+
+async def test_who_may_only_watch_sees_the_picture_and_why_there_is_nothing_to_press(
+    browser: Browser, coming: Guarded
+) -> None:
+    page = f"{coming.gateway.url}#token={fresh(sub='eve', roles='viewer')}"
+    async with visiting(browser, page, ignore_https_errors=True) as visit:
+        await visit.plays()
+        await expect(visit.item("handover")).to_contain_text("You are watching")
+        names = ("say-text", "say-send", "microphone-toggle", "camera-toggle", "stop-all", "control-toggle")
+        reaction = visit.page.locator("button.reaction").first
+        for item in (*map(visit.item, names), reaction):
+            await expect(item).to_be_disabled()
+            await expect(item).to_have_accessible_description(
+                "You are watching: your token does not let you operate the avatar"
+            )
