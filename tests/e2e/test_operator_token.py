@@ -14,14 +14,14 @@ from playwright.async_api import Browser, expect
 
 from openrois.dialer import serve_parent
 from openrois.transport.credentials import Credentials
-from tests.support.browser import Visit, running_browser, visiting
+from tests.support.browser import GATEWAY_AWAY, Visit, running_browser, visiting
 from tests.support.certificates import Authority
 from tests.support.guarded import Guarded, fresh, guarded
 
 pytestmark = [pytest.mark.browser, pytest.mark.asyncio(loop_scope="session")]
 
 _DEVICES = ("--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream")
-_REFUSED = (r"WebSocket connection to .* failed", r"Failed to load resource.* 401")
+_REFUSED = (GATEWAY_AWAY, r"Failed to load resource.* 401")
 _MICROPHONE = "openrois.microphone.status === 'STREAMING_RUNNING'"
 
 

@@ -23,7 +23,7 @@ T = TypeVar("T")
 PATIENCE: Final = 15.0
 """Seconds that anything here may take; on an idle machine nearly all of it takes less than one."""
 
-GATEWAY_AWAY: Final = r"WebSocket connection to .* failed"
+GATEWAY_AWAY: Final = r"WebSocket connection to .* failed|Failed to load resource: net::ERR_"
 """What Chromium itself writes to the console for each attempt to reach a gateway that is away."""
 
 expect.set_options(timeout=PATIENCE * 1000)  # a slow machine is no fault of the page
