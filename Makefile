@@ -12,7 +12,7 @@ demo: .venv/demo.stamp $(PAGE)
 
 test: .venv/dev.stamp $(NODE_MODULES) $(PAGE)
 	cd web_demo && npm run --silent test
-	$(PY) -m pytest $(if $(ARGS),$(ARGS),-n auto --dist worksteal -p tests.branches -m "$(UNIT)" && $(PY) -m pytest -n 3 --dist loadfile -m "not ($(UNIT)) and not browser" $(call marked,media\|engine) && $(PY) -m pytest -m browser $(call marked,browser))
+	$(PY) -m pytest $(if $(ARGS),$(ARGS),-n auto --dist worksteal -p tests.branches -m "$(UNIT)" && $(PY) -m pytest -n 3 --dist loadfile -m "not ($(UNIT)) and not browser" $(call marked,media\|engine) && $(PY) -m pytest -n 2 --dist loadfile -m browser $(call marked,browser))
 
 unit: .venv/dev.stamp
 	$(PY) -m pytest -n auto --dist worksteal -m "$(UNIT) and not long" $(ARGS)

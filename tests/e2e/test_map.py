@@ -75,7 +75,7 @@ async def test_the_red_button_and_its_key_stop_everything(guest: Visit) -> None:
     await guest.item("map").focus()
     for key in ("Shift+ArrowUp", "Shift+ArrowLeft", "Enter"):
         await guest.page.keyboard.press(key)
-    await _says(guest, "^Walking")
+    # At once: on a busy machine it would be there before the key is.
     await guest.page.keyboard.press("x")
     await expect(guest.item("stop-all")).to_have_text("Stopped", timeout=PATIENCE * 1000)
     assert await outcome(guest, "avatar/Navigation", "start") == "ABORT"

@@ -27,7 +27,7 @@ from tests.support.streams import FakeStreams
 
 __all__ = ["Place", "Watched", "Wire", "place", "principal"]
 
-PATIENCE: Final = 5.0
+PATIENCE: Final = 30.0
 
 
 def principal(role: Role | str | None, *scope: str, subject: str = "somebody") -> Principal:

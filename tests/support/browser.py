@@ -20,7 +20,7 @@ __all__ = ["GATEWAY_AWAY", "PATIENCE", "Seen", "Visit", "running_browser", "visi
 Message = dict[str, Any]
 T = TypeVar("T")
 
-PATIENCE: Final = 15.0
+PATIENCE: Final = 30.0
 """Seconds that anything here may take; on an idle machine nearly all of it takes less than one."""
 
 GATEWAY_AWAY: Final = r"WebSocket connection to .* failed|Failed to load resource: net::ERR_"

@@ -17,7 +17,7 @@ from typing import IO, Final
 import psutil
 
 _ROOT: Final = Path(__file__).parents[2]
-_START: Final = 30.0
+_START: Final = 90.0
 _END: Final = 10.0
 
 
