@@ -10,6 +10,9 @@ ROOT = Path(__file__).parents[1]
 TESTS = (
     *(f"tests/openrois/{part}" for part in ("authoring", "catalog", "jsonrpc", "leases", "profile_xml", "types")),
     "tests/openrois/gateway/test_origins.py",
+    "tests/openrois/bench/test_figures.py",
+    "tests/openrois/bench/test_table.py",
+    "tests/openrois/journal/test_former.py",
     *(
         f"tests/openrois/access/test_{part}.py"
         for part in ("claims", "keys", "loopback", "principal", "revocations", "tokens")

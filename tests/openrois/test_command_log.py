@@ -4,6 +4,7 @@ import pytest
 
 from openrois.command_log import MAX_FINISHED, MAX_RUNNING, RECENT, CommandBudget, CommandLog
 from openrois.errors import BadParameter, OutOfResources
+from openrois.types.codes import CompletedStatus
 from openrois.types.messages import Result
 from tests.support.clock import Clock
 
@@ -32,6 +33,16 @@ def test_a_command_runs_then_has_results(log: CommandLog) -> None:
     assert "a" in log
     assert log.results("a") == TOTAL
     assert log.results("b") == ()
+
+
+def test_how_many_are_unfinished_and_how_one_ended(clock: Clock) -> None:
+    budget = CommandBudget(3)
+    log = CommandLog(clock, budget)
+    log.accept(on("lamp", "a", "b"))
+    log.finish("a", TOTAL, CompletedStatus.ABORT, "it was stopped")
+    assert (log.unfinished, budget.taken) == (1, 1)
+    assert log.ending("a") == (CompletedStatus.ABORT, "it was stopped")
+    assert log.ending("b") is None
 
 
 def test_an_unknown_command_has_none(log: CommandLog) -> None:
