@@ -79,7 +79,7 @@ def floor(way: str, size: int, frames: int, warm: int, fps: float) -> dict[str, 
             with listener.accept()[0] as link:
                 link.settimeout(PATIENCE)
                 delays, cpu = _received(link, memoryview(memory), way, size, frames, warm)
-            told, _ = process.communicate(timeout=PATIENCE)
+                told, _ = process.communicate(timeout=PATIENCE)
     os.close(ring)
     return {
         "way": f"floor of {way}",

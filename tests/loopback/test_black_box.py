@@ -58,9 +58,10 @@ async def test_pictures_and_sound_arrive_in_order_and_on_time(app: Application) 
     assert all(-0.05 < picture.age < 1 for picture in pictures)
     assert app.media(video).unreadable == 0
 
-    await app.news.until(lambda: app.media(audio).blocks >= 150)
+    await app.news.until(lambda: app.media(audio).blocks >= 200)
     sound = app.media(audio).sound()
-    (first, length), (second, _), *_ = bursts(sound)
+    # The first may have begun before its viewer came.
+    _, (first, length), (second, _), *_ = bursts(sound)
     assert length == pytest.approx(0.05, abs=0.02)
     assert second - first == pytest.approx(1.0, abs=0.03)
     heard = sound[int(first * SAMPLE_RATE) : int((first + length) * SAMPLE_RATE)]
