@@ -75,11 +75,10 @@ def floor(way: str, size: int, frames: int, warm: int, fps: float) -> dict[str, 
         arguments = ["--way", way, "--address", at, "--ring", f"/proc/{os.getpid()}/fd/{ring}", "--size", size]
         arguments += ["--frames", frames, "--warm", warm, "--fps", fps]
         command = [sys.executable, "-m", "benchmarks.handover.floor", *map(str, arguments)]
-        with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
-            with listener.accept()[0] as link:
-                link.settimeout(PATIENCE)
-                delays, cpu = _received(link, memoryview(memory), way, size, frames, warm)
-                told, _ = process.communicate(timeout=PATIENCE)
+        with subprocess.Popen(command, stdout=subprocess.PIPE) as process, listener.accept()[0] as link:
+            link.settimeout(PATIENCE)
+            delays, cpu = _received(link, memoryview(memory), way, size, frames, warm)
+            told, _ = process.communicate(timeout=PATIENCE)
     os.close(ring)
     return {
         "way": f"floor of {way}",
