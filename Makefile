@@ -3,7 +3,8 @@ PY := .venv/bin/python
 PAGE := web_demo/openrois_web_demo/static/index.html
 PAGE_SOURCES := $(shell find web_demo/sdk web_demo/app -type f) web_demo/build.mjs web_demo/package-lock.json
 NODE_MODULES := web_demo/node_modules/.stamp
-UNIT := not media and not browser and not engine
+SHORT := $(if $(LONG),, and not long)
+UNIT := not media and not browser and not engine$(SHORT)
 marked = $(shell grep -rl --include="test_*.py" "mark\.\($(1)\)" tests)
 export PATH := $(if $(shell command -v npm),,$(CURDIR)/.venv/bin:)$(PATH)
 .PHONY: demo test unit check lint fmt generate page
@@ -12,10 +13,10 @@ demo: .venv/demo.stamp $(PAGE)
 
 test: .venv/dev.stamp $(NODE_MODULES) $(PAGE)
 	cd web_demo && npm run --silent test
-	$(PY) -m pytest $(if $(ARGS),$(ARGS),-n auto --dist worksteal -p tests.branches -m "$(UNIT)" && $(PY) -m pytest -n 3 --dist loadfile -m "not ($(UNIT)) and not browser" $(call marked,media\|engine) && $(PY) -m pytest -n 2 --dist loadfile -m browser $(call marked,browser))
+	$(PY) -m pytest $(if $(ARGS),$(ARGS),-n auto --dist worksteal -p tests.branches -m "$(UNIT)" && $(PY) -m pytest -n 3 --dist loadfile -m "(media or engine) and not browser$(SHORT)" $(call marked,media\|engine) && $(PY) -m pytest -m "browser$(SHORT)" $(call marked,browser))
 
 unit: .venv/dev.stamp
-	$(PY) -m pytest -n auto --dist worksteal -m "$(UNIT) and not long" $(ARGS)
+	$(PY) -m pytest -n auto --dist worksteal -m "$(UNIT)" $(ARGS)
 
 check: lint test
 lint: .venv/dev.stamp $(NODE_MODULES)
@@ -27,7 +28,6 @@ fmt: .venv/dev.stamp
 	.venv/bin/ruff check --fix . ; .venv/bin/ruff format .
 generate: .venv/dev.stamp
 	$(PY) -m openrois_codegen
-
 page: $(PAGE)
 $(PAGE): $(NODE_MODULES) $(PAGE_SOURCES)
 	cd web_demo && npm run --silent build

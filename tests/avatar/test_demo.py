@@ -47,7 +47,7 @@ def test_a_demo_that_is_stopped_leaves_nothing_behind(tmp_path: Path, stop: Call
 
 
 @pytest.mark.parametrize(
-    ("engine", "processes"), [("synthetic", 2), pytest.param("puppet", 3, marks=pytest.mark.engine)]
+    ("engine", "processes"), [("synthetic", 2), pytest.param("puppet", 3, marks=[pytest.mark.engine, pytest.mark.long])]
 )
 def test_a_demo_that_is_killed_takes_all_it_started_with_it(tmp_path: Path, engine: str, processes: int) -> None:
     with running_demo(tmp_path, engine) as demo:

@@ -67,8 +67,8 @@ async def test_endless_names_take_a_part_of_the_screen(browser: Browser) -> None
             for selector in (".panel-ids > *", ".message-title", ".field"):
                 for each in await visit.page.locator(selector).all():
                     box = await each.bounding_box()
-                    assert box is not None
-                    assert box["height"] <= 300, selector
+                    # What was drawn anew meanwhile has none.
+                    assert box is None or box["height"] <= 300, selector
             assert await visit.read("document.documentElement.scrollWidth <= innerWidth")
 
 

@@ -58,6 +58,7 @@ async def test_three_viewers_share_one_encoder_and_a_fourth_of_another_codec_has
     assert [house.figures(codec).viewers for codec in ("video/H264", "video/VP8")] == [0, 0]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("ending", "silence"), [(signal.SIGKILL, float("inf")), (signal.SIGSTOP, liveness.SILENCE)])
 async def test_a_viewer_that_stops_is_gone_and_the_others_never_notice(
     house: House, monkeypatch: pytest.MonkeyPatch, ending: signal.Signals, silence: float

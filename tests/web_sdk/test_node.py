@@ -16,8 +16,6 @@ from tests.support.deployment import gateway, until
 from tests.support.fleet import NOON, Robot, everything, fleet
 from tests.web_sdk.conftest import Application, Start
 
-pytestmark = pytest.mark.long
-
 
 @asynccontextmanager
 async def attached(running: Gateway, robot: Robot) -> AsyncIterator[None]:

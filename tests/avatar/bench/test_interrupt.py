@@ -10,6 +10,7 @@ COMMAND = "import sys; from openrois_avatar.bench.command import main; sys.exit(
 
 
 @pytest.mark.media
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("bench", "begun"), [("latency", b"640x360: sink"), ("fanout", b"connecting 8 viewers to each of 4 senders")]
 )

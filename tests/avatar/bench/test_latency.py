@@ -34,6 +34,7 @@ async def test_a_viewer_without_a_browser_measures_the_whole_path() -> None:
 
 
 @pytest.mark.browser
+@pytest.mark.long
 async def test_a_viewer_in_chromium_measures_the_whole_path(chromium: Path) -> None:
     settings = LatencySettings(seconds=0.5, runs=1, sizes=((640, 360),), chromium=str(chromium))
     async with asyncio.timeout(58):

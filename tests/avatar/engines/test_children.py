@@ -95,6 +95,7 @@ async def test_speech_moves_the_mouth_and_silence_rests_it(child: Child) -> None
     await child.until(lambda picture: difference(picture, before, MOUTH_ROWS, MOUTH_COLUMNS) < 6)
 
 
+@pytest.mark.long
 async def test_every_reaction_is_seen(child: Child) -> None:
     for name in REACTIONS:
         child.connection.send_command(Stop())
