@@ -9,7 +9,7 @@ from tests.support.browser import PATIENCE, visiting
 from tests.support.plain import attached, engine_profile, plain_adapter, profile_result
 from tests.support.premises import running_gateway
 
-pytestmark = [pytest.mark.browser, pytest.mark.asyncio(loop_scope="session")]
+pytestmark = [pytest.mark.browser, pytest.mark.long, pytest.mark.asyncio(loop_scope="session")]
 
 _MARKUP: Final = '<img src="x" onerror="harm()"><script>harm()</script>'
 _LONG: Final = "n" * 10_000

@@ -14,7 +14,7 @@ from tests.support.black_box import H264, VIDEO, application
 from tests.support.browser import visiting
 from tests.support.premises import running_avatar, running_gateway
 
-pytestmark = [pytest.mark.browser, pytest.mark.asyncio(loop_scope="session")]
+pytestmark = [pytest.mark.browser, pytest.mark.long, pytest.mark.asyncio(loop_scope="session")]
 
 _GONE_WITHIN = 5.0
 

@@ -17,6 +17,7 @@ CASES |= dict.fromkeys(("link", "answer", "candidate", "pictures", "reports"), 5
 
 
 @pytest.mark.skipif(importlib.util.find_spec("atheris") is None, reason="atheris has no wheel for this platform")
+@pytest.mark.long
 @pytest.mark.timeout(300 * TIMES)
 @pytest.mark.parametrize("target", CASES)
 def test_no_input_breaks(target: str, tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ from tests.support.black_box import VIDEO, VP8, Application, application
 from tests.support.demo import Demo
 from tests.support.people import Picture, Scene, Sitter, nodding, picture
 
-pytestmark = pytest.mark.media
+pytestmark = [pytest.mark.media, pytest.mark.long]
 
 _EVERY = 3
 """The track has 30 pictures a second; each of ours is in so many of them."""

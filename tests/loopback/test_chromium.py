@@ -16,6 +16,7 @@ from tests.support.loopback import Engine
 
 pytestmark = [
     pytest.mark.browser,
+    pytest.mark.long,
     pytest.mark.asyncio(loop_scope="module"),
 ]
 

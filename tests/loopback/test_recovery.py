@@ -10,7 +10,7 @@ from tests.support.black_box import AUDIO, H264, VIDEO, Application, application
 from tests.support.demo import Demo, running_demo
 from tests.support.house import house
 
-pytestmark = pytest.mark.media
+pytestmark = [pytest.mark.media, pytest.mark.long]
 
 
 @pytest.fixture(scope="module")

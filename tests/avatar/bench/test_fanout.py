@@ -6,6 +6,7 @@ from openrois_avatar.bench.runs import AIORTC, OPENROIS
 
 
 @pytest.mark.media
+@pytest.mark.long
 async def test_both_ways_of_sending_are_measured_side_by_side() -> None:
     told: list[str] = []
     async with asyncio.timeout(58):

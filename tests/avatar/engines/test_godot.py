@@ -268,6 +268,7 @@ async def test_it_comes_back_when_it_is_killed(engine: Engine) -> None:
     await engine.told(Completed("again", "ABORT"))
 
 
+@pytest.mark.long
 async def test_nothing_is_left_of_it_when_the_adapter_is_killed(godot: None, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("DISPLAY", raising=False)
     gateway = f"ws://127.0.0.1:{free_port()}/adapter"
