@@ -77,12 +77,10 @@ async def test_it_is_stopped_and_what_is_out_of_reach_is_named(guest: Visit) -> 
 
 async def test_the_red_button_and_its_key_stop_everything(guest: Visit) -> None:
     await _figure(guest)
-    # So far that a busy machine presses before it is there.
-    await _click(guest, 0.0, 3.2)
-    await _says(guest, "^Walking")
+    await _follow(guest)
     await guest.page.keyboard.press("x")
     await _stopped(guest)
-    assert await outcome(guest, "avatar/Navigation", "start") == "ABORT"
+    assert await outcome(guest, "avatar/Follow", "start") == "ABORT"
     await guest.press("stop-all")
     await _stopped(guest)
     asked = [m["params"] for m in guest.sent if m["method"] == "openrois.stop_all"]
@@ -100,8 +98,8 @@ async def _stopped(visit: Visit) -> None:
     pytest.fail("a component does not stop")
 
 
-async def test_somebody_is_followed_until_stop(guest: Visit) -> None:
-    await _figure(guest)
+async def _follow(guest: Visit) -> None:
+    """Follow the visitor, which goes on until somebody ends it."""
     await guest.until("document.querySelector('.map-thing.person')")
     # The visitor walks: where it was seen it may be no more.
     for _ in range(10):
@@ -111,6 +109,11 @@ async def test_somebody_is_followed_until_stop(guest: Visit) -> None:
             break
     await guest.press("map-follow")
     await _says(guest, "^Following visitor$")
+
+
+async def test_somebody_is_followed_until_stop(guest: Visit) -> None:
+    await _figure(guest)
+    await _follow(guest)
     await guest.press("map-stop")
     assert await outcome(guest, "avatar/Follow", "start") == "ABORT"
 
