@@ -157,10 +157,21 @@ async (patience) => {
 
   const legs = async () => {
     await hear("Surroundings", part("Surroundings").event("figure_moved", { position_data: "string" }));
-    found.Move = { status: await ended(part("Move").perform({ line: [400, 0] })), ended: await where() };
+    // A machine that is busy enough stops what moves, for nobody can tell who is in control: then it goes on from there.
+    const arriving = async (go) => {
+      let status = await go();
+      for (let tries = 0; status === "ABORT" && tries < 5; tries += 1) status = await go();
+      return status;
+    };
+    const ahead = async () => {
+      const [, y] = await where();
+      return ended(part("Move").perform({ line: [Math.round(400 + 1000 * y), 0] }));
+    };
+    found.Move = { status: await arriving(ahead), ended: await where() };
     const navigation = part("Navigation");
     const targets = await hear("Navigation", navigation.reachedTarget);
-    const status = await ended(navigation.perform({ target_positions: ["-0.5,0,1.5708"], time_limit: 20_000 }));
+    const there = { target_positions: ["-0.5,0,1.5708"], time_limit: 20_000 };
+    const status = await arriving(() => ended(navigation.perform(there)));
     found.Navigation = { status, ended: await where(), targets };
     const follow = part("Follow");
     const following = ended(follow.perform({ target_object_ref: "stool", distance: 700 }));
