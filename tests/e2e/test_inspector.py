@@ -25,7 +25,7 @@ from tests.support.fleet import everything, fleet
 from tests.support.kettle import KETTLE, Boil, Kettle, kitchen
 from tests.support.premises import running_avatar, running_gateway
 
-pytestmark = [pytest.mark.browser, pytest.mark.asyncio(loop_scope="session")]
+pytestmark = [pytest.mark.browser, pytest.mark.long, pytest.mark.asyncio(loop_scope="session")]
 
 _CONTRAST: Final = Path(__file__).with_name("contrast.js")
 _KETTLE: Final = "#inspector/kitchen/kettle"

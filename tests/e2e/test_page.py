@@ -161,6 +161,7 @@ async def test_the_word_that_is_heard_is_marked_and_a_pause_holds_it(guest: Visi
     assert await outcome(guest, "avatar/SpeechSynthesis", "suspend") == "OK"
 
 
+@pytest.mark.long
 async def test_completed_waits_for_a_browser_that_buffers_much(guest: Visit) -> None:
     await guest.listen()
     await guest.page.evaluate(_BUFFER)
