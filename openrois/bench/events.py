@@ -11,7 +11,7 @@ from openrois.bench.adapter import COMPONENT
 from openrois.bench.conditions import Conditions, conditions, load
 from openrois.bench.deployment import Deployment, deployed, request
 from openrois.bench.errors import within
-from openrois.bench.figures import Figures, Waits, median
+from openrois.bench.figures import Figures, Throughput, Waits
 from openrois.bench.load import Application, applications
 from openrois.bench.processes import own_cpu
 from openrois.bench.security import OPEN, Security
@@ -47,15 +47,6 @@ class EventsSettings:
     security: Security = OPEN
 
 
-class Deliveries(Figures):
-    """Many events: deliveries a second, and microseconds of each process for one delivery."""
-
-    per_second: float
-    gateway_us: float
-    adapter_us: float
-    load_us: float
-
-
 class EventsReport(Figures):
     """What was measured, as medians of the rounds; times in microseconds."""
 
@@ -64,7 +55,7 @@ class EventsReport(Figures):
     clients: int
     rounds: int
     security: str
-    many: Deliveries
+    many: Throughput
     first: Waits
     last: Waits
 
@@ -92,7 +83,7 @@ class EventsReport(Figures):
 
 @dataclass(frozen=True, slots=True)
 class _Round:
-    many: Deliveries
+    many: Throughput
     first: Waits
     last: Waits
 
@@ -122,12 +113,7 @@ async def run_events(settings: EventsSettings, progress: Progress) -> EventsRepo
         clients=settings.clients,
         rounds=settings.rounds,
         security=str(settings.security),
-        many=Deliveries(
-            per_second=median([each.many.per_second for each in rounds]),
-            gateway_us=median([each.many.gateway_us for each in rounds]),
-            adapter_us=median([each.many.adapter_us for each in rounds]),
-            load_us=median([each.many.load_us for each in rounds]),
-        ),
+        many=Throughput.median([each.many for each in rounds]),
         first=Waits.median([each.first for each in rounds]),
         last=Waits.median([each.last for each in rounds]),
     )
@@ -194,7 +180,7 @@ class _Audience:
                 await self._complete.wait()
 
 
-async def _many(settings: EventsSettings, deployment: Deployment, audience: _Audience) -> Deliveries:
+async def _many(settings: EventsSettings, deployment: Deployment, audience: _Audience) -> Throughput:
     processes = (deployment.gateway, deployment.adapter)
     events = audience.deliveries // settings.clients
     audience.announce(BURST)
@@ -206,10 +192,8 @@ async def _many(settings: EventsSettings, deployment: Deployment, audience: _Aud
     await audience.heard(events + BURST)
     took, after, own_after = time.perf_counter() - began, [p.cpu() for p in processes], own_cpu()
     count = audience.deliveries - first
-    gateway, adapter = ((b - a) / count * 1e6 for a, b in zip(before, after, strict=True))
-    return Deliveries(
-        per_second=count / took, gateway_us=gateway, adapter_us=adapter, load_us=(own_after - own) / count * 1e6
-    )
+    gateway, adapter = (b - a for a, b in zip(before, after, strict=True))
+    return Throughput.of(count, took, gateway=gateway, adapter=adapter, load=own_after - own)
 
 
 async def _singles(settings: EventsSettings, audience: _Audience) -> tuple[Waits, Waits]:

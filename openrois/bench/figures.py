@@ -7,7 +7,7 @@ from typing import Self
 
 from pydantic import BaseModel, ConfigDict
 
-__all__ = ["Figures", "Waits", "median"]
+__all__ = ["Figures", "Throughput", "Waits", "median"]
 
 
 class Figures(BaseModel):
@@ -39,6 +39,31 @@ class Waits(Figures):
             p50=median([each.p50 for each in rounds]),
             p95=median([each.p95 for each in rounds]),
             p99=median([each.p99 for each in rounds]),
+        )
+
+
+class Throughput(Figures):
+    """Many at a time: how many a second, and microseconds of each process for one."""
+
+    per_second: float
+    gateway_us: float
+    adapter_us: float
+    load_us: float
+
+    @classmethod
+    def of(cls, count: int, took: float, *, gateway: float, adapter: float, load: float) -> Self:
+        """Say it of so many that took so many seconds in all, and so many of each process."""
+        gateway_us, adapter_us, load_us = (seconds / count * 1e6 for seconds in (gateway, adapter, load))
+        return cls(per_second=count / took, gateway_us=gateway_us, adapter_us=adapter_us, load_us=load_us)
+
+    @classmethod
+    def median(cls, rounds: Sequence[Self]) -> Self:
+        """Return the median of each figure over several rounds."""
+        return cls(
+            per_second=median([each.per_second for each in rounds]),
+            gateway_us=median([each.gateway_us for each in rounds]),
+            adapter_us=median([each.adapter_us for each in rounds]),
+            load_us=median([each.load_us for each in rounds]),
         )
 
 

@@ -13,7 +13,7 @@ from openrois.bench.adapter import COMPONENT
 from openrois.bench.conditions import Conditions, conditions, load
 from openrois.bench.deployment import Deployment, deployed, request
 from openrois.bench.errors import within
-from openrois.bench.figures import Figures, Waits, median
+from openrois.bench.figures import Figures, Throughput, Waits, median
 from openrois.bench.load import Application, applications
 from openrois.bench.processes import child, own_cpu
 from openrois.bench.security import OPEN, Security
@@ -50,15 +50,6 @@ class RpcSettings:
     security: Security = OPEN
 
 
-class Pipelined(Figures):
-    """Many requests at a time: how many a second, and microseconds of each process for one."""
-
-    per_second: float
-    gateway_us: float
-    adapter_us: float
-    load_us: float
-
-
 class RpcReport(Figures):
     """What was measured, as medians of the rounds; times in microseconds."""
 
@@ -73,7 +64,7 @@ class RpcReport(Figures):
     echo: Waits
     echo_uvloop: Waits
     query: Waits
-    pipelined: Pipelined
+    pipelined: Throughput
     open_loop: Waits
     ratio: float
     ratio_uvloop: float
@@ -110,7 +101,7 @@ class _Round:
     echo: Waits
     echo_uvloop: Waits
     query: Waits
-    pipelined: Pipelined
+    pipelined: Throughput
     open_loop: Waits
 
 
@@ -186,7 +177,7 @@ async def _sequential(count: int, **options: Any) -> Waits:
         return await _timed(ask, count)
 
 
-async def _pipelined(settings: RpcSettings, deployment: Deployment) -> Pipelined:
+async def _pipelined(settings: RpcSettings, deployment: Deployment) -> Throughput:
     """Keep `depth` requests of each client unanswered: each answer makes room for the next request."""
     answered, asked_for = 0, settings.clients * settings.depth
     running, complete = True, asyncio.Event()
@@ -220,10 +211,8 @@ async def _pipelined(settings: RpcSettings, deployment: Deployment) -> Pipelined
         async with within(PATIENCE, "the last answers"):
             await complete.wait()
     count = max(last - first, 1)
-    gateway, adapter = ((b - a) / count * 1e6 for a, b in zip(before, after, strict=True))
-    return Pipelined(
-        per_second=count / took, gateway_us=gateway, adapter_us=adapter, load_us=(own_after - own) / count * 1e6
-    )
+    gateway, adapter = (b - a for a, b in zip(before, after, strict=True))
+    return Throughput.of(count, took, gateway=gateway, adapter=adapter, load=own_after - own)
 
 
 async def _open_loop(settings: RpcSettings, deployment: Deployment) -> Waits:
@@ -254,7 +243,6 @@ async def _open_loop(settings: RpcSettings, deployment: Deployment) -> Waits:
 
 
 def _report(settings: RpcSettings, found: Conditions, rounds: Sequence[_Round]) -> RpcReport:
-    many = [each.pipelined for each in rounds]
     return RpcReport(
         conditions=found,
         rounds=settings.rounds,
@@ -267,12 +255,7 @@ def _report(settings: RpcSettings, found: Conditions, rounds: Sequence[_Round]) 
         echo_uvloop=Waits.median([each.echo_uvloop for each in rounds]),
         query=Waits.median([each.query for each in rounds]),
         open_loop=Waits.median([each.open_loop for each in rounds]),
-        pipelined=Pipelined(
-            per_second=median([each.per_second for each in many]),
-            gateway_us=median([each.gateway_us for each in many]),
-            adapter_us=median([each.adapter_us for each in many]),
-            load_us=median([each.load_us for each in many]),
-        ),
+        pipelined=Throughput.median([each.pipelined for each in rounds]),
         ratio=median([each.query.p50 / each.echo.p50 for each in rounds]),
         ratio_uvloop=median([each.query.p50 / each.echo_uvloop.p50 for each in rounds]),
     )
