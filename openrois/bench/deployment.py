@@ -27,11 +27,13 @@ class Deployment:
         gateway: its process.
         adapter: its process.
         door: where applications enter.
+        certificate: what the gateway shows, and its key; empty without TLS.
     """
 
     gateway: Child
     adapter: Child
     door: Door
+    certificate: tuple[str, ...]
 
 
 def request(number: int, method: str, **params: object) -> bytes:
@@ -58,7 +60,7 @@ async def deployed(security: Security, *options: str) -> AsyncIterator[Deploymen
             async with child("-m", "openrois.bench.adapter", url, environment=dict(secured.adapter)) as adapter:
                 async with within(ATTACHING, "attaching the adapter"), applications(door, 1) as (application,):
                     await _attached(application)
-                yield Deployment(gateway, adapter, door)
+                yield Deployment(gateway, adapter, door, secured.certificate)
 
 
 async def _attached(application: Application) -> None:

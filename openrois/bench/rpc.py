@@ -5,7 +5,7 @@ import time
 from collections.abc import Awaitable, Callable, Sequence
 from contextlib import AsyncExitStack
 from dataclasses import dataclass
-from typing import Any, Final, Literal
+from typing import Final, Literal
 
 from websockets.asyncio.client import connect
 
@@ -14,7 +14,7 @@ from openrois.bench.conditions import Conditions, conditions, load
 from openrois.bench.deployment import Deployment, deployed, request
 from openrois.bench.errors import within
 from openrois.bench.figures import Figures, Throughput, Waits, median
-from openrois.bench.load import Application, applications
+from openrois.bench.load import Application, Door, applications
 from openrois.bench.processes import child, own_cpu
 from openrois.bench.security import OPEN, Security
 from openrois.bench.table import table
@@ -38,7 +38,7 @@ class RpcSettings:
         clients: connections that ask at a time.
         depth: requests of each that are unanswered at a time.
         rate: requests a second of the measurement at a fixed rate.
-        security: how the gateway is protected; the echoes never are.
+        security: how the gateway is protected; of the echoes only that of TCP is never encrypted.
     """
 
     rounds: int = 5
@@ -66,6 +66,8 @@ class RpcReport(Figures):
     query: Waits
     pipelined: Throughput
     open_loop: Waits
+    open_loop_echo: Waits
+    hop: float
     ratio: float
     ratio_uvloop: float
 
@@ -75,18 +77,21 @@ class RpcReport(Figures):
             ("websockets echo", self.echo),
             ("websockets echo, uvloop", self.echo_uvloop),
             ("query through the gateway", self.query),
-            (f"the same, {self.rate} a second whatever happens", self.open_loop),
+        ]
+        at_rate = [
+            ("websockets echo, uvloop", self.open_loop_echo),
+            ("query through the gateway", self.open_loop),
         ]
         many = self.pipelined
         return "\n".join(
             (
                 f"{self.conditions}\n{self.security}; medians of {self.rounds} rounds",
                 "",
-                table(
-                    ("one at a time", "p50 us", "p95 us", "p99 us"),
-                    [(name, f"{w.p50:.0f}", f"{w.p95:.0f}", f"{w.p99:.0f}") for name, w in waits],
-                ),
+                _table("one at a time", waits),
                 "",
+                _table(f"{self.rate} a second, whatever happens", at_rate),
+                "",
+                f"the hop, p50 of the query less that of the echo at {self.rate} a second: {self.hop:.0f} us",
                 f"query / echo, p50, median of the rounds: {self.ratio:.2f} (uvloop's echo: {self.ratio_uvloop:.2f})",
                 f"pipelined, {self.clients} clients x {self.depth}: {many.per_second:.0f} queries a second; "
                 f"CPU of each: gateway {many.gateway_us:.0f} us, "
@@ -103,6 +108,14 @@ class _Round:
     query: Waits
     pipelined: Throughput
     open_loop: Waits
+    open_loop_echo: Waits
+
+
+def _table(title: str, waits: Sequence[tuple[str, Waits]]) -> str:
+    return table(
+        (title, "p50 us", "p95 us", "p99 us"),
+        [(name, f"{w.p50:.0f}", f"{w.p95:.0f}", f"{w.p99:.0f}") for name, w in waits],
+    )
 
 
 def _query(number: int) -> bytes:
@@ -118,8 +131,10 @@ async def run_rpc(settings: RpcSettings, progress: Progress) -> RpcReport:
     before = load()
     async with AsyncExitStack() as stack:
         deployment = await stack.enter_async_context(deployed(settings.security))
+        shown = ("--certificate", *deployment.certificate) if deployment.certificate else ()
         floors = [
-            await stack.enter_async_context(child("-m", "openrois.bench.echo", *loop)) for loop in ((), ("uvloop",))
+            await stack.enter_async_context(child("-m", "openrois.bench.echo", *loop, *shown))
+            for loop in ((), ("--uvloop",))
         ]
         ports = [tuple(int(port) for port in floor.said.split()) for floor in floors]
         rounds = []
@@ -130,14 +145,19 @@ async def run_rpc(settings: RpcSettings, progress: Progress) -> RpcReport:
 
 
 async def _round(settings: RpcSettings, deployment: Deployment, ports: Sequence[tuple[int, ...]]) -> _Round:
-    (tcp, echo), (_, echo_uvloop) = ports
+    (tcp, *echo_port), (_, *uvloop_port) = ports
+    scheme = "https" if deployment.certificate else "http"
+    echo, echo_uvloop = (
+        Door(f"{scheme}://127.0.0.1:{port}", deployment.door.context) for (port,) in (echo_port, uvloop_port)
+    )
     return _Round(
         tcp=await _tcp(tcp, settings.requests),
-        echo=await _sequential(settings.requests, uri=f"ws://127.0.0.1:{echo}/"),
-        echo_uvloop=await _sequential(settings.requests, uri=f"ws://127.0.0.1:{echo_uvloop}/"),
-        query=await _sequential(settings.requests, **deployment.door.websocket()),
+        echo=await _sequential(settings.requests, echo),
+        echo_uvloop=await _sequential(settings.requests, echo_uvloop),
+        query=await _sequential(settings.requests, deployment.door),
         pipelined=await _pipelined(settings, deployment),
-        open_loop=await _open_loop(settings, deployment),
+        open_loop=await _open_loop(settings, deployment.door),
+        open_loop_echo=await _open_loop(settings, echo_uvloop),
     )
 
 
@@ -165,8 +185,8 @@ async def _tcp(port: int, count: int) -> Waits:
         writer.close()
 
 
-async def _sequential(count: int, **options: Any) -> Waits:
-    async with connect(compression=None, proxy=None, **options) as connection:
+async def _sequential(count: int, door: Door) -> Waits:
+    async with connect(compression=None, proxy=None, **door.websocket()) as connection:
 
         async def ask(number: int) -> None:
             await connection.send(_query(number).decode())
@@ -215,27 +235,31 @@ async def _pipelined(settings: RpcSettings, deployment: Deployment) -> Throughpu
     return Throughput.of(count, took, gateway=gateway, adapter=adapter, load=own_after - own)
 
 
-async def _open_loop(settings: RpcSettings, deployment: Deployment) -> Waits:
-    """Ask at a fixed rate, however long answers take, and count each wait from when its question was due."""
-    due: list[float] = []
+async def _open_loop(settings: RpcSettings, door: Door) -> Waits:
+    """Ask at a fixed rate, however long answers take.
+
+    No question waits for an answer. Each wait counts from when its question was sent: a loop's timer is late by up to a
+    millisecond, which is nobody's fault but ours.
+    """
+    sent: list[float] = []
     waits: list[float] = []
     count, complete = int(settings.rate * settings.seconds), asyncio.Event()
 
     def take(message: bytes) -> None:
         at = message.index(b'"id":') + 5
         number = int(message[at : message.index(b",", at)])
-        waits.append(time.perf_counter() - due[number])
+        waits.append(time.perf_counter() - sent[number])
         if len(waits) == count:
             complete.set()
 
-    async with applications(deployment.door, settings.clients) as asked:
+    async with applications(door, settings.clients) as asked:
         for application in asked:
             application.on_message = take
         began = time.perf_counter()
         for number in range(count):
-            due.append(began + number / settings.rate)
-            if (early := due[-1] - time.perf_counter()) > 0:
+            if (early := began + number / settings.rate - time.perf_counter()) > 0:
                 await asyncio.sleep(early)
+            sent.append(time.perf_counter())
             asked[number % len(asked)].send(_query(number))
         async with within(PATIENCE, "the last answers"):
             await complete.wait()
@@ -255,6 +279,8 @@ def _report(settings: RpcSettings, found: Conditions, rounds: Sequence[_Round]) 
         echo_uvloop=Waits.median([each.echo_uvloop for each in rounds]),
         query=Waits.median([each.query for each in rounds]),
         open_loop=Waits.median([each.open_loop for each in rounds]),
+        open_loop_echo=Waits.median([each.open_loop_echo for each in rounds]),
+        hop=median([each.open_loop.p50 - each.open_loop_echo.p50 for each in rounds]),
         pipelined=Throughput.median([each.pipelined for each in rounds]),
         ratio=median([each.query.p50 / each.echo.p50 for each in rounds]),
         ratio_uvloop=median([each.query.p50 / each.echo_uvloop.p50 for each in rounds]),

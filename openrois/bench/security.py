@@ -30,12 +30,14 @@ class Secured:
 
     Attributes:
         gateway: options of the gateway.
+        certificate: files with what a server shows and its key; empty without TLS.
         adapter: what stands in the adapter's environment.
         context: what applications check the gateway's certificate with; None without TLS.
         token: what they show; empty where nobody asks.
     """
 
     gateway: tuple[str, ...] = ()
+    certificate: tuple[str, ...] = ()
     adapter: tuple[tuple[str, str], ...] = ()
     context: ssl.SSLContext | None = None
     token: str = ""
@@ -67,12 +69,13 @@ class Security:
         with TemporaryDirectory(prefix="openrois-bench-") as name:
             folder = Path(name)
             gateway: list[str] = []
+            files: tuple[str, ...] = ()
             adapter: dict[str, str] = {}
             context, token = None, ""
             if self.tls:
-                certificate, key = _certificate(folder)
-                gateway += ("--tls-cert", str(certificate), "--tls-key", str(key))
-                adapter["OPENROIS_CA_FILE"] = str(certificate)
+                certificate, key = files = _certificate(folder)
+                gateway += ("--tls-cert", certificate, "--tls-key", key)
+                adapter["OPENROIS_CA_FILE"] = certificate
                 context = ssl.create_default_context(cafile=certificate)
             if self.auth:
                 secret = secrets.token_urlsafe(48)
@@ -80,7 +83,7 @@ class Security:
                 gateway += ("--audit-file", str(folder / "audit"))
                 adapter["OPENROIS_TOKEN_FILE"] = str(_secret(folder / "token", _token(secret, "adapter", scope)))
                 token = _token(secret, "operator", scope)
-            yield Secured(tuple(gateway), tuple(adapter.items()), context, token)
+            yield Secured(tuple(gateway), files, tuple(adapter.items()), context, token)
 
 
 OPEN: Final = Security()
@@ -99,7 +102,7 @@ def _token(secret: str, role: str, scope: str) -> str:
     return jwt.encode(claims, secret, algorithm="HS256")
 
 
-def _certificate(folder: Path) -> tuple[Path, Path]:
+def _certificate(folder: Path) -> tuple[str, str]:
     """Write a certificate of this machine that it has signed itself, and its key."""
     key = ec.generate_private_key(ec.SECP256R1())
     name = x509.Name([x509.NameAttribute(x509.NameOID.COMMON_NAME, "openrois bench")])
@@ -119,4 +122,4 @@ def _certificate(folder: Path) -> tuple[Path, Path]:
     files = folder / "cert.pem", folder / "cert.key"
     files[0].write_bytes(certificate.public_bytes(Encoding.PEM))
     text = key.private_bytes(Encoding.PEM, PrivateFormat.PKCS8, NoEncryption()).decode()
-    return files[0], _secret(files[1], text)
+    return str(files[0]), str(_secret(files[1], text))
