@@ -164,7 +164,7 @@ def main() -> None:
         print("|", " | ".join(str(value) for value in each.values()), "|")
     if chosen.json is not None:
         told = {
-            "command": " ".join(sys.argv),
+            "command": " ".join(["python -m benchmarks.handover", *sys.argv[1:]]),
             "conditions": met.model_dump(),
             "picture": picture,
             "summary": summary(runs),
