@@ -20,9 +20,9 @@ from openrois.errors import BadParameter
 from openrois.logs import set_up_logging
 from openrois.metrics.server import LOOPBACK, MetricsUnavailable, metrics_address, serving_metrics
 from openrois.transport.address import adapter_url
+from openrois.transport.credential_options import add_credential_options, credentials
 from openrois_avatar.adapter import Avatar, run_avatar
 from openrois_avatar.check import command as check
-from openrois_avatar.credential_options import add_credential_options, credentials
 from openrois_avatar.facades.running import FACADES, FacadeAvatar, run_facade
 from openrois_avatar.facades.server import FacadeUnavailable
 from openrois_avatar.game_engines import NoGameEngine

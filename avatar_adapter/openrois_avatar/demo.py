@@ -10,9 +10,9 @@ from functools import partial
 from typing import Final
 
 from openrois.logs import set_up_logging
+from openrois.transport.credential_options import add_credential_options, credential_arguments, credentials
 from openrois.transport.websocket import dial
 from openrois_avatar.attendance import Attendance
-from openrois_avatar.credential_options import add_credential_options, credential_arguments, credentials
 from openrois_avatar.link_options import add_link_options, link_arguments
 from openrois_avatar.network_options import add_host_options, host_arguments
 from openrois_avatar.process import Program, ProgramFailed

@@ -9,7 +9,7 @@ from openrois.client.errors import ConnectionFailed
 from openrois.transport.address import gateway_url
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from openrois.transport.stream import MessageStream
-from openrois.transport.websocket import dial
+from openrois.transport.websocket import dial, refusal
 
 __all__ = ["Dial", "websocket"]
 
@@ -36,8 +36,9 @@ def websocket(url: str, credentials: Credentials = NO_CREDENTIALS) -> Dial:
             stream = await opening.__aenter__()
         except ValueError as error:
             raise ConnectionFailed(str(error)) from error
-        except InvalidStatus as refusal:
-            raise _refused(address, refusal) from refusal
+        except InvalidStatus as error:
+            final = error.response.status_code in (401, 403)
+            raise ConnectionFailed(f"{address} answered {refusal(error)}", final=final) from error
         except InvalidHandshake as error:
             raise ConnectionFailed(f"what answers at {address} is no gateway: {error}") from error
         except OSError as error:
@@ -50,11 +51,3 @@ def websocket(url: str, credentials: Credentials = NO_CREDENTIALS) -> Dial:
             await opening.__aexit__(None, None, None)
 
     return connect
-
-
-def _refused(address: str, refusal: InvalidStatus) -> ConnectionFailed:
-    response = refusal.response
-    said = response.body[:200].decode(errors="replace").strip() if response.body else response.reason_phrase
-    return ConnectionFailed(
-        f"{address} answered {response.status_code}: {said}", final=response.status_code in (401, 403)
-    )

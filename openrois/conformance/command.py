@@ -17,6 +17,8 @@ from openrois.conformance.deviation import Deviation
 from openrois.conformance.manifest import Area, Requirement, read_manifest
 from openrois.conformance.suite import Verdict, Visit, run_checks, visit
 from openrois.transport.address import gateway_url
+from openrois.transport.credential_options import add_credential_options, credentials
+from openrois.transport.credentials import Credentials
 
 __all__ = ["main"]
 
@@ -26,7 +28,10 @@ standard; wire: the base wire; extension: an extension of it), and how it is che
 
 With --url the gateway there is tried from both sides: connections of applications are opened and closed, and adapters
 of the suite's own dial /adapter, so that nobody's components are touched. Every application of the gateway hears these
-adapters come and go. The exit status is 0 when nothing failed, 1 when something did, 2 for wrong usage.
+adapters come and go. Where the gateway asks for tokens, one of an administrator does, for the adapters too; one of an
+operator does for applications, and tries less. The scope of both has to hold 'conformance-*'.
+
+The exit status is 0 when nothing failed, 1 when something did, 2 for wrong usage.
 """
 
 
@@ -63,6 +68,13 @@ def _read(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument(
         "--only", default="*", metavar="PATTERN", help="requirements or checks of these names, e.g. 'event.*'"
     )
+    add_credential_options(parser)
+    parser.add_argument(
+        "--adapter-token-file",
+        type=Path,
+        metavar="FILE",
+        help="holds the token of the suite's adapters, where it is another one",
+    )
     parser.add_argument("--no-adapter", action="store_true", help="do not dial in as an adapter: far less is tried")
     parser.add_argument(
         "--component",
@@ -76,16 +88,27 @@ def _read(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--json", type=Path, metavar="FILE", help="write the manifest, or the run, as JSON, too")
     parser.add_argument("--markdown", action="store_true", help="print the manifest in Markdown")
     chosen = parser.parse_args(arguments)
-    if chosen.url is not None:
-        try:
-            chosen.url = gateway_url(chosen.url)
-        except ValueError as error:
-            parser.error(str(error))
+    try:
+        if chosen.url is not None:
+            _read_gateway(chosen)
+    except ValueError as error:
+        parser.error(str(error))
     if not 0 < chosen.timeout <= 60:
         parser.error("a wait takes more than 0 and at most 60 seconds")
     if chosen.url is not None and chosen.markdown:
         parser.error("--markdown is for the manifest, without --url")
     return chosen
+
+
+def _read_gateway(chosen: argparse.Namespace) -> None:
+    """Read what there is to know of the gateway. Raises ValueError."""
+    chosen.url = gateway_url(chosen.url)
+    chosen.credentials = chosen.adapter_credentials = credentials(chosen)
+    if chosen.adapter_token_file is not None:
+        chosen.adapter_credentials = Credentials.of_files(chosen.adapter_token_file, chosen.ca_file)
+    for each in (chosen.credentials, chosen.adapter_credentials):
+        each.headers()
+        each.context(chosen.url)
 
 
 def _chosen(areas: Sequence[Area], pattern: str) -> list[Area]:
@@ -119,7 +142,14 @@ def _write(path: Path | None, value: Any) -> None:
 
 async def _try(chosen: argparse.Namespace, areas: Sequence[Area]) -> int:
     try:
-        opened = visit(chosen.url, chosen.timeout, adapter=not chosen.no_adapter, component=chosen.component)
+        opened = visit(
+            chosen.url,
+            chosen.timeout,
+            adapter=not chosen.no_adapter,
+            component=chosen.component,
+            credentials=chosen.credentials,
+            adapter_credentials=chosen.adapter_credentials,
+        )
         async with opened as place:
             return await _try_all(chosen, areas, place)
     except Deviation as deviation:

@@ -7,11 +7,12 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 from typing import Any
 
-from websockets.asyncio.client import ClientConnection, connect
+from websockets.asyncio.client import ClientConnection
 from websockets.exceptions import ConnectionClosed
 
 from openrois.conformance.connection import Connection
 from openrois.conformance.deviation import Deviation, shown
+from openrois.conformance.door import Door
 from openrois.conformance.probe_engine import Answer, ProbeEngine
 from openrois.conformance.transcript import Transcript
 
@@ -145,24 +146,21 @@ class Probe(Connection):
 
 
 @asynccontextmanager
-async def dialled(
-    url: str, transcript: Transcript, patience: float, engine: ProbeEngine, **options: Any
-) -> AsyncIterator[Probe]:
+async def dialled(door: Door, transcript: Transcript, patience: float, engine: ProbeEngine) -> AsyncIterator[Probe]:
     """Connect an adapter of the suite for as long as the block runs.
 
     Args:
-        url: the gateway's address for adapters.
+        door: where the gateway takes adapters.
         transcript: keeps what is said.
         patience: seconds to wait for anything.
         engine: answers what the gateway asks.
-        options: of the WebSocket.
 
     Raises:
+        ValueError: the token cannot be had.
         OSError: nothing listens there.
         websockets.exceptions.InvalidHandshake: adapters are not let in.
     """
-    opened = connect(url, compression=None, max_size=None, max_queue=None, open_timeout=patience, proxy=None, **options)
-    async with opened as socket:
+    async with door.opened(patience) as socket:
         probe = Probe(socket, engine, transcript, patience)
         serving = asyncio.ensure_future(probe.run())
         try:

@@ -7,15 +7,16 @@ from enum import Enum
 from typing import Any, Final, TypeVar
 from urllib.parse import urlsplit
 
-from websockets.asyncio.client import connect
 from websockets.exceptions import InvalidHandshake
 
 from openrois.conformance.application import Application
 from openrois.conformance.deviation import Deviation
+from openrois.conformance.door import Door
 from openrois.conformance.probe import Probe, dialled, new_engine_id
 from openrois.conformance.probe_engine import ProbeEngine
 from openrois.conformance.probe_profiles import component_profiles
 from openrois.conformance.transcript import Transcript
+from openrois.transport.websocket import refusal
 
 __all__ = ["Check", "Checks", "Needs", "Setting", "Stage", "adapter_url"]
 
@@ -42,7 +43,8 @@ class Setting:
     """What all checks of a run share.
 
     Attributes:
-        url: where applications connect.
+        applications: where applications connect.
+        adapters: where adapters dial.
         patience: seconds to wait for anything.
         transcript: keeps what is said during a check.
         probe: the suite's adapter, where there is one.
@@ -50,7 +52,8 @@ class Setting:
         component: a component of somebody else that may be tried.
     """
 
-    url: str
+    applications: Door
+    adapters: Door
     patience: float
     transcript: Transcript
     probe: Probe | None = None
@@ -98,22 +101,13 @@ class Stage:
 
     async def application(self, **options: Any) -> Application:
         """Connect an application."""
-        opened = connect(
-            self.setting.url,
-            compression=None,
-            max_size=None,
-            max_queue=None,
-            open_timeout=self.patience,
-            close_timeout=_CLOSE_TIMEOUT,
-            proxy=None,
-            **options,
-        )
         try:
+            opened = self.setting.applications.opened(self.patience, close_timeout=_CLOSE_TIMEOUT, **options)
             socket = await self.stack.enter_async_context(opened)
         except ConnectionRefusedError:
             raise Deviation("an application to be let in", "no answer: nothing listens there") from None
-        except (OSError, InvalidHandshake, TimeoutError) as error:
-            raise Deviation("an application to be let in", str(error)) from None
+        except (OSError, InvalidHandshake, ValueError, TimeoutError) as error:
+            raise Deviation("an application to be let in", refusal(error)) from None
         name = f"application {len(self._applications) + 1}"
         app = Application(socket, name, self.setting.transcript, self.patience)
         self._applications.append(app)
@@ -124,7 +118,7 @@ class Stage:
         if engine is None:
             engine_id = new_engine_id()
             engine = ProbeEngine(engine_id, component_profiles(engine_id))
-        opened = dialled(adapter_url(self.setting.url), self.setting.transcript, self.patience, engine)
+        opened = dialled(self.setting.adapters, self.setting.transcript, self.patience, engine)
         return await self.stack.enter_async_context(opened)
 
     async def attached(self, engine: ProbeEngine | None = None) -> Probe:

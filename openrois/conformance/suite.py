@@ -10,11 +10,14 @@ from typing import Final
 from websockets.exceptions import WebSocketException
 
 from openrois.conformance.deviation import Deviation
+from openrois.conformance.door import door_to
 from openrois.conformance.probe import Probe, dialled, new_engine_id
 from openrois.conformance.probe_engine import ProbeEngine
 from openrois.conformance.probe_profiles import component_profiles
 from openrois.conformance.stage import Check, Needs, Setting, Stage, adapter_url
 from openrois.conformance.transcript import Frame, Transcript
+from openrois.transport.credentials import NO_CREDENTIALS, Credentials
+from openrois.transport.websocket import refusal
 
 __all__ = ["Outcome", "Verdict", "Visit", "run_checks", "visit"]
 
@@ -67,7 +70,15 @@ class Visit:
 
 
 @asynccontextmanager
-async def visit(url: str, patience: float, *, adapter: bool, component: str | None = None) -> AsyncIterator[Visit]:
+async def visit(
+    url: str,
+    patience: float,
+    *,
+    adapter: bool,
+    component: str | None = None,
+    credentials: Credentials = NO_CREDENTIALS,
+    adapter_credentials: Credentials | None = None,
+) -> AsyncIterator[Visit]:
     """Look at a gateway, and put the suite's adapter behind it for as long as the block runs.
 
     Args:
@@ -75,12 +86,17 @@ async def visit(url: str, patience: float, *, adapter: bool, component: str | No
         patience: seconds to wait for anything.
         adapter: whether the suite may dial in as an adapter.
         component: a component of somebody else that may be tried.
+        credentials: what the suite shows where it connects.
+        adapter_credentials: what its adapters show, unless that is the same.
 
     Raises:
+        ValueError: the file with the authorities cannot be used.
         Deviation: the gateway does not even answer connect and get_profile, or has no such component.
     """
     transcript = Transcript()
-    setting = Setting(url, patience, transcript, component=component)
+    applications = door_to(url, credentials)
+    adapters = replace(applications, url=adapter_url(url), credentials=adapter_credentials or credentials)
+    setting = Setting(applications, adapters, patience, transcript, component=component)
     missing = {} if component else {Needs.COMPONENT: Needs.COMPONENT.value}
     async with AsyncExitStack() as stack:
         engines, extensions = await _look(setting)
@@ -92,8 +108,8 @@ async def visit(url: str, patience: float, *, adapter: bool, component: str | No
         else:
             try:
                 setting = replace(setting, probe=await _attach(setting, stack))
-            except (Deviation, OSError, WebSocketException, TimeoutError) as error:
-                missing[Needs.ADAPTER] = f"the suite's adapter was not taken: {error}"
+            except (Deviation, OSError, ValueError, WebSocketException, TimeoutError) as error:
+                missing[Needs.ADAPTER] = f"the suite's adapter was not taken: {refusal(error)}"
         yield Visit(setting, engines, missing)
 
 
@@ -114,7 +130,7 @@ async def _look(setting: Setting) -> tuple[tuple[str, ...], tuple[str, ...]]:
 async def _attach(setting: Setting, stack: AsyncExitStack) -> Probe:
     engine_id = new_engine_id()
     engine = ProbeEngine(engine_id, component_profiles(engine_id))
-    opened = dialled(adapter_url(setting.url), setting.transcript, setting.patience, engine)
+    opened = dialled(setting.adapters, setting.transcript, setting.patience, engine)
     probe = await stack.enter_async_context(opened)
     async with AsyncExitStack() as watching:
         try:

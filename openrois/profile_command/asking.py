@@ -1,35 +1,40 @@
 """The profiles of a running system, asked over its wire."""
 
 import asyncio
+import ssl
 from collections.abc import Mapping
 from typing import Any, Final
 
 from pydantic import ValidationError
-from websockets.exceptions import InvalidHandshake
+from websockets.exceptions import InvalidHandshake, InvalidStatus
 
 from openrois.jsonrpc.session import CALL_TIMEOUT, RpcError, RpcSession, SessionClosed
 from openrois.profile_command.problems import problem
 from openrois.transport.address import gateway_url
-from openrois.transport.credentials import Credentials
-from openrois.transport.websocket import dial
+from openrois.transport.credentials import NO_CREDENTIALS, Credentials
+from openrois.transport.websocket import dial, refusal
 from openrois.types.codes import ReturnCode
 from openrois.types.messages import ProfileResult
 
 __all__ = ["NoProfile", "ask_profiles"]
 
 _NOTHING: Final[Mapping[str, Any]] = {}
+_REFUSED: Final = (401, 403)
 
 
 class NoProfile(Exception):
     """The profiles cannot be had; the message is a sentence."""
 
 
-async def ask_profiles(url: str, component_ref: str = "", *, timeout: float = CALL_TIMEOUT) -> ProfileResult:
+async def ask_profiles(
+    url: str, component_ref: str = "", *, credentials: Credentials = NO_CREDENTIALS, timeout: float = CALL_TIMEOUT
+) -> ProfileResult:
     """Return what `get_profile` answers at `url`.
 
     Args:
         url: of a gateway, as `gateway_url` takes it.
         component_ref: the one component to ask for; empty for all.
+        credentials: what is shown to the gateway.
         timeout: seconds to wait for each answer.
 
     Raises:
@@ -37,7 +42,7 @@ async def ask_profiles(url: str, component_ref: str = "", *, timeout: float = CA
     """
     condition = "component_ref = '" + component_ref.replace("'", "''") + "'" if component_ref else ""
     try:
-        async with dial(gateway_url(url), credentials=Credentials.of_files(None, None)) as stream:
+        async with dial(gateway_url(url), credentials=credentials) as stream:
             session = RpcSession(stream, call_timeout=timeout)
             running = asyncio.ensure_future(session.run())
             try:
@@ -47,6 +52,8 @@ async def ask_profiles(url: str, component_ref: str = "", *, timeout: float = CA
             finally:
                 await session.close()
                 await asyncio.wait({running})
+    except ssl.SSLCertVerificationError as error:
+        raise NoProfile(f"no gateway is reached at {url}: {refusal(error)} (--ca-file)") from None
     except ValueError as error:
         raise NoProfile(str(error)) from None
     except TimeoutError:
@@ -58,8 +65,14 @@ async def ask_profiles(url: str, component_ref: str = "", *, timeout: float = CA
     except OSError as error:
         raise NoProfile(f"no gateway is reached at {url}: {error.strerror or error}") from None
     except (InvalidHandshake, SessionClosed, RpcError) as error:
-        raise NoProfile(f"what answers at {url} is no gateway: {error}") from None
+        raise NoProfile(_not_served(url, error)) from None
     return _checked(url, component_ref, answer)
+
+
+def _not_served(url: str, error: Exception) -> str:
+    if isinstance(error, InvalidStatus) and error.response.status_code in _REFUSED:
+        return f"{url} answers {refusal(error)} (--token-file)"
+    return f"what answers at {url} is no gateway: {error}"
 
 
 def _checked(url: str, component_ref: str, answer: object) -> ProfileResult:

@@ -15,6 +15,7 @@ from openrois.profile_command.files import documents_in, json_text, plain, profi
 from openrois.profile_xml.documents import assemble, doubts, write_documents
 from openrois.profile_xml.read import ComponentDocument, EngineDocument
 from openrois.profile_xml.write import component_xml, engine_xml
+from openrois.transport.credential_options import add_credential_options, credentials
 from openrois.types.messages import ProfileResult
 from openrois.types.profiles import HRIComponentProfile
 
@@ -66,6 +67,7 @@ def _parser() -> argparse.ArgumentParser:
         "that is one document for the engine and one for each component; without --output the engine's is printed.",
     )
     export.add_argument("--url", default=_URL, help="the gateway (%(default)s)")
+    add_credential_options(export)
     which = export.add_mutually_exclusive_group()
     which.add_argument("--component", metavar="REF", help="one component, such as robot/navigation")
     which.add_argument(
@@ -90,7 +92,7 @@ def _export(chosen: argparse.Namespace) -> None:
     if chosen.type is not None:
         _put(_component_text(_TYPES[chosen.type].definition(), "", chosen.format), chosen.output)
         return
-    result = asyncio.run(ask_profiles(chosen.url, chosen.component or ""))
+    result = asyncio.run(ask_profiles(chosen.url, chosen.component or "", credentials=credentials(chosen)))
     if chosen.component:
         profile = result.component_profiles[chosen.component]
         _put(_component_text(profile, chosen.component, chosen.format), chosen.output)

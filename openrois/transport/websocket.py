@@ -2,19 +2,20 @@
 
 import asyncio
 import logging
+import ssl
 from collections.abc import AsyncIterator, Sequence
 from contextlib import asynccontextmanager
 from typing import Final
 
 from websockets.asyncio.client import ClientConnection, connect
-from websockets.exceptions import ConnectionClosed
+from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.frames import Frame, Opcode
 from websockets.protocol import State
 
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from openrois.transport.stream import StreamClosed, close_reason
 
-__all__ = ["WebSocketStream", "dial"]
+__all__ = ["WebSocketStream", "dial", "refusal"]
 
 MAX_MESSAGE: Final = 4 << 20
 """Bytes of one incoming message; a profile of a whole fleet fits."""
@@ -79,6 +80,17 @@ class WebSocketStream:
     def abort(self) -> None:
         """Cut the connection."""
         self._connection.transport.abort()
+
+
+def refusal(error: Exception) -> str:
+    """Return why there is no WebSocket: what was answered instead, or what is wrong with the certificate."""
+    if isinstance(error, ssl.SSLCertVerificationError):
+        return f"its certificate is not trusted: {error.verify_message}"
+    if not isinstance(error, InvalidStatus):
+        return str(error)
+    response = error.response
+    said = response.body[:200].decode(errors="replace").strip() if response.body else response.reason_phrase
+    return f"{response.status_code}: {said}"
 
 
 def _closed(closed: ConnectionClosed) -> StreamClosed:

@@ -14,8 +14,11 @@ import pytest
 
 from openrois.conformance import command
 from openrois.conformance.manifest import read_manifest
+from openrois.transport.credentials import CA_FILE_VARIABLE, TOKEN_FILE_VARIABLE
 from tests.support import deployment
 from tests.support.bent import bent
+from tests.support.certificates import Authority
+from tests.support.guarded import fresh, guarded
 
 
 @pytest.fixture(autouse=True)
@@ -147,6 +150,40 @@ class TestRun:
         assert "No such file" in capsys.readouterr().err
 
 
+class TestTokens:
+    """At a gateway that asks for tokens, over TLS, the same passes as elsewhere."""
+
+    async def test_an_administrator_alone_or_an_operator_with_an_adapter(
+        self, capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        def shown(name: str, **claims: object) -> str:
+            (tmp_path / name).write_text(fresh(**claims) + "\n")
+            return str(tmp_path / name)
+
+        chief = shown("chief", roles="administrator")
+        operator = shown("operator", roles="operator", scope=["conformance-*"])
+        adapter = shown("adapter", roles="adapter", scope=["conformance-*"])
+        authority = Authority(tmp_path)
+        cert, key = authority.issue()
+        async with guarded(tmp_path, tls_cert=cert, tls_key=key) as coming:
+            part = ("--url", coming.gateway.url, "--only", "query.*")
+            trusting = (*part, "--ca-file", str(authority.file))
+            assert await run(*trusting, "--token-file", chief) == 0
+            assert await run(*trusting, "--token-file", operator, "--adapter-token-file", adapter) == 0
+            assert capsys.readouterr().out.count("6 passed, 0 failed, 0 tried in part, 0 not run") == 2
+            assert await run(*trusting, "--token-file", operator) == 0
+            assert "the suite's adapter was not taken: 403: the token is not for this" in capsys.readouterr().out
+            monkeypatch.setenv(TOKEN_FILE_VARIABLE, operator)
+            monkeypatch.setenv(CA_FILE_VARIABLE, str(authority.file))
+            assert await run(*part, "--no-adapter") == 0
+            monkeypatch.delenv(CA_FILE_VARIABLE)
+            assert await run(*part) == 1
+            assert "came its certificate is not trusted" in capsys.readouterr().err
+            monkeypatch.delenv(TOKEN_FILE_VARIABLE)
+            assert await run(*trusting) == 1
+            assert "came 401: a valid token is needed" in capsys.readouterr().err
+
+
 @asynccontextmanager
 async def trying() -> AsyncIterator[str]:
     async with deployment.gateway(adapter_timeout=0.5) as gateway:
@@ -158,6 +195,9 @@ async def trying() -> AsyncIterator[str]:
     [
         (["--url", "127.0.0.1:8765"], "no address of a gateway"),
         (["--timeout", "0"], "more than 0"),
+        (["--url", "ws://x/", "--token-file", "/nowhere"], "the token cannot be read from /nowhere"),
+        (["--url", "ws://x/", "--adapter-token-file", "/nowhere"], "the token cannot be read from /nowhere"),
+        (["--url", "wss://x/", "--ca-file", "/nowhere"], "/nowhere cannot be used as authorities"),
         (["--url", "ws://x/", "--markdown"], "--markdown is for the manifest"),
     ],
 )

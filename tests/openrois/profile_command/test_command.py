@@ -22,8 +22,10 @@ from openrois.profile_command.command import main
 from openrois.profile_xml.parse import MAX_SIZE
 from openrois.profile_xml.write import component_xml, engine_xml
 from openrois.types.profiles import HRIEngineProfile, RoISIdentifier
+from tests.support.certificates import Authority
 from tests.support.deployment import gateway, until
 from tests.support.fleet import everything, fleet
+from tests.support.guarded import fresh, guarded
 from tests.support.profiles import structural_errors
 
 Run = Callable[..., Any]
@@ -221,6 +223,21 @@ class TestNoGateway:
         assert status == 1
         assert err.startswith(f"openrois profile: what answers at {url} is no gateway: ")
         assert "404" in err
+
+    async def test_a_gateway_that_asks_for_a_token_over_tls(self, run: Run, tmp_path: Path) -> None:
+        authority, token = Authority(tmp_path), tmp_path / "token"
+        token.write_text(fresh(roles="viewer"))
+        cert, key = authority.issue()
+        async with guarded(tmp_path, tls_cert=cert, tls_key=key) as coming:
+            url = coming.gateway.url
+            chosen = ("export", "--url", url, "--ca-file", authority.file)
+            status, out, _ = await run(*chosen, "--token-file", token)
+            assert (status, out) == (0, engine_xml(coming.gateway.engine.directory.profile))
+            _, _, err = await run(*chosen)
+            assert err == f"openrois profile: {url} answers 401: a valid token is needed (--token-file)\n"
+            status, _, err = await run("export", "--url", url, "--token-file", token)
+            assert (status, err.count("\n")) == (1, 1)
+            assert err.startswith(f"openrois profile: no gateway is reached at {url}: its certificate is not trusted: ")
 
     @pytest.mark.parametrize(
         ("result", "sentence"),
