@@ -29,6 +29,8 @@ class Needs(Enum):
     APPLICATION = "nothing"
     ADAPTER = "the suite's own adapter was not allowed (--no-adapter)"
     EXTENSIONS = "the gateway does not answer openrois.hello"
+    LEASES = "the gateway does not speak openrois.lease"
+    ADMINISTRATOR = "what the gateway was shown is no administrator's token"
     COMPONENT = "no component was given (--component)"
 
 

@@ -9,6 +9,7 @@ from typing import Final
 
 from websockets.exceptions import WebSocketException
 
+from openrois.conformance.application import Application
 from openrois.conformance.deviation import Deviation
 from openrois.conformance.door import door_to
 from openrois.conformance.probe import Probe, dialled, new_engine_id
@@ -18,6 +19,7 @@ from openrois.conformance.stage import Check, Needs, Setting, Stage, adapter_url
 from openrois.conformance.transcript import Frame, Transcript
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from openrois.transport.websocket import refusal
+from openrois.types.leases import LEASES
 
 __all__ = ["Outcome", "Verdict", "Visit", "run_checks", "visit"]
 
@@ -99,13 +101,16 @@ async def visit(
     setting = Setting(applications, adapters, patience, transcript, component=component)
     missing = {} if component else {Needs.COMPONENT: Needs.COMPONENT.value}
     async with AsyncExitStack() as stack:
-        engines, extensions = await _look(setting)
+        engines, extensions, is_administrator = await _look(setting)
         setting = replace(setting, extensions=extensions)
-        if not extensions:
-            missing[Needs.EXTENSIONS] = Needs.EXTENSIONS.value
-        if not adapter:
-            missing[Needs.ADAPTER] = Needs.ADAPTER.value
-        else:
+        there = {
+            Needs.EXTENSIONS: bool(extensions),
+            Needs.ADAPTER: adapter,
+            Needs.LEASES: LEASES in extensions,
+            Needs.ADMINISTRATOR: is_administrator,
+        }
+        missing |= {need: need.value for need, is_there in there.items() if not is_there}
+        if adapter:
             try:
                 setting = replace(setting, probe=await _attach(setting, stack))
             except (Deviation, OSError, ValueError, WebSocketException, TimeoutError) as error:
@@ -113,8 +118,8 @@ async def visit(
         yield Visit(setting, engines, missing)
 
 
-async def _look(setting: Setting) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """Return the gateway's engines and its extensions."""
+async def _look(setting: Setting) -> tuple[tuple[str, ...], tuple[str, ...], bool]:
+    """Return the gateway's engines, its extensions, and whether the suite may take what others hold."""
     async with AsyncExitStack() as stack:
         app = await Stage(setting, stack).application()
         await app.granted("rois.system.connect")
@@ -123,8 +128,13 @@ async def _look(setting: Setting) -> tuple[tuple[str, ...], tuple[str, ...]]:
         if setting.component is not None and setting.component not in refs:
             raise Deviation(f"the component {setting.component}", f"the components {', '.join(refs) or 'none'}")
         answer = await app.response(await app.begin("openrois.hello", version="1", extensions=[]))
-        extensions = answer["result"].get("extensions", ()) if "result" in answer else ()
-        return tree.engine_ids(), tuple(extensions)
+        extensions = tuple(answer["result"].get("extensions", ())) if "result" in answer else ()
+        return tree.engine_ids(), extensions, LEASES in extensions and await _is_administrator(app)
+
+
+async def _is_administrator(app: Application) -> bool:
+    """Tell whether a method of administrators is refused for what its params are, and not for who asks."""
+    return "error" in await app.response(await app.begin("openrois.lease.take"))
 
 
 async def _attach(setting: Setting, stack: AsyncExitStack) -> Probe:

@@ -33,17 +33,24 @@ class Frame:
 
 @dataclass
 class Transcript:
-    """The frames of one check, in the order they were sent and heard."""
+    """The frames of one check, in the order they were sent and heard, without secrets."""
 
     clock: Callable[[], float] = time.monotonic
     frames: list[Frame] = field(default_factory=list)
     began: float = 0.0
+    hidden: set[str] = field(default_factory=set)
 
     def begin(self) -> None:
         """Forget what was said and start the time again."""
         self.frames = []
         self.began = self.clock()
 
+    def hide(self, secret: str) -> None:
+        """Keep no frame with this text in it as it is."""
+        self.hidden.add(secret)
+
     def note(self, who: str, text: str, *, outgoing: bool) -> None:
         """Keep one frame."""
+        for secret in self.hidden:
+            text = text.replace(secret, "(hidden)")
         self.frames.append(Frame(self.clock() - self.began, who, outgoing, text))

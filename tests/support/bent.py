@@ -11,6 +11,8 @@ from websockets.asyncio.client import connect
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import ConnectionClosed
 
+_BROKEN = 1006
+
 Bend = Callable[[Any, str], Sequence[Any]]
 """Takes a message and the method that it is of, or that it answers; gives what is passed on in its place."""
 
@@ -54,7 +56,10 @@ class _Leg:
         with suppress(ConnectionClosed):
             async for frame in self.near:
                 await self._pass(frame, self.far, straight if self.is_adapter else self.bent.to_gateway)
-        await self.far.close()
+        if self.near.close_code == _BROKEN:
+            self.far.transport.abort()
+        else:
+            await self.far.close()
 
     async def outward(self) -> None:
         """Pass on what comes from the gateway."""

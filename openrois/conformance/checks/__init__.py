@@ -9,10 +9,12 @@ from openrois.conformance.checks import (
     envelope,
     event,
     execute,
+    leases,
     query,
     reasons,
     streams,
     system,
+    tokens,
     transport,
 )
 from openrois.conformance.stage import Check
@@ -31,4 +33,6 @@ ALL_CHECKS: Final[tuple[Check, ...]] = (
     *adapters.CHECKS,
     *streams.CHECKS,
     *reasons.CHECKS,
+    *leases.CHECKS,
+    *tokens.CHECKS,
 )

@@ -56,7 +56,7 @@ async def test_a_gateway_of_the_base_wire_alone_passes(gateway: Gateway, monkeyp
     verdicts = await tried(address(gateway))
     assert of(verdicts, Outcome.FAILED) == {}
     skipped = of(verdicts, Outcome.NOT_RUN)
-    extended = {check.id for check in ALL_CHECKS if check.needs & {Needs.EXTENSIONS, Needs.COMPONENT}}
+    extended = {check.id for check in ALL_CHECKS if check.needs & {Needs.EXTENSIONS, Needs.LEASES, Needs.COMPONENT}}
     assert skipped.keys() == extended
     assert "openrois.hello" in skipped["stream-life"]
 
@@ -207,6 +207,27 @@ COMPLETED, EVENT = "rois.command.completed", "rois.event.notify_event"
 CONNECT = {"method": "rois.system.connect", "params": {}}
 TO_CONNECT: Callable[[dict[str, Any]], dict[str, Any]] = lambda message: {**message, **CONNECT}  # noqa: E731
 
+
+def same_epoch(message: Any, _method: str) -> Sequence[Any]:
+    """Say one epoch always."""
+    for held in (message.get("result"), message):
+        for name in ("lease", "params"):
+            if held is not None and (held.get(name) or {}).get("epoch"):
+                held[name]["epoch"] = 1
+    return [{**message}]
+
+
+def no_token(message: dict[str, Any]) -> dict[str, Any]:
+    return TO_CONNECT(message) if message["params"] else message
+
+
+CHANGED: dict[str, Any] = {"method": "openrois.lease.changed", "params": {}}
+
+
+def query_instead(message: dict[str, Any]) -> dict[str, Any]:
+    return {**message, "method": "openrois.lease.query"}
+
+
 WRONG: list[tuple[str, dict[str, Any], str, str]] = [
     ("drops return_code", result(without("return_code"), "rois.command.bind"), "bind-exclusive", "a return_code"),
     ("adds a field", result(lambda r: {**r, "total": 1}, "rois.command.search"), "search", "total: Extra inputs"),
@@ -257,6 +278,19 @@ WRONG: list[tuple[str, dict[str, Any], str, str]] = [
      "the delay_time to be null"),
     ("asks for half a profile", asked("rois.system.get_profile", params(condition="component_ref = 'x'"), "to_adapter"),
      "adapter-asked-first", "the params"),
+    ("keeps an epoch", {"to_application": same_epoch}, "lease-exclusive", "whether the epoch has grown"),
+    ("tells leases to everybody", told(COMPLETED, lambda m: [{**m, **CHANGED}, m]),
+     "lease-base", "no notification of an extension"),
+    ("lets anybody grant", asked("openrois.lease.grant", TO_CONNECT), "lease-hand-over",
+     "the return_code of openrois.lease.grant"),
+    ("knows no positions", result(lambda r: {**r, "lease": {**r["lease"], "position": 1}}, "openrois.lease.request"),
+     "lease-queue", "the state, position and how many wait"),
+    ("takes nothing", asked("openrois.lease.take", query_instead), "lease-take", "the state"),
+    ("resumes nothing", asked("openrois.lease.resume", TO_CONNECT), "lease-resume", "the leases"),
+    ("stops less", asked("openrois.stop_all", params(component_ref="gateway/nothing")), "stop-all",
+     "the return_code of openrois.stop_all"),
+    ("takes any token", asked("openrois.auth.refresh", no_token), "token-refresh",
+     "the return_code of openrois.auth.refresh"),
     ("closes for no reason", {"close_code": 1000}, "adapter-bad-id", "the close code for the engine id ''"),
 ]  # fmt: skip
 
