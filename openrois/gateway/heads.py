@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Awaitable, Callable
+from dataclasses import dataclass
 from typing import Final
 
 from aiohttp import web
@@ -17,7 +18,20 @@ The server library has no such limit."""
 MAX_HEADS: Final = 512
 """Connections whose head is waited for; one more cuts the oldest, and those who mean it need a moment only."""
 
+MAX_HEAD: Final = 64 * 1024
+"""Bytes that may come while a head is waited for; one more cuts the connection.
+
+The server library bounds each line and their number, and keeps all that comes after what it could not read."""
+
 _Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
+
+
+@dataclass(slots=True)
+class _Waiting:
+    """A head that is waited for: until the timer rings, and for so many bytes."""
+
+    timer: asyncio.TimerHandle
+    room: int = MAX_HEAD
 
 
 class Heads:
@@ -34,13 +48,13 @@ class Heads:
 
     def __init__(self, turned_away: Callable[[str], None]) -> None:
         self._turned_away = turned_away
-        self._waiting: dict[web.RequestHandler, asyncio.TimerHandle] = {}
+        self._waiting: dict[web.RequestHandler, _Waiting] = {}
 
-    def __call__(self) -> web.RequestHandler:
+    def __call__(self) -> asyncio.Protocol:
         """Return the protocol of a connection that comes in."""
         protocol = self.protocols()
         self._expect(protocol)
-        return protocol
+        return _Doorstep(protocol, self)
 
     def count(self) -> int:
         """Return how many there are."""
@@ -51,8 +65,7 @@ class Heads:
 
         @web.middleware
         async def timely(request: web.Request, handler: _Handler) -> web.StreamResponse:
-            if (waiting := self._waiting.pop(request.protocol, None)) is not None:
-                waiting.cancel()
+            self.forget(request.protocol)
             try:
                 return await handler(request)
             finally:
@@ -64,11 +77,51 @@ class Heads:
     def _expect(self, protocol: web.RequestHandler) -> None:
         if len(self._waiting) >= MAX_HEADS:
             self._cut(next(iter(self._waiting)))
-        self._waiting[protocol] = asyncio.get_running_loop().call_later(HEAD_TIMEOUT, self._cut, protocol)
+        self._waiting[protocol] = _Waiting(asyncio.get_running_loop().call_later(HEAD_TIMEOUT, self._cut, protocol))
+
+    def takes(self, protocol: web.RequestHandler, count: int) -> bool:
+        """Tell whether a connection may say so many bytes more; one that may not is cut."""
+        waiting = self._waiting.get(protocol)
+        if waiting is None:
+            return True
+        waiting.room -= count
+        if waiting.room < 0:
+            self._cut(protocol)
+        return waiting.room >= 0
+
+    def forget(self, protocol: web.RequestHandler) -> None:
+        """Wait for nothing more of a connection: a head has come, or it is gone."""
+        if (waiting := self._waiting.pop(protocol, None)) is not None:
+            waiting.timer.cancel()
 
     def _cut(self, protocol: web.RequestHandler) -> None:
-        self._waiting.pop(protocol).cancel()
-        # Some have gone by themselves.
+        self.forget(protocol)
+        # Some are not there yet, or not any more.
         if protocol.transport is not None:
             self._turned_away("no request")
             protocol.transport.abort()
+
+
+class _Doorstep(asyncio.Protocol):
+    """Stands before the server library's protocol of one connection, and passes on what that may hear."""
+
+    def __init__(self, protocol: web.RequestHandler, heads: Heads) -> None:
+        self._protocol = protocol
+        self._heads = heads
+        # The transport asks for these.
+        self.pause_writing = protocol.pause_writing  # type: ignore[method-assign]
+        self.resume_writing = protocol.resume_writing  # type: ignore[method-assign]
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        self._protocol.connection_made(transport)
+
+    def data_received(self, data: bytes) -> None:
+        if self._heads.takes(self._protocol, len(data)):
+            self._protocol.data_received(data)
+
+    def eof_received(self) -> None:
+        self._protocol.eof_received()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        self._heads.forget(self._protocol)
+        self._protocol.connection_lost(exc)

@@ -7,6 +7,7 @@ from contextlib import AsyncExitStack, asynccontextmanager
 from urllib.parse import urlsplit
 
 import pytest
+from aiohttp import web
 
 from openrois.gateway import heads as module
 from openrois.gateway.server import Gateway
@@ -62,3 +63,45 @@ async def test_of_too_many_the_oldest_is_cut(monkeypatch: pytest.MonkeyPatch) ->
         for near in waiting[1:]:
             with pytest.raises(BlockingIOError):
                 near.recv(1)
+
+
+@pytest.mark.parametrize(
+    "said",
+    [
+        b"GET / HTTP/1.1\r\nHost: localhost\r\nx: ",
+        b"no request at all",
+        UPGRADE + b"\r\n",
+        b"GET / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000000000\r\n\r\n",
+    ],
+)
+async def test_a_flood_in_the_place_of_a_head_is_cut(monkeypatch: pytest.MonkeyPatch, said: bytes) -> None:
+    taken = 0
+    take = web.RequestHandler.data_received
+
+    def count(protocol: web.RequestHandler, data: bytes) -> None:
+        nonlocal taken
+        taken += len(data)
+        take(protocol, data)
+
+    monkeypatch.setattr(web.RequestHandler, "data_received", count)
+    async with deployment.gateway() as gateway:
+        with pytest.raises((ConnectionResetError, BrokenPipeError)):
+            await flood(gateway, said)
+    # Each of two heads may have so much: one that is answered, and what comes behind it.
+    assert taken <= 2 * module.MAX_HEAD
+
+
+async def flood(gateway: Gateway, said: bytes) -> None:
+    """Say this, and go on with what means nothing."""
+    async with knocking(gateway, said) as near:
+        for _ in range(1024):
+            await asyncio.get_running_loop().sock_sendall(near, bytes(64 * 1024))
+
+
+async def test_who_is_gone_is_not_waited_for() -> None:
+    heads = module.Heads(lambda _reason: None)
+    heads.protocols = web.Server(lambda _request: asyncio.sleep(0, web.Response()))
+    door = heads()
+    assert heads.count() == 1
+    door.connection_lost(None)
+    assert heads.count() == 0
