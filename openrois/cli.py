@@ -7,6 +7,7 @@ from importlib.metadata import EntryPoint, entry_points
 from importlib.util import find_spec
 from pathlib import Path
 
+from openrois.command_line import suggestion
 from openrois.version import __version__
 
 __all__ = ["main"]
@@ -23,7 +24,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(_usage(commands))
         return 0
     if given[0] not in commands:
-        print(f"openrois: there is no command {given[0]!r}\n\n{_usage(commands)}", file=sys.stderr)
+        close = suggestion(given[0], commands)
+        print(f"openrois: there is no command {given[0]!r}{close} (`openrois --help` lists them)", file=sys.stderr)
         return 2
     run: Callable[[Sequence[str]], int] = commands[given[0]].load()
     return run(given[1:])

@@ -3,6 +3,7 @@
 import asyncio
 import logging
 import random
+import ssl
 import time
 from collections.abc import Awaitable, Callable
 
@@ -11,8 +12,9 @@ from websockets.exceptions import InvalidHandshake
 from openrois.application import EngineHost
 from openrois.backoff import Backoff, asked_to_wait
 from openrois.remote.serve import serve_engine
-from openrois.transport.credentials import NO_CREDENTIALS, Credentials
+from openrois.transport.credentials import CA_FILE_VARIABLE, NO_CREDENTIALS, TOKEN_FILE_VARIABLE, Credentials
 from openrois.transport.stream import POLICY_VIOLATION
+from openrois.transport.unreachable import unreachable
 from openrois.transport.websocket import dial
 
 __all__ = ["serve_parent"]
@@ -56,12 +58,11 @@ async def serve_parent(
                     _log.warning("the gateway refuses this adapter: %s", closed.reason)
                 else:
                     _log.info("the gateway is gone: %s", closed)
-        except InvalidHandshake as error:
-            _log.warning("what answers at %s takes no adapters: %s", url, error)
-        except ValueError as error:
-            _log.warning("the gateway at %s is not dialled: %s", url, error)
-        except (OSError, TimeoutError) as error:
-            _log.info("no gateway at %s (`openrois gateway` starts one here): %s", url, error)
+        except (InvalidHandshake, ValueError, OSError) as error:
+            # A gateway may come later; what has to be set right by somebody is a warning.
+            waits = isinstance(error, OSError) and not isinstance(error, ssl.SSLError)
+            said = unreachable(url, error, remedies=(TOKEN_FILE_VARIABLE, CA_FILE_VARIABLE))
+            _log.log(logging.INFO if waits else logging.WARNING, "%s", said)
         delay = backoff.after(lasted) * chance() + asked
         _log.info("trying again in %.1f s", delay)
         await sleep(delay)

@@ -158,7 +158,7 @@ class Engine:
             if flaw := flaw_of_name(engine_id):
                 raise BadParameter(f"{engine_id[:200]!r} is no engine id: {flaw}")
             if engine_id in taken:
-                raise BadParameter(f"the engine id {engine_id!r} is taken in this tree")
+                raise BadParameter(f"the engine id {engine_id!r} is taken already: each engine needs one of its own")
             taken.add(engine_id)
         if _depth(directory.profile) >= MAX_DEPTH:
             raise BadParameter(f"engines stand at most {MAX_DEPTH} deep")

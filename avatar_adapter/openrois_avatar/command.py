@@ -15,6 +15,7 @@ import uvloop
 from openrois_streaming.adaptation.rung import MIN_BITRATE
 from openrois_streaming.seams.trial import UnsupportedLibrary
 
+from openrois.command_line import CommandLine
 from openrois.dialer import serve_parent
 from openrois.errors import BadParameter
 from openrois.logs import set_up_logging
@@ -27,7 +28,7 @@ from openrois_avatar.facades.running import FACADES, FacadeAvatar, run_facade
 from openrois_avatar.facades.server import FacadeUnavailable
 from openrois_avatar.game_engines import NoGameEngine
 from openrois_avatar.link.messages import LinkError
-from openrois_avatar.link_options import add_link_options, link_secret
+from openrois_avatar.link_options import add_facade_option, add_link_options, link_secret
 from openrois_avatar.metrics.exposition import scraped
 from openrois_avatar.network_options import add_network_options, network_settings
 from openrois_avatar.pixel_streaming.settings import add_pixel_streaming_options, pixel_streaming
@@ -46,8 +47,8 @@ def main(arguments: Sequence[str]) -> int:
     if arguments[:1] == ["check"]:
         return check.main(arguments[1:])
     defaults = AvatarSettings()
-    parser = argparse.ArgumentParser(
-        prog="openrois avatar",
+    parser = CommandLine(
+        "openrois avatar",
         description="An avatar behind a gateway.",
         epilog="`openrois avatar check --help`: try a game engine of your own.",
     )
@@ -56,6 +57,7 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument("--engine-id", default=defaults.engine_id, help="unique behind its gateway (%(default)s)")
     parser.add_argument("--engine", choices=ENGINES, default=defaults.engine, help="what renders it (%(default)s)")
     add_link_options(parser, when=" if it is external or a facade")
+    add_facade_option(parser)
     parser.add_argument(
         "--metrics",
         metavar="[HOST:]PORT",
@@ -108,10 +110,9 @@ def main(arguments: Sequence[str]) -> int:
 
 
 def _bitrate(text: str) -> int:
-    bitrate = int(text)
-    if bitrate < MIN_BITRATE:
-        raise argparse.ArgumentTypeError(f"at least {MIN_BITRATE} bit/s are needed for pictures")
-    return bitrate
+    if not (text.isascii() and text.isdigit()) or int(text) < MIN_BITRATE:
+        raise argparse.ArgumentTypeError(f"{text!r} is no rate for pictures: {MIN_BITRATE} bit/s or more")
+    return int(text)
 
 
 async def _run(settings: AvatarSettings) -> None:

@@ -9,11 +9,12 @@ from collections.abc import Awaitable, Sequence
 from functools import partial
 from typing import Final
 
+from openrois.command_line import CommandLine
 from openrois.logs import set_up_logging
 from openrois.transport.credential_options import add_credential_options, credential_arguments, credentials
 from openrois.transport.websocket import dial
 from openrois_avatar.attendance import Attendance
-from openrois_avatar.link_options import add_link_options, link_arguments
+from openrois_avatar.link_options import add_facade_option, add_link_options, link_arguments
 from openrois_avatar.network_options import add_host_options, host_arguments
 from openrois_avatar.process import Program, ProgramFailed
 from openrois_avatar.settings import ENGINES
@@ -26,10 +27,11 @@ _START_TIMEOUT: Final = 60.0
 
 def main(arguments: Sequence[str]) -> int:
     """Run the command and return its exit status: 0 when stopped, 1 when it could not start, 2 for wrong usage."""
-    parser = argparse.ArgumentParser(prog="openrois demo", description="A live avatar on a page of this machine.")
+    parser = CommandLine("openrois demo", description="A live avatar on a page of this machine.")
     parser.add_argument("--port", type=_port, default=8765, help="TCP port of the page (%(default)s)")
     parser.add_argument("--engine", choices=ENGINES, default="auto", help="what renders the avatar (%(default)s)")
     add_link_options(parser, when=" if it is external or a facade")
+    add_facade_option(parser)
     add_host_options(parser)
     add_credential_options(parser)
     parser.add_argument("--verbose", action="store_true", help="log more")

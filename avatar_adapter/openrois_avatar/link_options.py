@@ -9,7 +9,7 @@ from openrois_avatar.link.address import parse_address
 from openrois_avatar.link.messages import MAX_NAME, LinkError
 from openrois_avatar.settings import DEFAULT_FACADE, DEFAULT_LINK
 
-__all__ = ["add_link_options", "link_arguments", "link_secret"]
+__all__ = ["add_facade_option", "add_link_options", "link_arguments", "link_secret"]
 
 
 def add_link_options(parser: argparse.ArgumentParser, *, when: str = "", otherwise: str = "") -> None:
@@ -29,18 +29,22 @@ def add_link_options(parser: argparse.ArgumentParser, *, when: str = "", otherwi
         f" ({otherwise or DEFAULT_LINK})",
     )
     parser.add_argument(
-        "--facade",
-        type=_facade,
-        default=DEFAULT_FACADE,
-        metavar="HOST:PORT",
-        help="where unreal or unity-render-streaming finds its signaling server, on this machine (%(default)s)",
-    )
-    parser.add_argument(
         "--link-secret-file",
         type=Path,
         metavar="FILE",
         help="holds the secret that the engine must send (to a facade as the path of its URL); without it any program"
         " of this machine that reaches the address can be the engine",
+    )
+
+
+def add_facade_option(parser: argparse.ArgumentParser) -> None:
+    """Add `--facade`."""
+    parser.add_argument(
+        "--facade",
+        type=_facade,
+        default=DEFAULT_FACADE,
+        metavar="HOST:PORT",
+        help="where unreal or unity-render-streaming finds its signaling server, on this machine (%(default)s)",
     )
 
 
@@ -56,14 +60,15 @@ def link_secret(chosen: argparse.Namespace) -> str:
     try:
         secret = file.read_text(encoding="utf-8").partition("\n")[0].strip()
     except (OSError, UnicodeDecodeError) as error:
-        raise ValueError(f"--link-secret-file: {error}") from error
+        why = error.strerror if isinstance(error, OSError) else "it is no text"
+        raise ValueError(f"--link-secret-file: {file} cannot be read: {why}") from None
     if not 0 < len(secret) <= MAX_NAME:
         raise ValueError(f"--link-secret-file: {file} must hold 1 to {MAX_NAME} characters")
     return secret
 
 
 def link_arguments(chosen: argparse.Namespace) -> Sequence[str]:
-    """The same options for another command line."""
+    """The same options, with `--facade`, for another command line."""
     file = chosen.link_secret_file
     return (
         "--link",

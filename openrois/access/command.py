@@ -10,21 +10,24 @@ from pathlib import Path
 
 import jwt
 
-from openrois.access.claims import ClaimRules, read_claims
+from openrois.access.claims import MAX_LIFETIME, MAX_NAME, MAX_PATTERN, MAX_PATTERNS, ClaimRules, read_claims
 from openrois.access.key_files import make_key_files, read_signing_key
 from openrois.access.keys import ALGORITHMS
 from openrois.access.principal import Role
 from openrois.access.refusal import TokenRefused
+from openrois.command_line import CommandLine
 
 __all__ = ["main"]
 
 _DURATION = re.compile(r"(\d{1,6})([smhd]?)")
 _UNITS = {"": 1, "s": 1, "m": 60, "h": 3600, "d": 86400}
+_LONGEST = _UNITS["d"]
+"""Seconds: what a gateway's `auth_max_lifetime` may be at most."""
 
 
 def main(arguments: Sequence[str]) -> int:
     """Run the command and return its exit status: 0 when done, 1 when it could not be done, 2 for wrong usage."""
-    parser = argparse.ArgumentParser(prog="openrois token", description="Keys and tokens for a gateway.")
+    parser = CommandLine("openrois token", description="Keys and tokens for a gateway.")
     parts = parser.add_subparsers(dest="part", required=True, metavar="COMMAND")
     new_key = parts.add_parser("new-key", help="make a key")
     new_key.add_argument("file", type=Path, metavar="FILE", help="the new file; the public half goes into FILE.pub")
@@ -47,17 +50,27 @@ def main(arguments: Sequence[str]) -> int:
     chosen = parser.parse_args(arguments)
     try:
         return _make(chosen) if chosen.part == "new-key" else _issue(chosen)
-    except (ValueError, OSError) as error:
-        shown = f"{error.filename}: {error.strerror}" if isinstance(error, OSError) else str(error)
-        print(f"openrois token: {shown}", file=sys.stderr)
-        return 1
+    except FileExistsError as error:
+        _tell(f"{error.filename} exists already, and a key is never written over: name another file")
+    except OSError as error:
+        _tell(f"{error.filename}: {error.strerror}")
+    except ValueError as error:
+        _tell(str(error))
+    return 1
+
+
+def _tell(sentence: str) -> None:
+    print(f"openrois token: {sentence}", file=sys.stderr)
 
 
 def _seconds(text: str) -> int:
     found = _DURATION.fullmatch(text)
     if found is None or int(found[1]) == 0:
         raise argparse.ArgumentTypeError(f"{text!r} is no time, such as 90s, 15m or 1h")
-    return int(found[1]) * _UNITS[found[2]]
+    seconds = int(found[1]) * _UNITS[found[2]]
+    if seconds > _LONGEST:
+        raise argparse.ArgumentTypeError(f"no gateway takes a token that lasts longer than a day, and {text!r} does")
+    return seconds
 
 
 def _make(chosen: argparse.Namespace) -> int:
@@ -82,7 +95,14 @@ def _issue(chosen: argparse.Namespace) -> int:
     claims |= {"aud": chosen.audience} if chosen.audience else {}
     try:
         read_claims(claims, ClaimRules(chosen.issuer, chosen.audience, chosen.ttl), now)
-    except TokenRefused as refused:
-        raise ValueError(f"no gateway would take such a token: {refused.reason.value}") from None
+    except TokenRefused:
+        raise ValueError(
+            f"no gateway would take such a token: --sub has 1 to {MAX_NAME} printable characters, "
+            f"and each --scope 1 to {MAX_PATTERN}, {MAX_PATTERNS} times at most"
+        ) from None
+    if not chosen.scope and Role.ADMINISTRATOR.value not in chosen.role:
+        _tell("without --scope this token is good for no component")
+    if chosen.ttl > MAX_LIFETIME:
+        _tell(f"a gateway takes this token only with --auth-max-lifetime {chosen.ttl} or more")
     print(jwt.encode(claims, key, algorithm))
     return 0

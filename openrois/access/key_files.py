@@ -74,13 +74,14 @@ def read_signing_key(path: Path) -> tuple[str, Any]:
         ValueError: it is no such key.
     """
     text = read_key_file(path)
-    _warn_of_readers(path)
     try:
         if _PRIVATE not in text:
             key = parse_key(text)
             if key.algorithm != "HS256":
                 raise ValueError("nobody can sign with a public key: the private one is needed")
+            _warn_of_readers(path)
             return key.algorithm, key.material
+        _warn_of_readers(path)
         private: Any = load_pem_private_key(text.encode(), None)
         return public_key(private.public_key()).algorithm, private
     except (ValueError, TypeError, AttributeError, UnsupportedAlgorithm) as flaw:

@@ -121,7 +121,13 @@ def run(
     Raises:
         BadParameter: `engine_id` or a component's name cannot be part of a reference, or a name stands twice.
         ValueError: `gateway` is no address of a gateway.
+        SystemExit: what the environment names is none.
     """
+    if gateway is None and (named := os.environ.get(GATEWAY_VARIABLE)):
+        try:
+            adapter_url(named)
+        except ValueError as error:
+            raise SystemExit(f"{GATEWAY_VARIABLE}: {error}") from None
     set_up_logging(verbose=verbose)
     serving = serve(*components, engine_id=engine_id, gateway=gateway, token_file=token_file, ca_file=ca_file)
     with suppress(KeyboardInterrupt), asyncio.Runner(loop_factory=_quick_loop()) as runner:

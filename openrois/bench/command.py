@@ -17,6 +17,7 @@ from openrois.bench.events import EventsSettings, run_events
 from openrois.bench.idle import IdleSettings, run_idle
 from openrois.bench.rpc import RpcSettings, run_rpc
 from openrois.bench.security import Security
+from openrois.command_line import CommandLine
 
 __all__ = ["INTERRUPTED", "add_gateway_benches", "add_json", "carry_out", "count", "seconds", "tell"]
 
@@ -27,7 +28,7 @@ _MOST: Final = 1000
 _MOST_CONNECTIONS: Final = 100_000
 
 
-def add_gateway_benches(benches: "argparse._SubParsersAction[argparse.ArgumentParser]") -> None:
+def add_gateway_benches(benches: "argparse._SubParsersAction[CommandLine]") -> None:
     """Add `rpc`, `events` and `idle`."""
     rpc, events, idle = RpcSettings(), EventsSettings(), IdleSettings()
     told = "a query through the gateway, beside raw TCP and the bare websockets library (about 40 s)"
@@ -67,7 +68,7 @@ def add_gateway_benches(benches: "argparse._SubParsersAction[argparse.ArgumentPa
     told = "connections on which nothing happens, over TLS (about 30 s)"
     options = benches.add_parser("idle", help=told, description=told)
     options.add_argument(
-        "--connections", type=_connections, default=idle.connections, help="that are open (%(default)s)"
+        "--connections", type=connections, default=idle.connections, help="that are open (%(default)s)"
     )
     options.add_argument("--seconds", type=seconds, default=idle.seconds, help="for which all are open (%(default)s)")
     add_json(options)
@@ -97,7 +98,8 @@ def _number(convert: Callable[[str], float], text: str, most: int = _MOST) -> fl
     return number
 
 
-def _connections(text: str) -> int:
+def connections(text: str) -> int:
+    """Read a number of connections."""
     return int(_number(int, text, _MOST_CONNECTIONS))
 
 

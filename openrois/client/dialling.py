@@ -2,6 +2,7 @@
 
 from collections.abc import AsyncIterator, Callable
 from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from typing import Final
 
 from websockets.exceptions import InvalidHandshake, InvalidStatus
 
@@ -9,9 +10,13 @@ from openrois.client.errors import ConnectionFailed
 from openrois.transport.address import gateway_url
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from openrois.transport.stream import MessageStream
-from openrois.transport.websocket import dial, refusal
+from openrois.transport.unreachable import unreachable
+from openrois.transport.websocket import dial
 
 __all__ = ["Dial", "websocket"]
+
+_FINAL: Final = (401, 403)
+"""Refusals after which trying again cannot help."""
 
 Dial = Callable[[], AbstractAsyncContextManager[MessageStream]]
 """Opens a connection for as long as the block runs; raises `OSError` or `TimeoutError` where there is none."""
@@ -34,17 +39,11 @@ def websocket(url: str, credentials: Credentials = NO_CREDENTIALS) -> Dial:
         opening = dial(address, credentials=credentials, open_timeout=None)
         try:
             stream = await opening.__aenter__()
-        except ValueError as error:
-            raise ConnectionFailed(str(error)) from error
-        except InvalidStatus as error:
-            final = error.response.status_code in (401, 403)
-            raise ConnectionFailed(f"{address} answered {refusal(error)}", final=final) from error
-        except InvalidHandshake as error:
-            raise ConnectionFailed(f"what answers at {address} is no gateway: {error}") from error
-        except OSError as error:
-            raise ConnectionFailed(
-                f"no gateway answers at {address}; `openrois gateway` starts one here ({error})"
-            ) from error
+        except (InvalidHandshake, ValueError, OSError) as error:
+            said = unreachable(address, error, remedies=("token=", "ca_file="))
+            final = isinstance(error, InvalidStatus) and error.response.status_code in _FINAL
+            # The sentence has all of it; what the library says of each layer below would hide it.
+            raise ConnectionFailed(said, final=final) from None
         try:
             yield stream
         finally:

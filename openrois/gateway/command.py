@@ -1,6 +1,7 @@
 """`openrois gateway`: run a gateway until it is told to stop."""
 
 import asyncio
+import errno
 import gc
 import logging
 import os
@@ -19,6 +20,7 @@ from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.supervisor import Supervisor
 from openrois.journal.file import JournalUnusable
 from openrois.logs import set_up_logging
+from openrois.metrics.server import MetricsUnavailable
 from openrois.tasks import TaskScope
 
 __all__ = ["main"]
@@ -37,7 +39,7 @@ def main(arguments: Sequence[str]) -> int:
     try:
         configured = configure(arguments, os.environ)
     except ValueError as error:
-        print(f"openrois gateway: error: {error}", file=sys.stderr)
+        print(f"openrois gateway: {error}", file=sys.stderr)
         raise SystemExit(2) from None
     settings = configured.settings
     if configured.print_only:
@@ -51,14 +53,22 @@ def main(arguments: Sequence[str]) -> int:
             _log.warning("%s", warning)
         _allow_files()
         uvloop.run(_run(settings))
-    except (JournalUnusable, ValueError) as error:
+    except (JournalUnusable, MetricsUnavailable, ValueError) as error:
         print(f"openrois gateway: {error}", file=sys.stderr)
         return 1
     except OSError as error:
-        where = error.filename or f"{settings.host}:{settings.port}"
-        print(f"openrois gateway: {where}: {error.strerror or error}", file=sys.stderr)
+        print(f"openrois gateway: {_cannot_start(error, settings)}", file=sys.stderr)
         return 1
     return 0
+
+
+def _cannot_start(error: OSError, settings: GatewaySettings) -> str:
+    where = f"{settings.host}:{settings.port}"
+    if error.filename:
+        return f"{error.filename}: {error.strerror}"
+    if error.errno == errno.EADDRINUSE:
+        return f"{where} is taken; is a gateway running already? Another port: --port"
+    return f"nobody can listen at {where}: {error.strerror or error}"
 
 
 async def _run(settings: GatewaySettings) -> None:

@@ -1,10 +1,9 @@
 """A gateway's settings from options, environment, configuration file and defaults, in this order of precedence."""
 
 import argparse
-import difflib
 import json
 import tomllib
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, get_args
@@ -12,6 +11,7 @@ from typing import Any, Final, get_args
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
+from openrois.command_line import CommandLine, suggestion
 from openrois.gateway.settings import GROUPS, GatewaySettings
 
 __all__ = ["Configured", "Setting", "configure", "printed", "settings_of"]
@@ -165,10 +165,9 @@ def _toml(value: Any) -> str:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog="openrois gateway",
+    parser = CommandLine(
+        "openrois gateway",
         description="The main HRI engine, on one port. Options win over the environment, and that over the file.",
-        allow_abbrev=False,
     )
     parser.add_argument("--config", metavar="FILE", help=f"settings as TOML ({_CONFIG})")
     parser.add_argument("--print-config", action="store_true", help="show the settings and where each came from")
@@ -200,7 +199,7 @@ def _from_environment(environment: Mapping[str, str]) -> Iterator[tuple[str, tup
             continue
         setting = known.get(variable)
         if setting is None:
-            raise ValueError(f"{variable} is no setting{_suggestion(variable, known)}")
+            raise ValueError(f"{variable} is no setting{suggestion(variable, known)}")
         text = environment[variable]
         value = tuple(filter(None, (part.strip() for part in text.split(",")))) if setting.is_list else text
         yield setting.field, (value, variable)
@@ -214,7 +213,7 @@ def _from_text(text: str, path: Path) -> Iterator[tuple[str, tuple[Any, str]]]:
     known = {group.table: {s.key: s for s in settings_of() if s.table == group.table} for group in GROUPS}
     for table, entries in content.items():
         if table not in known or not isinstance(entries, dict):
-            raise ValueError(f"{path}: [{table[:80]}] is no table of settings{_suggestion(table, known)}")
+            raise ValueError(f"{path}: [{table[:80]}] is no table of settings{suggestion(table, known)}")
         for key, value in entries.items():
             setting = known[table].get(key)
             if setting is None:
@@ -237,12 +236,7 @@ def _hint(table: str, key: str, known: Mapping[str, Mapping[str, Setting]]) -> s
     for other, settings in known.items():
         if key in settings:
             return f" there; it belongs to [{other}]"
-    return _suggestion(key, known[table])
-
-
-def _suggestion(name: str, known: Iterable[str]) -> str:
-    close = difflib.get_close_matches(name, known, n=1)
-    return f"; is it {close[0]}?" if close else ""
+    return suggestion(key, known[table])
 
 
 def _text(path: Path) -> str:

@@ -124,7 +124,7 @@ class Operation(SettingsGroup):
         if not 0 <= self.drain <= 3600:
             raise ValueError("drain is 0 to 3600 seconds for what runs")
         if self.metrics is not None and not is_loopback(metrics_address(self.metrics)[0]) and not self.metrics_token:
-            raise ValueError(f"figures at {self.metrics!r}, beyond this machine, need metrics_token_file")
+            raise ValueError(f"figures at {self.metrics!r}, beyond this machine, need a token: --metrics-token-file")
         if self.metrics_token and len(self.metrics_token) < SECRET_LENGTH:
             raise ValueError(f"the token of the figures has at least {SECRET_LENGTH} characters")
         return self

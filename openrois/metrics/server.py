@@ -1,6 +1,7 @@
 """`GET /metrics`: a small HTTP server of its own, for Prometheus."""
 
 import asyncio
+import errno
 import hmac
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
@@ -67,8 +68,12 @@ async def serving_metrics(
         try:
             await web.TCPSite(runner, host, port).start()
         except OSError as error:
-            raise MetricsUnavailable(f"metrics cannot be served at {host}:{port}: {error.strerror or error}") from error
+            raise MetricsUnavailable(f"metrics cannot be served at {host}:{port}: {_why(error)}") from error
         chosen = runner.addresses[0][1]
         yield f"http://{f'[{host}]' if ':' in host else host}:{chosen}/metrics"
     finally:
         await runner.cleanup()
+
+
+def _why(error: OSError) -> str:
+    return "the port is taken" if error.errno == errno.EADDRINUSE else error.strerror or str(error)

@@ -1,25 +1,24 @@
 """The profiles of a running system, asked over its wire."""
 
 import asyncio
-import ssl
 from collections.abc import Mapping
 from typing import Any, Final
 
 from pydantic import ValidationError
-from websockets.exceptions import InvalidHandshake, InvalidStatus
+from websockets.exceptions import InvalidHandshake
 
 from openrois.jsonrpc.session import CALL_TIMEOUT, RpcError, RpcSession, SessionClosed
 from openrois.profile_command.problems import problem
 from openrois.transport.address import gateway_url
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
-from openrois.transport.websocket import dial, refusal
+from openrois.transport.unreachable import unreachable
+from openrois.transport.websocket import dial
 from openrois.types.codes import ReturnCode
 from openrois.types.messages import ProfileResult
 
 __all__ = ["NoProfile", "ask_profiles"]
 
 _NOTHING: Final[Mapping[str, Any]] = {}
-_REFUSED: Final = (401, 403)
 
 
 class NoProfile(Exception):
@@ -40,9 +39,13 @@ async def ask_profiles(
     Raises:
         NoProfile: nobody answers there, or not as an HRI engine does, or it has no such component.
     """
+    try:
+        address = gateway_url(url)
+    except ValueError as error:
+        raise NoProfile(str(error)) from None
     condition = "component_ref = '" + component_ref.replace("'", "''") + "'" if component_ref else ""
     try:
-        async with dial(gateway_url(url), credentials=credentials) as stream:
+        async with dial(address, credentials=credentials) as stream:
             session = RpcSession(stream, call_timeout=timeout)
             running = asyncio.ensure_future(session.run())
             try:
@@ -52,27 +55,14 @@ async def ask_profiles(
             finally:
                 await session.close()
                 await asyncio.wait({running})
-    except ssl.SSLCertVerificationError as error:
-        raise NoProfile(f"no gateway is reached at {url}: {refusal(error)} (--ca-file)") from None
-    except ValueError as error:
-        raise NoProfile(str(error)) from None
     except TimeoutError:
         raise NoProfile(f"{url} does not answer in time") from None
-    except ConnectionRefusedError:
-        raise NoProfile(
-            f"no gateway is reached at {url}: nothing listens there (`openrois gateway` starts one)"
-        ) from None
-    except OSError as error:
-        raise NoProfile(f"no gateway is reached at {url}: {error.strerror or error}") from None
-    except (InvalidHandshake, SessionClosed, RpcError) as error:
-        raise NoProfile(_not_served(url, error)) from None
+    except (InvalidHandshake, ValueError, OSError) as error:
+        said = unreachable(url, error, remedies=("--token-file", "--ca-file"))
+        raise NoProfile(said) from None
+    except (SessionClosed, RpcError) as error:
+        raise NoProfile(f"what answers at {url} is no gateway: {error}") from None
     return _checked(url, component_ref, answer)
-
-
-def _not_served(url: str, error: Exception) -> str:
-    if isinstance(error, InvalidStatus) and error.response.status_code in _REFUSED:
-        return f"{url} answers {refusal(error)} (--token-file)"
-    return f"what answers at {url} is no gateway: {error}"
 
 
 def _checked(url: str, component_ref: str, answer: object) -> ProfileResult:

@@ -10,6 +10,7 @@ from typing import Final
 
 from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.catalog.common import ROIS_COMMON
+from openrois.command_line import CommandLine
 from openrois.profile_command.asking import NoProfile, ask_profiles
 from openrois.profile_command.files import documents_in, json_text, plain, profile_files, write_set
 from openrois.profile_xml.documents import assemble, doubts, write_documents
@@ -55,8 +56,8 @@ def main(arguments: Sequence[str]) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        prog="openrois profile",
+    parser = CommandLine(
+        "openrois profile",
         description="Profiles of RoIS engines and components, as the standard's XML or as the JSON of the wire.",
     )
     actions = parser.add_subparsers(dest="action", required=True, metavar="export|import")

@@ -23,6 +23,7 @@ MAX_MESSAGE: Final = 4 << 20
 OPEN_TIMEOUT: Final = 10.0
 _CLOSE_TIMEOUT: Final = 1.0
 _GOING_AWAY: Final = 1001
+_SHOWN: Final = 200
 
 _frames = logging.getLogger(f"{__name__}.frames")
 # At DEBUG the library logs every header and every frame, tokens and session descriptions too.
@@ -89,8 +90,10 @@ def refusal(error: Exception) -> str:
     if not isinstance(error, InvalidStatus):
         return str(error)
     response = error.response
-    said = response.body[:200].decode(errors="replace").strip() if response.body else response.reason_phrase
-    return f"{response.status_code}: {said}"
+    text = (response.body or b"")[:_SHOWN].decode(errors="replace")
+    # It goes to terminals, and who wrote it is not known.
+    said = " ".join("".join(each if each.isprintable() else " " for each in text).split())
+    return f"{response.status_code}: {said or response.reason_phrase}"
 
 
 def _closed(closed: ConnectionClosed) -> StreamClosed:

@@ -53,6 +53,8 @@ def test_it_can_be_stopped_while_its_game_engine_starts(
         ("--link", "8766"),
         ("--link-secret-file", "no/such/file"),
         ("--pixel-streaming", "8888"),
+        ("--max-viewer-bitrate", "fast"),
+        ("--max-viewer-bitrate", "5"),
         ("--pixel-streaming", "ws://[::1]", "--engine", "unreal"),
     ],
 )

@@ -2,13 +2,14 @@ import argparse
 from pathlib import Path
 
 import pytest
-from openrois_avatar.link_options import add_link_options, link_arguments, link_secret
+from openrois_avatar.link_options import add_facade_option, add_link_options, link_arguments, link_secret
 from openrois_avatar.settings import DEFAULT_LINK
 
 
 def parse(*arguments: str) -> argparse.Namespace:
     parser = argparse.ArgumentParser()
     add_link_options(parser)
+    add_facade_option(parser)
     return parser.parse_args(arguments)
 
 

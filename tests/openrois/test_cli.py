@@ -49,7 +49,9 @@ def test_version(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_an_unknown_command_is_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["dance"]) == 2
-    assert "there is no command 'dance'" in capsys.readouterr().err
+    assert capsys.readouterr().err == "openrois: there is no command 'dance' (`openrois --help` lists them)\n"
+    assert main(["gatewy"]) == 2
+    assert "there is no command 'gatewy'; is it gateway?" in capsys.readouterr().err
 
 
 def test_the_rest_goes_to_the_command(capsys: pytest.CaptureFixture[str]) -> None:

@@ -65,7 +65,7 @@ async def test_nobody_listens(host: EngineHost, caplog: pytest.LogCaptureFixture
     time = Time(enough=4)
     async with dialling(host, f"ws://127.0.0.1:{port}/adapter", time):
         assert time.delays == [1, 1.5, 2.25, 3.375]
-    assert f"no gateway at ws://127.0.0.1:{port}/adapter (`openrois gateway` starts one here)" in caplog.text
+    assert f"no gateway answers at ws://127.0.0.1:{port}/adapter; `openrois gateway` starts one here" in caplog.text
 
 
 async def test_something_else_listens(host: EngineHost, caplog: pytest.LogCaptureFixture) -> None:
@@ -77,7 +77,7 @@ async def test_something_else_listens(host: EngineHost, caplog: pytest.LogCaptur
         time = Time(enough=2)
         async with dialling(host, f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}/adapter", time):
             assert time.delays == [1, 1.5]
-    assert "takes no adapters" in caplog.text
+    assert "/adapter is no gateway" in caplog.text
 
 
 async def test_a_refusal_counts_as_a_failure_and_a_lasting_connection_as_success(

@@ -1,9 +1,9 @@
 """`openrois bench`: measure what matters on this machine, and say under which conditions."""
 
-import argparse
 from collections.abc import Sequence
 
 from openrois.bench.command import add_gateway_benches, add_json, carry_out, count, seconds, tell
+from openrois.command_line import CommandLine
 from openrois_avatar.bench.browser import find_chromium
 from openrois_avatar.bench.fanout import FanoutSettings, run_fanout
 from openrois_avatar.bench.latency import LatencySettings, run_latency
@@ -17,7 +17,7 @@ def main(arguments: Sequence[str]) -> int:
     Returns:
         0 when it measured, 1 when it could not, 2 for wrong usage, 130 when it was interrupted.
     """
-    parser = argparse.ArgumentParser(prog="openrois bench", description="Measures on this machine.")
+    parser = CommandLine("openrois bench", description="Measures on this machine.")
     benches = parser.add_subparsers(dest="bench", required=True, metavar="BENCH")
     latency, fanout = LatencySettings(), FanoutSettings()
     told = "from capture to viewer, over gateway and adapter: a measuring sink, and Chromium if there is one (a minute)"

@@ -1,11 +1,11 @@
 """`openrois avatar check`: whether a game engine of your own does what the engine link asks; ends with 0 if it does."""
 
-import argparse
 import asyncio
 import secrets
 import sys
 from collections.abc import Sequence
 
+from openrois.command_line import CommandLine
 from openrois_avatar.check.acting import Patience
 from openrois_avatar.check.finding import Finding, Outcome, as_json, as_text, summary
 from openrois_avatar.check.visit import CannotStart, visiting
@@ -19,8 +19,8 @@ __all__ = ["check", "main"]
 
 def main(arguments: Sequence[str]) -> int:
     """Run the command and return its exit status: 0 if all checks passed, 1 if not, 2 for wrong usage."""
-    parser = argparse.ArgumentParser(
-        prog="openrois avatar check",
+    parser = CommandLine(
+        "openrois avatar check",
         description="Whether a game engine does what docs/engine-link.md asks of it. Start it while this waits, or let"
         f" this run its COMMAND, which finds the address in {ADDRESS_VARIABLE} and the secret in {SECRET_VARIABLE}.",
     )

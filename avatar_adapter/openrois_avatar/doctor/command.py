@@ -1,6 +1,5 @@
 """`openrois doctor`: look at this machine and say what to change; streams work where it ends with 0."""
 
-import argparse
 import asyncio
 import sys
 import time
@@ -12,6 +11,7 @@ from openrois_signaling.turn import turn_credential
 from openrois_streaming.network.servers import read_servers
 from openrois_streaming.network.settings import NetworkSettings
 
+from openrois.command_line import CommandLine
 from openrois_avatar.doctor import machine, network
 from openrois_avatar.doctor.finding import Finding, Level, as_json, as_text, exit_status, summary
 from openrois_avatar.doctor.media import media
@@ -22,8 +22,8 @@ __all__ = ["main"]
 
 def main(arguments: Sequence[str]) -> int:
     """Run the command and return its exit status: 0 if streams will work, 1 if not, 2 for wrong usage."""
-    parser = argparse.ArgumentParser(
-        prog="openrois doctor", description="What of the media path works here, and what to change where it does not."
+    parser = CommandLine(
+        "openrois doctor", description="What of the media path works here, and what to change where it does not."
     )
     parser.add_argument("--port", type=int, default=8765, help="the gateway's TCP port (%(default)s)")
     parser.add_argument("--ice-server", action="append", default=[], metavar="URL", help="a STUN server to ask")
@@ -49,7 +49,8 @@ def _servers(stun: Sequence[str], turn: Sequence[str], secret_file: Path | None)
         try:
             secret = secret_file.read_text(encoding="utf-8").partition("\n")[0].strip()
         except (OSError, UnicodeDecodeError) as error:
-            raise ValueError(f"the secret cannot be read from {secret_file}: {error}") from None
+            why = error.strerror if isinstance(error, OSError) else "it is no text"
+            raise ValueError(f"the secret cannot be read from {secret_file}: {why}") from None
         username, credential = turn_credential(secret, int(time.time()) + 60, "doctor")
         given.append(IceServer(urls=tuple(turn), username=username, credential=credential))
     return given

@@ -36,4 +36,4 @@ def test_wrong_usage_ends_with_2(
     with pytest.raises(SystemExit) as raised:
         command.main(arguments)
     assert raised.value.code == 2
-    assert "openrois doctor: error: " in capsys.readouterr().err
+    assert "openrois doctor: " in capsys.readouterr().err

@@ -47,23 +47,23 @@ def test_a_key_is_never_written_over(tmp_path: Path, capsys: pytest.CaptureFixtu
     assert main(["new-key", str(key)]) == 0
     text = key.read_text()
     assert main(["new-key", str(key)]) == 1
-    assert "File exists" in capsys.readouterr().err
+    assert f"{key} exists already" in capsys.readouterr().err
     assert key.read_text() == text
 
 
 @pytest.mark.parametrize(
-    ("options", "words"),
+    "options",
     [
-        (["--sub", "", "--role", "viewer"], "claim"),
-        (["--sub", "a", "--role", "viewer", "--scope", ""], "claim"),
-        (["--sub", "a\nb", "--role", "viewer"], "claim"),
+        ["--sub", "", "--role", "viewer"],
+        ["--sub", "a", "--role", "viewer", "--scope", ""],
+        ["--sub", "a\nb", "--role", "viewer"],
     ],
 )
-def test_what_is_not_issued(options: list[str], words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_what_is_not_issued(options: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     key = tmp_path / "key"
     main(["new-key", str(key)])
     assert main(["issue", "--key", str(key), *options]) == 1
-    assert f"no gateway would take such a token: {words}" in capsys.readouterr().err
+    assert "no gateway would take such a token: --sub has 1 to 128 printable characters" in capsys.readouterr().err
     assert main(["issue", "--key", str(tmp_path / "none"), "--sub", "a", "--role", "viewer"]) == 1
     assert "cannot be read" in capsys.readouterr().err
 
@@ -73,3 +73,41 @@ def test_what_is_no_time(ttl: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
         main(["issue", "--key", "x", "--sub", "a", "--role", "viewer", f"--ttl={ttl}"])
     assert "is no time" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("ttl", ["2d", "25h", "999999d"])
+def test_what_no_gateway_would_take_for_so_long(ttl: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit):
+        main(["issue", "--key", "x", "--sub", "a", "--role", "viewer", "--ttl", ttl])
+    assert "longer than a day" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--role", "viewer"], "without --scope this token is good for no component"),
+        (["--role", "viewer", "--scope", "*", "--ttl", "2h"], "only with --auth-max-lifetime 7200 or more"),
+        (["--role", "viewer", "--scope", "*", "--ttl", "1h"], ""),
+        (["--role", "administrator"], ""),
+    ],
+)
+def test_what_a_token_is_no_good_for_is_said_beside_it(
+    options: list[str], words: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    key = tmp_path / "key"
+    main(["new-key", str(key)])
+    capsys.readouterr()
+    assert main(["issue", "--key", str(key), "--sub", "a", *options]) == 0
+    shown = capsys.readouterr()
+    assert shown.out.count("\n") == 1
+    assert (words in shown.err) if words else not shown.err
+
+
+def test_a_public_key_is_no_secret(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], caplog: pytest.LogCaptureFixture
+) -> None:
+    key = tmp_path / "key"
+    main(["new-key", str(key), "--algorithm", "ES256"])
+    assert main(["issue", "--key", f"{key}.pub", "--sub", "a", "--role", "viewer"]) == 1
+    assert "nobody can sign with a public key" in capsys.readouterr().err
+    assert not caplog.text

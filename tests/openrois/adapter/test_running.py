@@ -126,6 +126,14 @@ class TestRun:
             assert await ended(process) == 0
             await until(running.engine, lambda ids: "lamp_1" not in ids)
 
+    async def test_an_address_in_the_environment_that_is_none_is_one_line(self) -> None:
+        async with program("127.0.0.1:8765") as process:
+            _, complaints = await process.communicate()
+        problem = (
+            b"OPENROIS_GATEWAY: '127.0.0.1:8765' is no address of a gateway, such as ws://127.0.0.1:8765/adapter\n"
+        )
+        assert (process.returncode, complaints) == (1, problem)
+
     async def test_whoever_tells_it_twice_does_not_wait_for_what_does_not_end(self) -> None:
         source = (
             "import asyncio\n"
@@ -155,7 +163,7 @@ class TestRun:
             port = int(running.url.rpartition(":")[2].rstrip("/"))
         async with program(f"ws://127.0.0.1:{port}/adapter") as process:
             line = await said(process, "no gateway")
-            assert f"no gateway at ws://127.0.0.1:{port}/adapter (`openrois gateway` starts one here)" in line
+            assert f"no gateway answers at ws://127.0.0.1:{port}/adapter; `openrois gateway` starts one here" in line
             assert " I openrois.dialer: " in line
             await said(process, "trying again in")
             process.send_signal(signal.SIGINT)
@@ -165,7 +173,7 @@ class TestRun:
         async with gateway() as running, program(address(running)) as first:
             await until(running.engine, lambda ids: "lamp_1" in ids)
             async with program(address(running)) as second:
-                assert "the engine id 'lamp_1' is taken in this tree" in await said(second, "refuses this adapter")
+                assert "the engine id 'lamp_1' is taken already" in await said(second, "refuses this adapter")
             assert first.returncode is None
 
     async def test_a_component_that_cannot_be_reached_is_there_and_says_so(self) -> None:

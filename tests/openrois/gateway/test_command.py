@@ -114,8 +114,15 @@ def test_a_taken_port_is_one_line(capfd: pytest.CaptureFixture[str]) -> None:
     shown = capfd.readouterr()
     assert shown.out == ""
     assert shown.err.count("\n") == 1
-    assert shown.err.startswith(f"openrois gateway: 127.0.0.1:{port}: ")
-    assert "in use" in shown.err
+    assert shown.err.startswith(f"openrois gateway: 127.0.0.1:{port} is taken; ")
+
+
+def test_a_taken_port_for_the_figures_is_one_line(capfd: pytest.CaptureFixture[str]) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        assert command.main(["--port", "0", "--metrics", str(port)]) == 1
+    said = f"openrois gateway: metrics cannot be served at 127.0.0.1:{port}: the port is taken\n"
+    assert capfd.readouterr().err == said
 
 
 @pytest.mark.parametrize(
@@ -126,4 +133,4 @@ def test_wrong_usage_ends_with_2(arguments: list[str], capfd: pytest.CaptureFixt
     with pytest.raises(SystemExit) as raised:
         command.main(arguments)
     assert raised.value.code == 2
-    assert "openrois gateway: error: " in capfd.readouterr().err
+    assert "openrois gateway: " in capfd.readouterr().err

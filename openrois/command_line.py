@@ -1,0 +1,35 @@
+"""The arguments of a command: what is wrong with them is said in one line, with the option that was meant."""
+
+import argparse
+import difflib
+from collections.abc import Iterable, Sequence
+from typing import Any, Final, NoReturn
+
+__all__ = ["CommandLine", "suggestion"]
+
+_WRONG_USAGE: Final = 2
+
+
+class CommandLine(argparse.ArgumentParser):
+    """An `argparse.ArgumentParser` that takes no abbreviations, and does not answer a slip with all of its usage."""
+
+    def __init__(self, prog: str, **more: Any) -> None:
+        super().__init__(prog, allow_abbrev=False, **more)
+
+    def error(self, message: str) -> NoReturn:
+        """End the program with status 2, and one line that says what is wrong and where to read what is right."""
+        self.exit(_WRONG_USAGE, f"{self.prog}: {message} (`{self.prog} --help` says what there is)\n")
+
+    def parse_known_args(self, args: Sequence[str] | None = None, namespace: Any = None) -> Any:  # type: ignore[override]
+        """Parse arguments; also a sub-command's parser refuses here what it does not know."""
+        found, unknown = super().parse_known_args(args, namespace)
+        if unknown:
+            known = [option for action in self._actions for option in action.option_strings]
+            self.error(f"{unknown[0]} is not known here{suggestion(unknown[0].partition('=')[0], known)}")
+        return found, unknown
+
+
+def suggestion(name: str, known: Iterable[str]) -> str:
+    """Return a question to put behind a complaint: whether the most similar of known names is meant; or nothing."""
+    close = difflib.get_close_matches(name, known, n=1)
+    return f"; is it {close[0]}?" if close else ""

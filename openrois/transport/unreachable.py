@@ -1,0 +1,40 @@
+"""Why a gateway is not reached, in one sentence that says what to do about it."""
+
+import ssl
+from typing import Final
+
+from websockets.exceptions import InvalidHandshake, InvalidStatus
+
+from openrois.transport.websocket import refusal
+
+__all__ = ["unreachable"]
+
+_UNAUTHORIZED: Final = 401
+
+
+def unreachable(url: str, error: Exception, *, remedies: tuple[str, str]) -> str:
+    """Return why `url` could not be dialled.
+
+    Args:
+        url: the address, without secrets.
+        error: what `openrois.transport.websocket.dial` raised.
+        remedies: what gives a token, and what names authorities, for who is to give one.
+    """
+    by_token, by_authority = remedies
+    match error:
+        case InvalidStatus(response=response):
+            remedy = f" ({by_token})" if response.status_code == _UNAUTHORIZED else ""
+            return f"{url} answered {refusal(error)}{remedy}"
+        case InvalidHandshake():
+            encrypted = " (or one with TLS: wss://)" if url.startswith("ws:") else ""
+            return f"what answers at {url} is no gateway{encrypted}: {error}"
+        case ssl.SSLCertVerificationError():
+            return f"no gateway is reached at {url}: {refusal(error)} ({by_authority})"
+        case ssl.SSLError():
+            return f"no TLS is spoken at {url}; without it the address begins with ws:// ({error.reason or error})"
+        case TimeoutError():
+            return f"nothing answers at {url} in time"
+        case OSError():
+            return f"no gateway answers at {url}; `openrois gateway` starts one here ({error.strerror or error})"
+        case _:
+            return f"{url} is not dialled: {error}"
