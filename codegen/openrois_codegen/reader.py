@@ -9,7 +9,7 @@ from enum import Enum
 from typing import Annotated, Any, Final, Literal, get_args, get_origin
 
 from annotated_types import Ge, Gt, Le, Lt, MaxLen, MinLen
-from pydantic import AfterValidator, BaseModel, BeforeValidator, Strict
+from pydantic import AfterValidator, BaseModel, BeforeValidator, FailFast, Strict
 from pydantic.fields import FieldInfo
 from pydantic_core import to_jsonable_python
 
@@ -164,7 +164,7 @@ _LIMITS: Final[Mapping[type, tuple[str, str, int]]] = {
 }
 """Which limit each kind is, where its number stands, and how far the first that fits is from it."""
 
-_NO_LIMITS: Final = (Strict, AfterValidator, BeforeValidator, Data)
+_NO_LIMITS: Final = (Strict, FailFast, AfterValidator, BeforeValidator, Data)
 
 
 def _limits(metadata: list[Any]) -> dict[str, int]:

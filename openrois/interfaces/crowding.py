@@ -4,6 +4,7 @@ A stop that passes what waits has to be the last word: what was asked before it 
 """
 
 from collections.abc import Iterator
+from itertools import islice
 from typing import Any, Final
 
 from openrois.jsonrpc.intake import IntakeRules
@@ -44,7 +45,7 @@ def is_urgent(request: Request) -> bool:
     """Tell whether a request stops, gives back or leaves. Whether it fits is not looked at yet."""
     if request.method != _EXECUTE:
         return request.method in _URGENT
-    units = list(_units(request.params))
+    units = list(islice(_units(request.params), MAX_UNITS + 1))
     return 0 < len(units) <= MAX_UNITS and all(is_stop(str(unit.get("command_type"))) for unit in units)
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
+from itertools import islice
 from typing import Any, Final, TypeVar
 
 from pydantic import BaseModel, ValidationError
@@ -12,6 +13,8 @@ MAX_PROBLEMS: Final = 16
 """Problems that one -32602 lists; whoever sent the params chose how many there are."""
 
 _MAX_PATH: Final = 200
+_MAX_MEMBERS: Final = 64
+"""Members of params that are looked at: no method has as many, so that what is left out changes nothing."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +69,8 @@ class _Method:
         self._function = function
 
     def __call__(self, params: dict[str, Any]) -> Awaitable[Any]:
+        if len(params) > _MAX_MEMBERS:
+            params = dict(islice(params.items(), _MAX_MEMBERS))
         try:
             checked = self._read(params)
         except ValidationError as error:

@@ -7,7 +7,7 @@ failure in RoIS terms is a result whose `return_code` is not OK and whose other 
 from collections.abc import Mapping
 from typing import Annotated, Any, Final, Self
 
-from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, ValidationError
 
 from openrois.types.codes import CompletedStatus, ErrorType, ReturnCode
 from openrois.types.model import Model
@@ -98,6 +98,19 @@ def _not_empty(items: tuple[Any, ...]) -> tuple[Any, ...]:
     if not items:
         raise ValueError("there is no command in the sequence")
     return items
+
+
+def _up_to_a_flaw(profiles: Any) -> Any:
+    """Return profiles by their references; where one does not fit that one alone, so that no more flaws are told."""
+    if not isinstance(profiles, dict):
+        return profiles
+    read = {}
+    for ref, profile in profiles.items():
+        try:
+            read[ref] = HRIComponentProfile.model_validate(profile)
+        except ValidationError:
+            return {ref: profile}
+    return read
 
 
 SequenceItem = Annotated[CommandUnit | ConcurrentCommands, BeforeValidator(_read_item)]
@@ -201,7 +214,9 @@ class ProfileResult(ReturnResult):
     """Result of get_profile; `component_profiles` is an extension of the wire."""
 
     profile: HRIEngineProfile | None = None
-    component_profiles: dict[str, HRIComponentProfile] = Field(default_factory=dict)
+    component_profiles: Annotated[dict[str, HRIComponentProfile], BeforeValidator(_up_to_a_flaw)] = Field(
+        default_factory=dict
+    )
 
 
 class SearchResult(ReturnResult):

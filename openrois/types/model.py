@@ -1,11 +1,35 @@
 """What every model of the wire has in common."""
 
-from pydantic import BaseModel, ConfigDict
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, GetCoreSchemaHandler
+from pydantic_core import CoreSchema
 
 __all__ = ["Model"]
 
 
+def _stop_at_first_flaw(schema: Any) -> None:
+    if isinstance(schema, list | tuple):
+        for each in schema:
+            _stop_at_first_flaw(each)
+    elif isinstance(schema, dict):
+        if schema.get("type") in ("tuple", "list"):
+            schema["fail_fast"] = True
+        for each in schema.values():
+            _stop_at_first_flaw(each)
+
+
 class Model(BaseModel):
-    """A frozen value; unknown fields are refused, and text, numbers and truth values are never converted silently."""
+    """A frozen value; unknown fields are refused, and text, numbers and truth values are never converted silently.
+
+    Of a list only the first item that does not fit is told: to tell of all in one long message takes half a second.
+    """
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True)
+
+    @classmethod
+    def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        """Return the schema of the model, with lists that are read up to their first flaw."""
+        schema = handler(source)
+        _stop_at_first_flaw(schema)
+        return schema

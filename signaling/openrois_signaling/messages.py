@@ -5,7 +5,7 @@ All are immutable and refuse unknown fields. `method` of a message is its JSON-R
 
 from typing import Annotated, Any, ClassVar, Literal, Self, TypeAlias
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, FailFast, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 SDP_LIMIT = 48 * 1024
@@ -89,7 +89,7 @@ class Offer(_Message):
     method: ClassVar[str] = "signaling.offer"
     generation: Generation
     sdp: Sdp
-    streams: Annotated[tuple[StreamSection, ...], Field(strict=False, max_length=SECTIONS_LIMIT)]
+    streams: Annotated[tuple[StreamSection, ...], FailFast(), Field(strict=False, max_length=SECTIONS_LIMIT)]
     replaces: Identifier | None = None
 
 

@@ -96,6 +96,12 @@ def test_an_offer_has_at_most_sixteen_streams() -> None:
         Offer.model_validate({**OFFER, "streams": sections})
 
 
+def test_of_very_many_sections_that_do_not_fit_one_is_told() -> None:
+    with pytest.raises(ValidationError) as refused:
+        Offer.model_validate({"peer_id": "e/p", "generation": 1, "sdp": "v=0", "streams": [{}] * 20_000})
+    assert refused.value.error_count() < 10
+
+
 def test_a_candidate_names_its_section() -> None:
     unplaced = {key: value for key, value in CANDIDATE.items() if not key.startswith("sdp_m")}
     with pytest.raises(ValidationError, match="neither sdp_mid nor sdp_m_line_index"):
