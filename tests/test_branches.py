@@ -9,6 +9,7 @@ ROOT = Path(__file__).parents[1]
 # Whole processes and sockets are others' business: what is pure is tested by itself.
 TESTS = (
     *(f"tests/openrois/{part}" for part in ("authoring", "catalog", "jsonrpc", "leases", "profile_xml", "types")),
+    "tests/openrois/gateway/test_frames.py",
     "tests/openrois/gateway/test_origins.py",
     "tests/openrois/bench/test_figures.py",
     "tests/openrois/bench/test_table.py",

@@ -7,7 +7,7 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import AbstractContextManager, AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 from functools import partial
-from typing import Final
+from typing import Any, Final
 
 from aiohttp import WSCloseCode, web
 
@@ -21,6 +21,7 @@ from openrois.gateway.draining import RETRY_AFTER, Drain
 from openrois.gateway.entrance import Entrance
 from openrois.gateway.heads import HEAD_TIMEOUT, Heads
 from openrois.gateway.health import Readiness, healthz, readyz
+from openrois.gateway.http_connection import HttpConnection
 from openrois.gateway.ice import IceServers
 from openrois.gateway.metrics import Sources, figures
 from openrois.gateway.page import page_response
@@ -130,15 +131,15 @@ async def run_gateway(
             application,
             adapter,
         )
-        runner = web.AppRunner(
-            server.app, access_log=None, logger=HTTP_LOG, shutdown_timeout=_SHUTDOWN_TIMEOUT, keepalive_timeout=_IDLE
-        )
+        runner = web.AppRunner(server.app, shutdown_timeout=_SHUTDOWN_TIMEOUT)
         await runner.setup()
         stack.push_async_callback(runner.cleanup)
         context = None if entrance.certificate is None else entrance.certificate.context
         assert runner.server is not None
-        heads.protocols = runner.server
-        listening = await asyncio.get_running_loop().create_server(
+        loop = asyncio.get_running_loop()
+        options: dict[str, Any] = {"logger": HTTP_LOG, "access_log": None, "keepalive_timeout": _IDLE}
+        heads.protocols = partial(HttpConnection, runner.server, loop=loop, **options)
+        listening = await loop.create_server(
             heads,
             settings.host,
             settings.port,

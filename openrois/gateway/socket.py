@@ -2,14 +2,18 @@
 
 import asyncio
 import struct
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, cast
 
 from aiohttp import WebSocketError, WSCloseCode, WSMessage, WSMsgType, web
 
 from openrois.gateway.admission import SUBPROTOCOL
+from openrois.gateway.frames import BROKEN, CONTROL_FRAMES_AT_ONCE, CONTROL_FRAMES_PER_SECOND, FrameRules
+from openrois.gateway.http_connection import HttpConnection
 from openrois.jsonrpc.session import STOOD_STILL
+from openrois.rate import RateLimit
 from openrois.transport.stream import StreamClosed, close_reason
 
 __all__ = ["ADAPTER", "APPLICATION", "ServerSocket", "SocketProfile"]
@@ -39,6 +43,7 @@ _NO_CODE: Final = 1005
 _HIGH_WATER: Final = 64 * 1024
 """Bytes that wait in front of the kernel from which on a sender waits."""
 
+_PING: Final = b"\x89\x00"
 _TEXT: Final = 0x81
 _LENGTH_16: Final = struct.Struct("!BBH")
 _LENGTH_64: Final = struct.Struct("!BBQ")
@@ -59,6 +64,7 @@ class ServerSocket:
         )
         self._request = request
         self._profile = profile
+        self._rules = FrameRules(RateLimit(CONTROL_FRAMES_AT_ONCE, CONTROL_FRAMES_PER_SECOND, time.monotonic))
         self._heard = asyncio.Event()
         self._reading = False
         self._ended: StreamClosed | None = None
@@ -69,6 +75,7 @@ class ServerSocket:
         Raises:
             StreamClosed: whoever asked for it has gone.
         """
+        cast(HttpConnection, self._request.protocol).rules = self._rules
         try:
             await self.response.prepare(self._request)
         except ConnectionError as error:
@@ -81,34 +88,48 @@ class ServerSocket:
             await asyncio.sleep(self._profile.ping_interval)
             self._heard.clear()
             due = clock() + self._profile.ping_timeout
+            self._ping()
             try:
                 async with asyncio.timeout(self._profile.ping_timeout):
-                    await self.response.ping()
                     await self._heard.wait()
-            except (TimeoutError, ConnectionError):
+            except TimeoutError:
                 if self._reading and clock() < due + STOOD_STILL:
                     self.abort()
                     return
                 # Its answer may wait here unread, behind requests that take their time, or because this process stood
                 # still: that is not its fault.
 
+    def _ping(self) -> None:
+        """Ping without waiting: in aiohttp all who wait to write share a future, and a timeout of one cancels all."""
+        transport = self._request.transport
+        if transport is not None and not self.response.closed and not transport.is_closing():
+            transport.write(_PING)
+
     async def receive(self) -> str:
-        """Return the next text message; a binary one ends the connection with 1003."""
-        while True:
-            self._reading = True
-            message = await self.response.receive()
+        """Return the next text message; a binary one ends the connection with 1003, a wrong frame with its code."""
+        self._reading = True
+        try:
+            while True:
+                message = await self.response.receive()
+                self._heard.set()
+                if message.type is WSMsgType.TEXT:
+                    text: str = message.data
+                    return text
+                if message.type is WSMsgType.PING:
+                    # One that asks and takes no answers in is as silent as one that does not answer.
+                    await self._pong(message.data)
+                elif message.type is WSMsgType.BINARY:
+                    await self._refuse(WSCloseCode.UNSUPPORTED_DATA, "text messages only")
+                elif message.type is not WSMsgType.PONG:
+                    raise self._closed_by(message)
+                elif self._rules.fault is not None and message.data == BROKEN:
+                    await self._refuse(self._rules.fault.code, self._rules.fault.reason)
+        finally:
             self._reading = False
-            self._heard.set()
-            if message.type is WSMsgType.TEXT:
-                text: str = message.data
-                return text
-            if message.type is WSMsgType.PING:
-                await self._pong(message.data)
-            elif message.type is WSMsgType.BINARY:
-                await self.close(WSCloseCode.UNSUPPORTED_DATA, "text messages only")
-                raise StreamClosed(WSCloseCode.UNSUPPORTED_DATA, "text messages only")
-            elif message.type is not WSMsgType.PONG:
-                raise self._closed_by(message)
+
+    async def _refuse(self, code: int, reason: str) -> None:
+        await self.close(code, reason)
+        raise StreamClosed(code, reason)
 
     async def _pong(self, data: bytes) -> None:
         try:

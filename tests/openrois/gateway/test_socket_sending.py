@@ -3,11 +3,13 @@
 import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from functools import partial
 
 import pytest
 from aiohttp import web
 from websockets.asyncio.client import ClientConnection, connect
 
+from openrois.gateway.http_connection import HttpConnection
 from openrois.gateway.socket import APPLICATION, ServerSocket
 from openrois.transport.stream import StreamClosed
 from tests.support.session import settle
@@ -30,13 +32,16 @@ async def joined() -> AsyncIterator[tuple[ServerSocket, ClientConnection]]:
     app.router.add_get("/", accept)
     runner = web.AppRunner(app, access_log=None, shutdown_timeout=0.1)
     await runner.setup()
+    assert runner.server is not None
+    loop = asyncio.get_running_loop()
+    listening = await loop.create_server(partial(HttpConnection, runner.server, loop=loop), "127.0.0.1", 0)
     try:
-        await web.TCPSite(runner, "127.0.0.1", 0).start()
-        url = f"ws://127.0.0.1:{runner.addresses[0][1]}/"
+        url = f"ws://127.0.0.1:{listening.sockets[0].getsockname()[1]}/"
         async with connect(url, max_size=None, max_queue=1, compression=None, proxy=None) as far:
             yield await made, far
             over.set()
     finally:
+        listening.close()
         await runner.cleanup()
 
 

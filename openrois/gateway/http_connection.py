@@ -1,0 +1,58 @@
+"""One connection of the gateway's port: aiohttp's, with what comes over a WebSocket checked before it is parsed."""
+
+from collections.abc import Callable
+from typing import Any, Final, Protocol
+
+from aiohttp import WSCloseCode, web
+
+from openrois.gateway.frames import FrameRules
+
+__all__ = ["HttpConnection"]
+
+_MORE: Final = (False, b"")
+"""What a parser says that goes on."""
+
+
+class HttpConnection(web.RequestHandler):
+    """A connection.
+
+    Attributes:
+        rules: what holds for the frames of its WebSocket; to be set before the upgrade is answered.
+    """
+
+    __slots__ = ("rules",)
+
+    rules: FrameRules
+
+    def set_parser(self, parser: Any, data_received_cb: Callable[[], None] | None = None) -> None:
+        """Take what parses the frames from here on, and check them before it does."""
+        checked: Any = _Checked(parser, self.rules)
+        super().set_parser(checked, data_received_cb)
+
+
+class _Parser(Protocol):
+    def feed_data(self, data: bytes) -> tuple[bool, bytes]: ...
+    def feed_eof(self) -> None: ...
+
+
+class _Checked:
+    """A parser that is given what the rules let pass."""
+
+    def __init__(self, parser: _Parser, rules: FrameRules) -> None:
+        self._parser = parser
+        self._rules = rules
+
+    def feed_data(self, data: bytes) -> tuple[bool, bytes]:
+        passed = self._rules.passed(data)
+        if not passed:
+            return _MORE
+        went_on = self._parser.feed_data(passed)
+        fault = self._rules.fault
+        if fault is not None and fault.code == WSCloseCode.PROTOCOL_ERROR:
+            # No closing handshake is waited for, as with what the library refuses by itself. A flood is taken in for as
+            # long as that takes: bytes that nobody reads would cost its sender the close frame.
+            self._parser.feed_eof()
+        return went_on
+
+    def feed_eof(self) -> None:
+        self._parser.feed_eof()
