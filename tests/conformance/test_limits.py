@@ -19,7 +19,7 @@ from openrois import command_log, condition, engine, error_log, event_log, fault
 from openrois.access import claims, jwks, keys
 from openrois.application import EngineHost
 from openrois.errors import OutOfResources
-from openrois.gateway import adapters, applications, heads, places, reloading, tenure
+from openrois.gateway import adapters, applications, frames, heads, places, reloading, tenure
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import ADAPTER, APPLICATION
 from openrois.interfaces import command, crowding, stream
@@ -93,6 +93,13 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
             f"{TRANSPORT}::test_the_limit_is_exact",
             f"{TRANSPORT}::test_an_adapter_may_say_more",
             f"{TRANSPORT}::test_binary_frames_are_refused",
+        ),
+    ),
+    "frames of one message; pings and pongs to the gateway": (
+        (frames.MAX_FRAGMENTS, frames.CONTROL_FRAMES_AT_ONCE, frames.CONTROL_FRAMES_PER_SECOND, 1008),
+        (
+            "tests/openrois/gateway/test_frames.py::test_a_message_has_so_many_fragments",
+            "tests/openrois/gateway/test_frames.py::test_there_may_be_so_many_pings_and_pongs",
         ),
     ),
     "message that an adapter takes from its gateway": (
