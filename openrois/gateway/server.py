@@ -213,7 +213,7 @@ class _Server:
     async def _admitted(self, request: web.Request) -> web.Response:
         """Answer as a WebSocket would be: a browser does not tell its page why one was refused."""
         await self._entrance.admission.application(request)
-        return web.json_response({"status": "ok"})
+        return web.json_response({"status": "ok", "tokens": self._entrance.admission.verifier is not None})
 
     async def _adapter(self, request: web.Request) -> web.StreamResponse:
         if not _wants_websocket(request):

@@ -2,6 +2,7 @@
 
 import asyncio
 import re
+import ssl
 import time
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
@@ -17,7 +18,7 @@ from openrois.dialer import serve_parent
 from openrois.transport.credentials import Credentials
 from tests.support.browser import GATEWAY_AWAY, Visit, running_browser, visiting
 from tests.support.certificates import Authority
-from tests.support.guarded import Guarded, fresh, guarded
+from tests.support.guarded import Guarded, ask, fresh, guarded
 
 pytestmark = [pytest.mark.browser, pytest.mark.asyncio(loop_scope="session")]
 
@@ -127,3 +128,49 @@ async def test_who_may_only_watch_sees_the_picture_and_why_there_is_nothing_to_p
             await expect(item).to_have_accessible_description(
                 "You are watching: your token does not let you operate the avatar"
             )
+
+
+async def _seated(visit: Visit) -> None:
+    """Wait until a page can take control; picture and sound would keep a slow machine busy."""
+    await visit.until("openrois.video && openrois.audio")
+    await visit.read("Promise.all([openrois.video.disconnect(), openrois.audio.disconnect()]).then(() => true)")
+    await expect(visit.item("control-toggle")).to_be_visible()
+
+
+async def test_control_is_asked_for_kept_and_handed_over(browser: Browser, coming: Guarded) -> None:
+    url, trust = coming.gateway.url, ssl.create_default_context(cafile=coming.folder / "ca.pem")
+    async with (
+        visiting(browser, f"{url}#token={fresh(sub='anna')}", ignore_https_errors=True) as anna,
+        visiting(browser, f"{url}#token={fresh(sub='ben')}", ignore_https_errors=True) as ben,
+        coming.dial(fresh(sub="carl"), ssl=trust) as carl,
+    ):
+        await asyncio.gather(_seated(anna), _seated(ben))
+        theirs, ours = (visit.item("handover") for visit in (anna, ben))
+        await anna.press("control-toggle")
+        await expect(ours).to_contain_text("anna has control")
+        await expect(theirs).to_be_hidden()
+        seat = {"component_ref": "avatar/Teleoperation"}
+        assert (await ask(carl, "openrois.lease.request", **seat))["result"]["lease"]["position"] == 1
+        await ben.press("handover-yes")
+        await expect(ours).to_contain_text("You wait for control: number 2 in line")
+
+        # One after the other is answered.
+        await expect(theirs).to_contain_text("carl asks for control, and 1 more")
+        await anna.press("handover-no")
+        await expect(theirs).to_contain_text("ben asks for control")
+        await anna.press("handover-no")
+        await expect(theirs).to_be_hidden()
+        await expect(ours).to_contain_text("anna does not hand over control now. You wait: number 2 in line")
+        await ask(carl, "openrois.lease.leave", **seat)
+        await expect(ours).to_contain_text("number 1 in line")
+        await expect(anna.item("control-toggle")).to_have_attribute("aria-pressed", "true")
+
+        await ben.press("handover-yes")
+        await expect(theirs).to_contain_text("ben asks for control")
+        await anna.press("handover-yes")
+        await expect(ours).to_contain_text("You have control")
+        await expect(theirs).to_contain_text("ben has control")
+        await expect(anna.item("control-toggle")).to_have_attribute("aria-pressed", "false")
+        await ben.press("handover-no")
+        for bar in (ours, theirs):
+            await expect(bar).to_be_hidden()

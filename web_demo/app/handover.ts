@@ -5,6 +5,16 @@ import { byRole, byTestId, setText } from "./dom.ts";
 import { WATCHING } from "./permission.ts";
 
 type Press = () => Promise<unknown>;
+type Choice = readonly [words: string, press: Press];
+
+/** What a gateway without authentication calls everybody. */
+const ANYBODY = "local";
+
+/** Somebody who waits for an answer, until the time for it is over. */
+interface Asking {
+  readonly told: LeaseRequestedNotification;
+  readonly ending: ReturnType<typeof setTimeout>;
+}
 
 export class Handover {
   readonly #client: Client;
@@ -13,18 +23,27 @@ export class Handover {
   readonly #yes = byTestId("handover-yes", HTMLButtonElement);
   readonly #no = byTestId("handover-no", HTMLButtonElement);
   #componentRef: string | null = null;
-  #asked: LeaseRequestedNotification | null = null;
-  #answering: ReturnType<typeof setTimeout> | undefined;
+  /** Who asks for what this page has, by the request's id, the first one first. */
+  readonly #asking = new Map<string, Asking>();
+  /** This page has asked for it, and neither gave it back nor left the line. */
+  #wanted = false;
+  /** The holder said no, or nothing in time; one waits in line all the same. */
+  #declined = false;
   #held = "";
   #watching = false;
   #press: { readonly yes: Press | null; readonly no: Press | null } = { yes: null, no: null };
 
   constructor(client: Client) {
     this.#client = client;
-    this.#yes.addEventListener("click", () => void this.#press.yes?.().catch(() => this.#look()));
-    this.#no.addEventListener("click", () => void this.#press.no?.().catch(() => this.#look()));
-    client.control.on("openrois.lease.requested", (asked) => this.#ask(asked));
+    this.#yes.addEventListener("click", (event) => this.#pressed(event, this.#press.yes));
+    this.#no.addEventListener("click", (event) => this.#pressed(event, this.#press.no));
+    client.control.on("openrois.lease.requested", (told) => this.#ask(told));
     client.control.on("openrois.lease.withdrawn", ({ request_id }) => this.#done(request_id));
+    client.control.on("openrois.lease.declined", ({ component_ref }) => {
+      if (component_ref !== this.#componentRef) return;
+      this.#declined = true;
+      void this.#look();
+    });
     client.control.on("openrois.lease.changed", (told) => {
       if (told.component_ref === this.#componentRef) this.#changed(told);
     });
@@ -34,7 +53,7 @@ export class Handover {
   setComponent(componentRef: string | null): void {
     if (componentRef === this.#componentRef) return;
     this.#componentRef = componentRef;
-    this.#asked = null;
+    this.#forget();
     void this.#look();
   }
 
@@ -52,6 +71,11 @@ export class Handover {
     void this.#look();
   }
 
+  /** The second press of a double click was not meant for what stands there after the first. */
+  #pressed({ detail }: MouseEvent, press: Press | null): void {
+    if (detail < 2) void press?.().catch(() => this.#look());
+  }
+
   async #look(): Promise<void> {
     if (this.#watching) return this.#show(WATCHING, null, null);
     const componentRef = this.#componentRef;
@@ -62,55 +86,90 @@ export class Handover {
   }
 
   #changed({ state = "FREE", holder = "", position = 0 }: LeaseStatus): void {
-    if (this.#watching || (state === "MINE" && this.#asked)) return;
-    this.#asked = null;
-    if (state === "MINE" && this.#held !== "") return this.#show(this.#held, null, null);
-    if (state === "FREE" || state === "MINE") return this.#hide();
-    const componentRef = this.#componentRef ?? "";
+    if (this.#watching) return;
+    if (state === "MINE") return this.#has();
+    this.#forget();
+    this.#wanted &&= position > 0;
+    this.#declined &&= position > 0;
+    if (state === "FREE") return this.#hide();
+    const who = named(holder);
+    if (position > 0) return this.#waits(who, position);
     const away = state === "ABSENT" ? ", whose connection is lost," : "";
-    if (position > 0) {
-      const leave: Press = async () => {
-        await this.#client.call("openrois.lease.leave", { component_ref: componentRef });
-        await this.#look();
-      };
-      return this.#show(`You wait for control: number ${position} in line`, null, ["Leave", leave]);
-    }
-    const request: Press = async () => {
-      const asking = this.#client.control.request(componentRef, { wait: true });
-      await Promise.race([asking, this.#client.control.status(componentRef).then(() => this.#look())]);
-      asking.catch(() => undefined);
-    };
-    this.#show(`${holder}${away} has control`, ["Ask for it", request], null);
+    this.#show(`${who}${away} has control`, ["Ask for it", () => this.#request()], null);
   }
 
-  #ask(asked: LeaseRequestedNotification): void {
-    if (asked.component_ref !== this.#componentRef) return;
-    this.#asked = asked;
-    const { request_id: requestId, subject } = asked;
-    const answer =
-      (grant: boolean): Press =>
+  #has(): void {
+    const [first] = this.#asking.values();
+    if (first) return this.#answer(first.told);
+    if (this.#held !== "") return this.#show(this.#held, null, null);
+    if (!this.#wanted) return this.#hide();
+    const giveBack: Press = async () => {
+      this.#wanted = false;
+      await this.#client.release(this.#componentRef ?? "");
+      await this.#look();
+    };
+    this.#show("You have control", null, ["Give back", giveBack]);
+  }
+
+  #waits(who: string, position: number): void {
+    const leave: Press = async () => {
+      this.#wanted = false;
+      await this.#client.call("openrois.lease.leave", { component_ref: this.#componentRef ?? "" });
+      await this.#look();
+    };
+    const line = `number ${position} in line`;
+    if (!this.#declined) return this.#show(`You wait for control: ${line}`, null, ["Leave", leave]);
+    const again: Choice = ["Ask again", () => this.#request()];
+    this.#show(`${who} does not hand over control now. You wait: ${line}`, again, ["Leave", leave]);
+  }
+
+  async #request(): Promise<void> {
+    this.#wanted = true;
+    this.#declined = false;
+    const asking = this.#client.control.request(this.#componentRef ?? "", { wait: true });
+    asking.catch(() => this.#look());
+    // What is asked next is answered next: who waits has its place by then.
+    await this.#look();
+  }
+
+  #ask(told: LeaseRequestedNotification): void {
+    if (told.component_ref !== this.#componentRef) return;
+    const { request_id: requestId, answer_ms: milliseconds } = told;
+    clearTimeout(this.#asking.get(requestId)?.ending);
+    this.#asking.set(requestId, { told, ending: setTimeout(() => this.#done(requestId), milliseconds) });
+    this.#has();
+  }
+
+  #answer({ request_id: requestId, subject }: LeaseRequestedNotification): void {
+    const answer = (words: string, grant: boolean): Choice => [
+      words,
       async () => {
         await (grant ? this.#client.control.grant(requestId) : this.#client.control.decline(requestId));
         this.#done(requestId);
-      };
-    this.#show(`${subject} asks for control`, ["Hand over", answer(true)], ["Keep", answer(false)]);
-    clearTimeout(this.#answering);
-    this.#answering = setTimeout(() => this.#done(requestId), asked.answer_ms);
+      },
+    ];
+    const more = this.#asking.size > 1 ? `, and ${this.#asking.size - 1} more` : "";
+    this.#show(`${named(subject)} asks for control${more}`, answer("Hand over", true), answer("Keep", false));
   }
 
   #done(requestId: string): void {
-    if (this.#asked?.request_id !== requestId) return;
-    this.#asked = null;
-    void this.#look();
+    clearTimeout(this.#asking.get(requestId)?.ending);
+    if (this.#asking.delete(requestId)) void this.#look();
+  }
+
+  /** Nobody is to be answered any more. */
+  #forget(): void {
+    for (const { ending } of this.#asking.values()) clearTimeout(ending);
+    this.#asking.clear();
   }
 
   #hide(): void {
     this.#bar.hidden = true;
   }
 
-  #show(words: string, yes: readonly [string, Press] | null, no: readonly [string, Press] | null): void {
-    // What only tells stands in the page, and what asks above it.
-    this.#bar.classList.toggle("telling", yes === null && no === null);
+  #show(words: string, yes: Choice | null, no: Choice | null): void {
+    // How things stand is part of the page; who asks must be seen wherever it is scrolled to.
+    this.#bar.classList.toggle("asking", this.#asking.size > 0);
     setText(this.#words, words);
     setText(this.#yes, yes?.[0] ?? "");
     setText(this.#no, no?.[0] ?? "");
@@ -119,4 +178,8 @@ export class Handover {
     this.#press = { yes: yes?.[1] ?? null, no: no?.[1] ?? null };
     this.#bar.hidden = false;
   }
+}
+
+function named(subject: string): string {
+  return subject === "" || subject === ANYBODY ? "Somebody else" : subject;
 }

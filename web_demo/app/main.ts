@@ -32,7 +32,7 @@ import { Sound } from "./sound.ts";
 import { Stage } from "./stage.ts";
 import { StopButton } from "./stop_button.ts";
 import { StreamCard } from "./stream_card.ts";
-import { PageToken, isTurnedAway } from "./token.ts";
+import { PageToken, asksForTokens, isTurnedAway } from "./token.ts";
 import { findTrouble } from "./trouble.ts";
 import type { Unwelcome } from "./trouble.ts";
 import { Views } from "./views.ts";
@@ -77,7 +77,7 @@ const reactions = new Reactions(client);
 const gaze = new Gaze(client, stage.element);
 const lease = new DeviceLease(
   client,
-  () => token.value !== undefined,
+  () => token.counts,
   (why) => operator.off(why),
 );
 const operator = new OperatorCard(client, receiver, lease);
@@ -86,7 +86,7 @@ const control = new Control(client, receiver, stage.video);
 const handover = new Handover(client);
 const stopButton = new StopButton(client, lease);
 operator.onChange = () => {
-  const words = token.value === undefined ? "" : operator.sending;
+  const words = token.counts ? operator.sending : "";
   handover.held = words && `${words}: you have control`;
 };
 new MessageLog(client);
@@ -111,6 +111,7 @@ async function askWhy({ state } = client): Promise<void> {
   if (state.name === "connected") {
     unwelcome = null;
     welcomed = token.value;
+    if (welcomed !== undefined) await askWhetherItCounts(welcomed);
   }
   if (state.name !== "waiting" || state.retryAt === Infinity) return;
   const shown = token.value;
@@ -123,6 +124,14 @@ async function askWhy({ state } = client): Promise<void> {
     client.hold();
   }
   render();
+}
+
+/** A token may be left from when the gateway asked for one. */
+async function askWhetherItCounts(shown: string): Promise<void> {
+  const asked = await asksForTokens(shown);
+  if (token.asked === asked) return;
+  token.asked = asked;
+  avatarChanged();
 }
 
 /** The profile was read, another avatar was chosen, or the gateway came or went. */
@@ -149,7 +158,7 @@ function avatarChanged(): void {
 function allow(present: Avatar | null, mayOperate: boolean): void {
   const seat = present && (present.teleoperation ?? present.reaction ?? present.speech);
   lease.setComponent(seat);
-  handover.setComponent(token.value === undefined ? (present?.teleoperation ?? null) : seat);
+  handover.setComponent(token.counts ? seat : (present?.teleoperation ?? null));
   handover.watching = present !== null && !mayOperate;
   for (const part of [say, reactions, control, stopButton, operator]) part.barred = !mayOperate;
   gaze.setComponent(mayOperate ? (present?.gaze ?? null) : null);

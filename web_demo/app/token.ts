@@ -10,6 +10,8 @@ type Store = Pick<Storage, "getItem" | "setItem">;
 export class PageToken {
   readonly #store: Store;
   #value: string | undefined;
+  /** Whether the gateway asks for tokens; at one that does not, what a token says of its bearer counts for nothing. */
+  asked = true;
 
   constructor(store: Store) {
     this.#store = store;
@@ -24,10 +26,15 @@ export class PageToken {
     return this.#value;
   }
 
+  /** Whether it is there, and the gateway goes by it. */
+  get counts(): boolean {
+    return this.#value !== undefined && this.asked;
+  }
+
   /** Whether it lets its bearer operate, as far as a page can read it; the gateway decides. */
   get mayOperate(): boolean {
     const { roles = "" } = claimsOf(this.#value ?? "");
-    if (this.#value === undefined || roles === "") return true;
+    if (!this.counts || roles === "") return true;
     return [roles].flat().some((role) => role === "operator" || role === "administrator");
   }
 
@@ -86,15 +93,24 @@ function claimsOf(token: string): { readonly roles?: unknown; readonly exp?: unk
  * refused; a plain request with the same token is answered.
  */
 export async function isTurnedAway(token: string | undefined): Promise<boolean> {
-  const headers: Record<string, string> = token === undefined ? {} : { Authorization: `Bearer ${token}` };
+  const status = await admission(token).then(
+    (response) => response.status,
+    () => 0,
+  );
+  return status === 401 || status === 403;
+}
+
+/** Whether the gateway asks for tokens; one that does not say so is taken to. */
+export async function asksForTokens(token: string): Promise<boolean> {
   try {
-    const { status } = await fetch("admitted", {
-      cache: "no-store",
-      headers,
-      signal: AbortSignal.timeout(5000),
-    });
-    return status === 401 || status === 403;
+    const said: unknown = await (await admission(token)).json();
+    return !(typeof said === "object" && said !== null && "tokens" in said && said.tokens === false);
   } catch {
-    return false;
+    return true;
   }
+}
+
+function admission(token: string | undefined): Promise<Response> {
+  const headers: Record<string, string> = token === undefined ? {} : { Authorization: `Bearer ${token}` };
+  return fetch("admitted", { cache: "no-store", headers, signal: AbortSignal.timeout(5000) });
 }

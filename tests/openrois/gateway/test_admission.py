@@ -11,6 +11,8 @@ import aiohttp
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
+from openrois.gateway.server import run_gateway
+from openrois.gateway.settings import GatewaySettings
 from tests.support.forgeries import forgeries
 from tests.support.guarded import Guarded, ask, fresh, guarded
 from tests.support.tokens import SECRET, Keys
@@ -53,6 +55,16 @@ async def test_a_page_learns_whether_its_token_is_taken(tmp_path: Path) -> None:
         for status, headers in tried:
             async with session.get(f"{coming.gateway.url}admitted", headers=headers) as answer:
                 assert answer.status == status
+                if status == 200:
+                    assert await answer.json() == {"status": "ok", "tokens": True}
+
+
+async def test_a_page_learns_that_no_token_counts() -> None:
+    settings = GatewaySettings(port=0)
+    async with run_gateway(settings) as gateway, aiohttp.ClientSession() as session:
+        headers = {"Authorization": f"Bearer {fresh(roles='viewer')}"}
+        async with session.get(f"{gateway.url}admitted", headers=headers) as answer:
+            assert await answer.json() == {"status": "ok", "tokens": False}
 
 
 async def test_strangers_all_get_the_same_answer(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:

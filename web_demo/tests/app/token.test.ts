@@ -1,5 +1,5 @@
 import { describe, expect, it, vi } from "vitest";
-import { PageToken } from "../../app/token.ts";
+import { PageToken, asksForTokens } from "../../app/token.ts";
 
 const TOKEN = "eyJh.eyJz.c2ln_-";
 
@@ -69,6 +69,35 @@ describe("the page's token", () => {
       .replaceAll("/", "_");
     token.give(`e30.${payload.replaceAll("=", "")}.c2ln`);
     expect(token.mayOperate).toBe(expected);
+  });
+
+  it("counts where the gateway asks for one, and else bars nobody from anything", () => {
+    const token = new PageToken(new Store());
+    expect(token.counts).toBe(false);
+    token.give(`e30.${btoa('{"roles":"viewer"}').replaceAll("=", "")}.c2ln`);
+    expect([token.counts, token.mayOperate]).toEqual([true, false]);
+    token.asked = false;
+    expect([token.counts, token.mayOperate]).toEqual([false, true]);
+  });
+
+  it.each([
+    ['{"status": "ok", "tokens": false}', false],
+    ['{"status": "ok", "tokens": true}', true],
+    ['{"status": "ok"}', true],
+    ["null", true],
+    ["nonsense", true],
+    [null, true],
+  ])("is asked for by a gateway that says %s: %s", async (body, expected) => {
+    const fetched = vi.fn(() =>
+      body === null ? Promise.reject(new TypeError()) : Promise.resolve(new Response(body)),
+    );
+    vi.stubGlobal("fetch", fetched);
+    expect(await asksForTokens(TOKEN)).toBe(expected);
+    expect(fetched.mock.calls[0]).toMatchObject([
+      "admitted",
+      { headers: { Authorization: `Bearer ${TOKEN}` } },
+    ]);
+    vi.unstubAllGlobals();
   });
 
   it("knows when it has ended, where it can be read", () => {
