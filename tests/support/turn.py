@@ -1,4 +1,4 @@
-"""coturn on a loopback address, as `docs/network.md` sets it up."""
+"""coturn on a loopback address."""
 
 import asyncio
 import contextlib
@@ -16,6 +16,21 @@ from openrois_signaling.turn import turn_credential
 SECRET = "an example of a secret"
 LISTENS = "127.0.0.1"
 PATIENCE = 10.0
+LOOSE = f"""
+listening-ip={LISTENS}
+relay-ip={LISTENS}
+realm=example.org
+use-auth-secret
+allow-loopback-peers
+no-cli
+no-tls
+no-dtls
+no-tcp-relay
+no-multicast-peers
+no-software-attribute
+user-quota=8
+total-quota=8
+"""
 
 
 @dataclass(frozen=True)
@@ -35,26 +50,31 @@ class Turn:
 
 
 @asynccontextmanager
-async def coturn(folder: Path) -> AsyncIterator[Turn]:
-    """Run it for as long as the block does; it relays between loopback addresses, which a real one must not."""
+async def coturn(folder: Path, settings: str = LOOSE, secret: str = SECRET) -> AsyncIterator[Turn]:
+    """Run it for as long as the block does.
+
+    Args:
+        folder: takes its files.
+        settings: lines of its configuration; by default it relays between loopback addresses, as no real one may.
+        secret: what its credentials are made with; empty for none.
+    """
     with socket.create_server((LISTENS, 0)) as probe:
         port = probe.getsockname()[1]
     program = shutil.which("turnserver")
     assert program is not None
-    settings = folder / "turnserver.conf"
-    settings.write_text(
-        f"listening-ip={LISTENS}\nrelay-ip={LISTENS}\nlistening-port={port}\nrealm=example.org\n"
-        f"use-auth-secret\nstatic-auth-secret={SECRET}\nallow-loopback-peers\nno-cli\nno-tls\nno-dtls\nno-tcp-relay\n"
-        f"no-multicast-peers\nno-software-attribute\nlog-file=stdout\nsimple-log\nuserdb={folder}/users\n"
-        f"pidfile={folder}/pid\nuser-quota=8\ntotal-quota=8\n"
-    )
+    lines = [settings, f"listening-port={port}", "log-file=stdout", "simple-log"]
+    lines += [f"userdb={folder}/users", f"pidfile={folder}/pid"]
+    if secret:
+        lines.append(f"static-auth-secret={secret}")
+    file = folder / "turnserver.conf"
+    file.write_text("\n".join((*lines, "")), encoding="utf-8")
     process = await asyncio.create_subprocess_exec(
-        program, "-c", str(settings), stdout=asyncio.subprocess.DEVNULL, stderr=asyncio.subprocess.DEVNULL
+        program, "-c", str(file), stdout=asyncio.subprocess.DEVNULL, stderr=asyncio.subprocess.DEVNULL
     )
     try:
         async with asyncio.timeout(PATIENCE):
             await asyncio.to_thread(_wait_for, port)
-        yield Turn(port, SECRET, process)
+        yield Turn(port, secret, process)
     finally:
         with contextlib.suppress(ProcessLookupError):
             process.kill()
