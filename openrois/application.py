@@ -137,6 +137,7 @@ class ApplicationSession:
 
     Attributes:
         engine: what the principal is shown of the engine: whatever an application names is looked up there.
+        end_connection: ends the connection at once; called when another session has gone on in this one's place.
         streams: the component_ref of each of its streams, by stream_id.
         uplinks: those of them that it may have only as long as it operates their engine.
     """
@@ -171,6 +172,7 @@ class ApplicationSession:
         self.leasing = False
         self.closed = False
         self.successor: ApplicationSession | None = None
+        self.end_connection: Callable[[], None] = lambda: None
         self.tell = self._notify = notify
         self._passes = passes
         self._left = left
@@ -223,9 +225,11 @@ class ApplicationSession:
         self.host.leases.release(component_ref, self)
 
     def succeed(self, former: "ApplicationSession") -> None:
-        """Go on where another session has ended: its commands are told of here, what it had bound is bound here."""
+        """Go on in the place of another session: its commands are told of here, what it had bound is bound here."""
         self.commands, former.successor = former.commands, self
         self.bound |= former.bound
+        if not former.closed:
+            former.end_connection()
 
     def explain(self, request_id: RequestId, reason: object) -> None:
         """Tell the application why the reply that comes right behind is a refusal, if it would understand that."""

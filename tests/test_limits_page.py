@@ -17,6 +17,7 @@ ELSEWHERE = ("authoring", "bench", "client", "conformance", "profile_command", "
 """Packages that are no part of a gateway or of what an adapter is written with."""
 
 NO_LIMITS = {
+    "openrois.gateway.applications.RESUMED": "a code",
     "openrois.gateway.draining.SERVICE_RESTART": "a code",
     "openrois.gateway.tenure.TOKEN_ENDED": "a code",
     "openrois.transport.stream.POLICY_VIOLATION": "a code",

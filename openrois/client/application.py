@@ -57,7 +57,7 @@ class Application:
         self.listeners: WeakSet[Feed[Any]] = WeakSet()
         self.notifications: Mapping[str, NotificationHandler] = _EveryName(self._take)
         self._restorer = Restorer(self.bindings, self.subscriptions, reconnect, request_timeout)
-        self._resumption = Resumption(self.commands, self.bindings, reconnect, request_timeout)
+        self._resumption = Resumption(self.commands, self.bindings, request_timeout)
         self._timeout = request_timeout
         self._session: RpcSession | None = None
         self._credentials = credentials
@@ -69,10 +69,7 @@ class Application:
         self._session = session
         await ask(session, "rois.system.connect", NoParams(), ReturnResult, timeout=self._timeout)
         self.extensions = await self._hello(session)
-        if LEASES in self.extensions:
-            await self._resumption.move_in(session)
-        else:
-            self._resumption.give_up()
+        await self._resumption.move_in(session, extended=LEASES in self.extensions)
 
     async def _hello(self, session: RpcSession) -> frozenset[str]:
         params = HelloParams(version=EXTENSION_VERSION, extensions=EXTENSIONS)
@@ -92,19 +89,19 @@ class Application:
         """Keep bindings and subscriptions as they should be."""
         async with TaskScope() as tasks:
             self._expiring = renewing(session, self._credentials, tasks)
-            tasks.start(self._keep_resuming(session))
+            tasks.start(self._find_ends(session))
             try:
                 await self._restorer.run(session)
             finally:
                 self._expiring = {}
 
-    async def _keep_resuming(self, session: RpcSession) -> None:
+    async def _find_ends(self, session: RpcSession) -> None:
         with suppress(ConnectionLost, TimeoutError):
             await self._resumption.stay(session)
 
-    def move_out(self, reason: str, *, lost: bool = False) -> None:
-        """Lose what the connection held; of its commands somebody may tell if it was lost, and can be resumed."""
-        self._resumption.move_out(reason, lost=lost)
+    def move_out(self, reason: str, *, lost: bool = False, again: bool = False) -> None:
+        """Lose what the connection held; of its commands the next one may tell."""
+        self._resumption.move_out(reason, lost=lost, again=again)
         self.bindings.lost()
         self.subscriptions.lost()
 

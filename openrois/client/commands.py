@@ -125,6 +125,9 @@ class Commands:
     def __len__(self) -> int:
         return len(self._running)
 
+    def __contains__(self, command_id: str) -> bool:
+        return command_id in self._running
+
     def expect(self, commands: Iterable[Command[Any]]) -> None:
         """Note commands before they are sent, so that none can end unnoticed.
 

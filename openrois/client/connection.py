@@ -58,8 +58,8 @@ class Tenant(Protocol):
         """Do what there is to do for as long as the connection lasts; cancelled when it ends."""
         ...
 
-    def move_out(self, reason: str, *, lost: bool = False) -> None:
-        """Learn that the connection has ended; whether nobody has closed it, and another one will be made."""
+    def move_out(self, reason: str, *, lost: bool = False, again: bool = False) -> None:
+        """Learn that the connection has ended; whether nobody has closed it, and whether another one will be made."""
         ...
 
     def tell(self, notice: Notice) -> None:
@@ -275,8 +275,9 @@ class Connection:
                     tasks.start(self._tenant.stay(session))
                     closed = await asyncio.shield(running)
                     self._forget(session)
-                    lost = closed.code == _NO_HANDSHAKE and self._reconnect is not None
-                    self._tenant.move_out(f"the connection ended: {closed}", lost=lost)
+                    again = self._reconnect is not None and self._over is None
+                    lost = again and closed.code == _NO_HANDSHAKE
+                    self._tenant.move_out(f"the connection ended: {closed}", lost=lost, again=again)
                     return closed, clock() - began
         except ConnectionFailed as error:
             if error.final or not opened.done():

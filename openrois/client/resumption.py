@@ -1,4 +1,4 @@
-"""Going on where a lost connection ended: the token for it, and the commands whose end is not known meanwhile."""
+"""Going on where a connection ended: the token for it, and how the commands ended of which nobody told meanwhile."""
 
 import asyncio
 import logging
@@ -7,40 +7,39 @@ from typing import Final
 from openrois.client.asking import ask
 from openrois.client.bindings import Bindings
 from openrois.client.commands import Commands
-from openrois.client.reconnect import Reconnect
-from openrois.errors import OutOfResources, RoISError
+from openrois.errors import ComponentFailed, RoISError
 from openrois.jsonrpc.session import RpcError, RpcSession
 from openrois.types.leases import MAX_RESUMED, LeaseTokenResult, ResumeParams, ResumeResult
-from openrois.types.messages import NoParams
+from openrois.types.messages import CommandResultParams, NoParams, ResultsResult
 
 __all__ = ["Resumption"]
 
 _log = logging.getLogger(__name__)
 
-RETRY: Final = 1.0
-"""Seconds between two attempts while the gateway takes the lost connection for alive."""
+PATIENCE: Final = 30.0
+"""Seconds after which commands are given up of which nobody tells: a gateway that has crashed is back by then."""
 
-_ATTEMPTS: Final = 15
-"""Attempts; a gateway needs some ten seconds to notice that a connection is dead."""
-
+_AT_ONCE: Final = 64
 _MILLISECOND: Final = 0.001
 
 
 class Resumption:
-    """What a client does about a lost connection beside making another one.
+    """What a client does about a connection that has ended beside making another one.
+
+    The gateway lets it resume its session, or else has been restarted, or waited long enough. Then its journal may
+    know how commands have ended; it is asked for each whose handle still waits.
 
     Args:
         commands: those of the client.
         bindings: what it wants to hold.
-        reconnect: how it waits.
         timeout: seconds that an answer may take.
     """
 
-    def __init__(self, commands: Commands, bindings: Bindings, reconnect: Reconnect, timeout: float) -> None:
+    def __init__(self, commands: Commands, bindings: Bindings, timeout: float) -> None:
         self._commands = commands
         self._bindings = bindings
-        self._reconnect = reconnect
         self._timeout = timeout
+        self._extended = False
         self._token = ""
         self._former = ""
         self._grace = 0.0
@@ -48,61 +47,71 @@ class Resumption:
         self._reason = ""
         self._giving_up: asyncio.TimerHandle | None = None
 
-    async def move_in(self, session: RpcSession) -> None:
+    async def move_in(self, session: RpcSession, *, extended: bool) -> None:
         """Resume the lost session, or at least get a token for the next time.
+
+        Args:
+            session: the new connection.
+            extended: whether the gateway knows of leases; one that does not is not asked anything.
 
         Raises:
             ConnectionLost: the connection ended.
             TimeoutError: no answer in time.
         """
+        self._extended = extended
+        if not extended:
+            self._give_up()
+            return
         if self._former:
             await self._resume(session)
-        if not self._former and not self._token:
+        if not self._token:
             await self._get_token(session)
 
     async def stay(self, session: RpcSession) -> None:
-        """Try again for as long as the gateway takes the lost connection for alive.
+        """Ask how those commands have ended of which nobody will tell by himself; of each something is known then.
 
         Raises:
             ConnectionLost, TimeoutError: as `move_in`.
         """
-        for _ in range(_ATTEMPTS):
-            if not self._former:
-                return
-            await self._reconnect.sleep(RETRY)
-            await self.move_in(session)
-        self.give_up()
+        orphans = self._orphans
+        for first in range(0, len(orphans), _AT_ONCE):
+            await asyncio.gather(*(self._find_end(session, each) for each in orphans[first : first + _AT_ONCE]))
+        if self._orphans is orphans:
+            self._give_up()
 
-    def move_out(self, reason: str, *, lost: bool) -> None:
-        """Learn that the connection has ended: its commands may be told of yet where it was lost, and else not."""
+    def move_out(self, reason: str, *, lost: bool, again: bool) -> None:
+        """Learn that the connection has ended.
+
+        Args:
+            reason: why.
+            lost: nobody has closed it, so that it may be resumed.
+            again: there will be another one, where it may be told how commands have ended.
+        """
         self._reason = reason
-        if lost and self._token:
-            self._stop_timer()
-            self._former, self._token, self._orphans = self._token, "", self._commands.ids()
-            self._giving_up = asyncio.get_running_loop().call_later(self._grace, self.give_up)
-        elif not (lost and self._former):
-            self._token = ""
-            self.give_up()
+        self._former, self._token = self._token if lost else "", ""
+        self._stop_timer()
+        if again and self._extended:
+            self._orphans = self._commands.ids()
+            patience = max(self._grace, PATIENCE)
+            self._giving_up = asyncio.get_running_loop().call_later(patience, self._give_up)
+        else:
+            self._orphans = ()
             self._commands.lost(reason)
 
     async def _resume(self, session: RpcSession) -> None:
         params = ResumeParams(token=self._former, command_ids=self._orphans[:MAX_RESUMED])
         try:
             resumed = await ask(session, "openrois.lease.resume", params, ResumeResult, timeout=self._timeout)
-        except OutOfResources:
-            return
         except (RoISError, RpcError) as error:
             _log.info("the lost session is not resumed: %s", error)
-            self.give_up()
+            self._former = ""
             return
-        self._stop_timer()
         self._keep(resumed)
-        self._former, self._orphans = "", ()
+        self._former, self._orphans = "", (*resumed.forgotten, *self._orphans[MAX_RESUMED:])
         for lease in resumed.leases:
             if not self._bindings.wants(lease.component_ref):
                 # It was given back while there was no connection.
                 session.post("rois.command.release", {"component_ref": lease.component_ref})
-        self._commands.lost(f"{self._reason}; the gateway does not know of it", resumed.forgotten)
 
     async def _get_token(self, session: RpcSession) -> None:
         try:
@@ -114,8 +123,25 @@ class Resumption:
     def _keep(self, told: LeaseTokenResult) -> None:
         self._token, self._grace = told.token, told.grace_ms * _MILLISECOND
 
-    def give_up(self) -> None:
-        """Learn that the lost session is not resumed: nobody tells of its commands any more."""
+    async def _find_end(self, session: RpcSession, command_id: str) -> None:
+        """Ask twice: what is told of the command comes right behind the first answer, and so before the second."""
+        params = CommandResultParams(command_id=command_id, condition="")
+        why = "how it has ended was told before, and not heard"
+        for _ in range(2):
+            if command_id not in self._commands:
+                return
+            try:
+                await ask(session, "rois.command.get_command_result", params, ResultsResult, timeout=self._timeout)
+            except ComponentFailed:
+                # It failed, or did not end before the gateway did: `completed` says that, too.
+                continue
+            except (RoISError, RpcError):
+                why = "the gateway does not know of it"
+                break
+        self._commands.lost(f"{self._reason}; {why}", (command_id,))
+
+    def _give_up(self) -> None:
+        """Learn that nobody tells of the commands of the lost session any more."""
         self._stop_timer()
         orphans, self._orphans, self._former = self._orphans, (), ""
         self._commands.lost(self._reason, orphans)

@@ -11,7 +11,7 @@ from openrois.contract import Directory
 from openrois.correlation import connection
 from openrois.errors import BadParameter, RoISError
 from openrois.gateway.heartbeat import Heartbeat
-from openrois.gateway.renewal import Renewal, expiring
+from openrois.gateway.renewal import REFRESH, Renewal, expiring
 from openrois.gateway.tenure import Tenure
 from openrois.jsonrpc.session import CALL_TIMEOUT, RpcSession
 from openrois.remote.proxy import RemoteProxy
@@ -61,7 +61,11 @@ async def serve_adapter(
     tenure.on_principal = lambda _principal: None if tenure.is_over else changed.set()
     tenure.on_expiring = expiring(session.notify, lambda: proxy.speaks_extensions)
     if renewal is not None:
-        session.methods = renewal.method(tenure, lambda principal: principal.is_adapter)
+        session.methods = renewal.method(
+            tenure,
+            lambda principal: principal.is_adapter,
+            lambda reason: host.audit.refused(tenure.principal, REFRESH, "", reason),
+        )
     engine = host.engine
     attaching = host.tasks.start(_keep_attached(host, session, proxy, changed, tenure))
     closed = StreamClosed(1006)

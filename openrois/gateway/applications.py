@@ -1,5 +1,6 @@
 """Applications at the gateway: each connection's session, its methods, and its share of signaling."""
 
+import asyncio
 import logging
 import time
 from collections.abc import Mapping
@@ -30,12 +31,15 @@ from openrois.rate import RateLimit
 from openrois.transport.stream import MessageStream, StreamClosed
 from openrois.types.references import engine_of
 
-__all__ = ["serve_application"]
+__all__ = ["RESUMED", "serve_application"]
 
 _log = logging.getLogger(__name__)
 
 _WITHOUT_HANDSHAKE: Final = 1006
 """How a connection ends that nobody has closed."""
+
+RESUMED: Final = 4409
+"""The close code of a connection whose session another one has resumed."""
 
 _TO_APPLICATION: Final = {message.method: message for message in (Offer, Candidate, Bye)}
 
@@ -68,15 +72,18 @@ async def serve_application(
     signaling.app = app
     session.on_failure = host.crashed
     session.explain = app.explain
-    session.on_refusal = RefusalNotes(app).note
+    notes = RefusalNotes(app)
+    session.on_refusal = notes.note
     session.outbox.gap = app.gap
     methods = {**base_methods(app), **stream_methods(app), **lease_methods(app), **signaling.methods()}
     if renewal is not None:
-        methods |= renewal.method(tenure, lambda principal: principal.is_application)
+        methods |= renewal.method(tenure, lambda principal: principal.is_application, notes.note_token)
     session.methods = enforced(app, methods)
     tenure.on_principal = partial(setattr, app, "principal")
     tenure.on_expiring = expiring(session.notify, lambda: app.extended)
     stop_listening = app.engine.on_change(lambda _visibly: signaling.tree_changed())
+    app.end_connection = partial(session.end, RESUMED, "another connection has resumed this session")
+    closed = StreamClosed(_WITHOUT_HANDSHAKE)
     lost = False
     try:
         with connection(app.client_id[:8]), host.traffic.counted("application", session, app.events.count):
@@ -85,7 +92,11 @@ async def serve_application(
         return closed
     finally:
         stop_listening()
-        await app.close(lost=lost)
+        async with asyncio.TaskGroup() as ending:
+            if closed.code == RESUMED:
+                # It may be half open, which takes a while to notice.
+                ending.create_task(stream.close(closed.code, closed.reason))
+            await app.close(lost=lost)
 
 
 class _Signaling:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, Final
 
 from openrois.application import ApplicationSession
+from openrois.gateway.renewal import REFRESH
 from openrois.rate import RateLimit
 from openrois.types.codes import ReturnCode
 
@@ -49,15 +50,27 @@ class RefusalNotes:
             reason: why.
         """
         code = result.get("return_code") if isinstance(result, dict) else getattr(result, "return_code", None)
-        if code not in _REFUSALS:
+        if code not in _REFUSALS or (method == REFRESH and code is ReturnCode.BAD_PARAMETER):
+            # Of a token it is told why, see `note_token`.
             return
-        if not self._limit.admits():
-            self._omitted += 1
+        if not self._admits():
             return
         subject, refs = _subject(params), _refs(params)
         # Looked up for what is absent, too, so that both take the same time; nobody but the trail is told.
         hidden = [ref for ref in refs if self._app.engine.hides(ref)]
-        told = f"{code}: {reason}" + (f" (out of scope: {hidden[0][:200]})" if hidden else "")
+        self._record(method, subject, f"{code}: {reason}" + (f" (out of scope: {hidden[0][:200]})" if hidden else ""))
+
+    def note_token(self, reason: str) -> None:
+        """Record that a new token was not taken, and why: the application is not told."""
+        if self._admits():
+            self._record(REFRESH, "", reason)
+
+    def _admits(self) -> bool:
+        admitted = self._limit.admits()
+        self._omitted += not admitted
+        return admitted
+
+    def _record(self, method: str, subject: str, told: str) -> None:
         if self._omitted:
             told, self._omitted = f"{told} (and {self._omitted} more refusals before)", 0
         self._app.host.audit.refused(self._app.principal, method, subject, told)

@@ -24,7 +24,7 @@ class Renewal:
     Args:
         verifier: tells whom a token is for; None where no token is needed.
         clock: epoch seconds.
-        audit: hears of every new token, and of every one that is refused.
+        audit: hears of every new token.
     """
 
     def __init__(self, verifier: TokenVerifier | None, clock: Callable[[], float], audit: Audit) -> None:
@@ -32,12 +32,15 @@ class Renewal:
         self._clock = clock
         self._audit = audit
 
-    def method(self, tenure: Tenure, fits: Callable[[Principal], bool]) -> dict[str, Handler]:
+    def method(
+        self, tenure: Tenure, fits: Callable[[Principal], bool], refused: Callable[[str], None]
+    ) -> dict[str, Handler]:
         """Return the method for one connection.
 
         Args:
             tenure: how long the connection may last.
             fits: whether the connection may be the principal's.
+            refused: hears what was wrong with a token that is not taken, for the audit trail.
         """
 
         async def refresh(params: AuthRefreshParams) -> AuthRefreshResult:
@@ -49,8 +52,8 @@ class Renewal:
                     raise TokenRefused(Refusal.SUBJECT)
                 if not fits(principal) or tenure.is_over:
                     raise TokenRefused(Refusal.ROLE)
-            except TokenRefused as refused:
-                self._audit.refused(tenure.principal, REFRESH, "", refused.reason.value)
+            except TokenRefused as error:
+                refused(error.reason.value)
                 # The same sentence for all of them: nobody learns what was wrong with a token.
                 raise BadParameter("a valid token of the same subject is needed") from None
             self._audit.acted(

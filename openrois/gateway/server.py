@@ -113,7 +113,7 @@ async def run_gateway(
         )
         entrance = Entrance.open(settings, audit, tasks, host.traffic.turn_away)
         readiness = Readiness()
-        readiness.require("time", lambda: not host.draining)
+        readiness.require("time: it is draining", lambda: not host.draining)
         readiness.require("audit trail", lambda: audit.is_kept)
         readiness.require("journal", lambda: not journal.failing)
         if (verifier := entrance.admission.verifier) is not None:

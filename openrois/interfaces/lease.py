@@ -1,6 +1,6 @@
 """`openrois.lease.*`: who controls a component, asking for it, handing it over, resuming after a lost connection."""
 
-from typing import Any
+from typing import Any, Final
 
 from openrois.application import ApplicationSession
 from openrois.errors import BadParameter, RoISError, Unsupported
@@ -22,6 +22,8 @@ from openrois.types.messages import NoParams, ReturnResult
 from openrois.withdrawal import Claims
 
 __all__ = ["methods"]
+
+_PUT_OUT: Final = "in the place of a connection that was not known to be lost"
 
 
 def methods(app: ApplicationSession) -> dict[str, Handler]:
@@ -109,12 +111,15 @@ class _Leases:
             self._app.host.audit.refused(self._app.principal, "openrois.lease.resume", "", reason)
             raise
         assert isinstance(former, ApplicationSession)
+        was_lost = former.closed
         self._app.succeed(former)
         for component_ref in Claims(self._app.principal).lost_bindings(tuple(self._app.bound)):
             self._app.give_back(component_ref)
             self._app.bound.discard(component_ref)
         held = self._keeper.model.holding.held_by(self._app)
-        self._acted("openrois.lease.resume", " ".join(sorted(held)))
+        self._app.host.audit.acted(
+            self._app.principal, "openrois.lease.resume", " ".join(sorted(held)), "" if was_lost else _PUT_OUT
+        )
         result = ResumeResult(
             token=self._keeper.token(self._app),
             grace_ms=self._grace_ms,

@@ -87,6 +87,11 @@ class Intake:
         else:
             self._turn_away(request, f"{len(self._waiting)} requests wait already; retry_after=1")
 
+    def close(self) -> None:
+        """Start nothing more: the connection has ended."""
+        self._waiting.clear()
+        self._text = 0
+
     def _pass_all(self, request: Request) -> None:
         overtaken = [each for each in self._waiting if self._rules.overtakes(request, each[0])]
         if overtaken:

@@ -110,6 +110,7 @@ class RpcSession:
         self._writer = Writer(self.stream, self.outbox)
         self._violations = Tally(_log, "protocol violations")
         self._closed: StreamClosed | None = None
+        self._reading: asyncio.Timeout | None = None
         self._answered = 0
         self.intake = Intake(
             lambda request, over: self._tasks.create_task(self._serve(request, over)), self._turn_away, self.rules
@@ -149,6 +150,8 @@ class RpcSession:
                     await self._read()
                 except StreamClosed as closed:
                     self._closed = self._closed or closed
+                finally:
+                    self.intake.close()
                 raise _Ended
         except* _Ended:
             pass
@@ -169,11 +172,26 @@ class RpcSession:
         self._closed = self._closed or StreamClosed(code, reason)
         await self.stream.close(code, reason)
 
+    def end(self, code: int, reason: str) -> None:
+        """Take and send nothing more from now on: `run` ends with this, and the stream is its owner's to close."""
+        if self._closed is None:
+            self._closed = StreamClosed(code, reason)
+            if self._reading is not None:
+                self._reading.reschedule(0)
+
     async def _read(self) -> None:
-        while True:
-            for _ in range(FAIR_SHARE):
-                self._take(await self.stream.receive())
-            await asyncio.sleep(0)
+        """Take messages until the connection ends, or `end` ends it."""
+        try:
+            async with asyncio.timeout(None) as self._reading:
+                while True:
+                    for _ in range(FAIR_SHARE):
+                        self._take(await self.stream.receive())
+                    await asyncio.sleep(0)
+        except TimeoutError:
+            if self._closed is None:
+                raise
+        finally:
+            self._reading = None
 
     def _take(self, text: str) -> None:
         match self._peer.receive(text):

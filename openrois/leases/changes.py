@@ -15,6 +15,8 @@ class Why(StrEnum):
     RELEASED = "released"
     GRANTED = "granted"
     TAKEN = "taken"
+    RESUMED = "resumed"
+    """Its holder has gone on over another connection, before the old one was known to be lost."""
     EXPIRED = "expired"
     """The holder's connection was lost, and it did not come back in time."""
     LEFT = "left"

@@ -68,7 +68,6 @@ class Holding:
             return None
         return self._held.pop(component_ref)[1]
 
-    def succeed(self, former: object, successor: object) -> None:
-        """Let a successor hold what somebody held, in the same epochs."""
-        for ref, epoch in self.held_by(former).items():
-            self._held[ref] = successor, epoch
+    def succeed(self, component_ref: str, successor: object) -> None:
+        """Let a successor hold what somebody holds, in the same epoch."""
+        self._held[component_ref] = successor, self._held[component_ref][1]

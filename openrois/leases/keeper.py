@@ -159,12 +159,11 @@ class LeaseKeeper:
         return self.model.token(holder, holder.principal.subject)
 
     def resume(self, token: str, successor: Holder) -> object:
-        """Let a session go on where a lost one ended; return that one. Adapters are told who holds what now.
+        """Let a session go on in the place of another; return that one. Adapters are told who holds what now.
 
         Raises:
             Replayed: the token comes a second time.
             Unsupported: the token is not valid, or not for this subject.
-            OutOfResources: the connection was not lost, as far as is known.
         """
         subject = successor.principal.subject
         try:
@@ -172,9 +171,11 @@ class LeaseKeeper:
         except Replayed as replayed:
             self._carry(replayed.changes)
             raise
+        begun = {change.component_ref for change in changes if isinstance(change, Gained)}
         for component_ref, epoch in self.model.holding.held_by(successor).items():
             successor.bound.add(component_ref)
-            self.telling.adapter(component_ref, successor, epoch, holds=True)
+            if component_ref not in begun:
+                self.telling.adapter(component_ref, successor, epoch, holds=True)
         self._carry(changes, by=successor)
         return former
 
@@ -233,8 +234,9 @@ class LeaseKeeper:
             if self._clearing.get(component_ref) is asyncio.current_task():
                 del self._clearing[component_ref]
         held = self.model.holding.holder(component_ref)
-        if held is not None and held[0] is holder and component_ref not in self._clearing:
-            self.telling.adapter(component_ref, holder, held[1], holds=True)
+        if held is not None and component_ref not in self._clearing:
+            # It may have resumed meanwhile.
+            self.telling.adapter(component_ref, session_of(held[0]), held[1], holds=True)
             self.telling.to_all(component_ref, None, SENTENCES[why])
 
     def _advance(self) -> None:

@@ -5,13 +5,13 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Final
 
-from openrois.errors import OutOfResources, Unsupported
+from openrois.errors import Unsupported
 from openrois.leases.changes import Asked, Change, Declined, Gained, Lost, Queued, Why, Withdrawn
 from openrois.leases.holding import Holding
 from openrois.leases.tokens import ResumeTokens, new_token
 from openrois.leases.waiting import Request, Waiting
 
-__all__ = ["GRACE", "PATIENCE", "LeaseModel", "Replayed", "Rules", "StillThere"]
+__all__ = ["GRACE", "PATIENCE", "LeaseModel", "Replayed", "Rules"]
 
 GRACE: Final = 10.0
 """Seconds for which a lease survives the connection of its holder."""
@@ -34,14 +34,6 @@ class Replayed(Unsupported):
         super().__init__(_NOT_VALID)
         self.holder = holder
         self.changes = changes
-
-
-class StillThere(OutOfResources):
-    """The session that would be resumed still has its connection, as far as is known. `holder` is that session."""
-
-    def __init__(self, holder: object) -> None:
-        super().__init__("the session to be resumed still has its connection; try again in a while")
-        self.holder = holder
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,7 +171,7 @@ class LeaseModel:
     # A lost connection.
 
     def token(self, holder: object, subject: str) -> str:
-        """Return what a session is resumed with when its connection is lost: good once, for that subject.
+        """Return what another session resumes this one with: good once, for that subject.
 
         Raises:
             Unsupported: leases do not survive a connection here.
@@ -196,12 +188,14 @@ class LeaseModel:
         return [*self._withdraw_all(holder), *(Queued(ref) for ref in self.holding.held_by(holder))]
 
     def resume(self, token: str, subject: str, successor: object, now: float) -> tuple[object, list[Change]]:
-        """Let a new session hold what a lost one held, in the same epochs; return which that was.
+        """Let a new session hold what another one held; return which that was.
+
+        Of one whose connection was lost the epochs go on. One that still has its connection, as far as is known, is
+        put out: new epochs begin, so that whatever comes of it yet is late.
 
         Raises:
-            Unsupported: nobody knows the token, it is another subject's, or its time is over.
+            Unsupported: nobody knows the token, it is another subject's or the successor's own, or its time is over.
             Replayed: it comes a second time; what was resumed by it is not resumed again.
-            StillThere: the connection was not lost.
         """
         found = self._tokens.find(token, subject)
         former = found.holder
@@ -209,19 +203,24 @@ class LeaseModel:
             raise Unsupported(_NOT_VALID)
         if found.replayed:
             raise Replayed(former, self.leave(former, now, Why.EXPIRED) if former in self.absent else [])
-        if former not in self.absent:
-            raise StillThere(former)
-        del self.absent[former]
+        if former is successor:
+            raise Unsupported("a session resumes another one, not itself")
         self._tokens.succeed(former, successor)
-        self.holding.succeed(former, successor)
-        changes: list[Change] = []
-        for component_ref in self.holding.held_by(successor):
+        was_lost = self.absent.pop(former, None) is not None
+        changes = self._withdraw_all(former)
+        for component_ref, epoch in self.holding.held_by(former).items():
+            request = self.waiting.find(component_ref, successor)
+            if request is not None:
+                self.waiting.remove(request)
+            if was_lost:
+                self.holding.succeed(component_ref, successor)
+            else:
+                gained = self.holding.move(component_ref, successor)
+                changes.append(Lost(component_ref, former, epoch, Why.RESUMED))
+                changes.append(Gained(component_ref, successor, gained, Why.RESUMED))
+            queue = self.waiting.queue(component_ref)
             changes.append(Queued(component_ref))
-            changes += [
-                Asked(request, successor)
-                for request in self.waiting.queue(component_ref)
-                if request.deadline is not None
-            ]
+            changes += [Asked(request, successor) for request in queue if request.deadline is not None]
         return former, changes
 
     def advance(self, now: float) -> list[Change]:

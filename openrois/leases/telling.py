@@ -28,6 +28,7 @@ SENTENCES: Final[Mapping[Why, str]] = {
     Why.RELEASED: "it was given back",
     Why.GRANTED: "its holder has handed it over",
     Why.TAKEN: "an administrator has taken it",
+    Why.RESUMED: "its holder has gone on over another connection",
     Why.EXPIRED: "its holder's connection was lost and did not come back in time",
     Why.LEFT: "its holder has left",
     Why.GONE: "the component is gone",

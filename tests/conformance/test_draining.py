@@ -26,6 +26,7 @@ async def until_draining(gateway: Gateway) -> None:
         while True:
             async with http.get(f"{gateway.url}readyz") as ready:
                 if ready.status == 503:
+                    assert (await ready.json())["lacking"] == ["time: it is draining"]
                     return
 
 

@@ -65,20 +65,26 @@ async def test_f11_who_comes_back_in_time_has_it_still(
     seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     async with ground(seed, tmp_path, caplog, lease_grace=5.0) as place:
-        await place.robot()
+        await place.robot(relayed=False)
         other = await place.witness(extended=True)
-        async with place.book.witness(place.gateway.url, extended=True) as first:
+        half_open = place.chance.random() < 0.5
+        async with place.book.witness(place.relay.url, extended=True) as first:
             assert await first.bind() == "OK"
             token = (await first.ask("openrois.lease.token"))["token"]
             assert await first.execute("goes on") == "OK"
             await place.running()
             await turns(place.chance)
-            first.socket.transport.abort()
-            await first.gone.wait()
-        assert await other.bind() == "OUT_OF_RESOURCES"
-        again = await place.witness(extended=True)
-        again.inherits(first)
-        assert (await again.ask("openrois.lease.resume", token=token))["return_code"] == "OK"
+            if half_open:
+                # Its link is dead, and neither side can know: the gateway would, after 9 s.
+                place.relay.half_open()
+            else:
+                place.relay.cut()
+                await first.gone.wait()
+            assert await other.bind() == "OUT_OF_RESOURCES"
+            again = await place.witness(extended=True)
+            again.inherits(first)
+            assert (await again.ask("openrois.lease.resume", token=token))["return_code"] == "OK"
+            place.relay.cut()
         assert await other.bind() == "OUT_OF_RESOURCES"
         thief = await place.witness(extended=True)
         assert (await thief.ask("openrois.lease.resume", token=token))["return_code"] != "OK"

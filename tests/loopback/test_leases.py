@@ -1,5 +1,6 @@
 """Control over real sockets: a lost connection and its resume, asking, granting, taking, and STOP."""
 
+import asyncio
 from collections.abc import AsyncIterator
 from dataclasses import dataclass
 from typing import Any
@@ -78,10 +79,77 @@ async def test_how_a_command_ended_meanwhile_is_told(house: House) -> None:
             assert await again.completed("glow") == {"glow": "OK"}
 
 
+async def test_who_shows_the_token_has_it_at_once(house: House) -> None:
+    """The gateway does not know yet that the connection is dead, or it is not: whoever has the token is the holder."""
+    async with (
+        application(house.gateway) as ann,
+        application(house.gateway) as bob,
+        application(house.gateway) as dan,
+    ):
+        token = await holding(ann)
+        await glowing(house.robot)
+        before = (await bob.ask("openrois.lease.query", component_ref=LAMP))["lease"]["epoch"]
+        asked = await bob.ask("openrois.lease.request", component_ref=LAMP)
+        resumed = await dan.ask("openrois.lease.resume", token=token, command_ids=["glow"])
+        (lease,) = resumed["leases"]
+        assert (lease["component_ref"], lease["epoch"] > before, resumed["forgotten"]) == (LAMP, True, [])
+        told = await until_state(bob, "HELD", epoch=lease["epoch"])
+        assert told["reason"] == "its holder has gone on over another connection"
+        assert (await dan.next("openrois.lease.requested"))["request_id"] == asked["request_id"]
+        async with patience():
+            await ann.socket.wait_closed()
+        assert (ann.socket.close_code, ann.socket.close_reason) == (4409, "another connection has resumed this session")
+        assert await dan.code("rois.command.execute", command_unit_list=[{**UNIT, "command_id": "b"}]) == "OK"
+        assert await dan.completed("glow") == {"glow": "ABORT"}
+        house.robot.lamp.may_end.set()
+        assert await dan.completed("b") == {"b": "OK"}
+        # It is good once, and its line ends with whoever shows it again.
+        async with application(house.gateway) as thief:
+            assert await thief.code("openrois.lease.resume", token=token) == "UNSUPPORTED"
+            assert await thief.code("openrois.lease.resume", token=resumed["token"]) == "UNSUPPORTED"
+        assert await dan.code("rois.command.release", component_ref=LAMP) == "OK"
+
+
+async def test_a_session_does_not_resume_itself(house: House) -> None:
+    async with application(house.gateway) as ann:
+        token = (await ann.ask("openrois.lease.token"))["token"]
+        assert await ann.code("openrois.lease.resume", token=token) == "UNSUPPORTED"
+        assert await ann.code("rois.command.bind", component_ref=LAMP) == "OK"
+        assert await ann.code("openrois.lease.resume", token=token) == "BAD_PARAMETER"
+
+
+async def test_what_is_handed_over_meanwhile_is_told(house: House) -> None:
+    """Who takes a component and changes connections before it is cleared hears when it may operate."""
+    async with (
+        application(house.gateway) as ann,
+        application(house.gateway) as bob,
+        application(house.gateway) as dan,
+    ):
+        token = (await bob.ask("openrois.lease.token"))["token"]
+        await holding(ann)
+        await glowing(house.robot)
+        stopping, stopped = asyncio.Event(), asyncio.Event()
+
+        async def stop() -> None:
+            stopping.set()
+            await stopped.wait()
+
+        house.robot.lamp.stop = stop  # type: ignore[method-assign]
+        taking = await bob.begin("openrois.lease.take", component_ref=LAMP)
+        async with patience():
+            await stopping.wait()
+        resumed = await dan.ask("openrois.lease.resume", token=token)
+        assert [lease["component_ref"] for lease in resumed["leases"]] == [LAMP]
+        assert await dan.code("rois.command.execute", command_unit_list=[UNIT]) == "OUT_OF_RESOURCES"
+        stopped.set()
+        await until_state(dan, "MINE")
+        assert await dan.code("rois.command.execute", command_unit_list=[UNIT]) == "OK"
+        del taking
+
+
 async def test_a_token_is_good_once(house: House) -> None:
     async with application(house.gateway) as ann, application(house.gateway) as bob:
         token = await holding(ann)
-        assert await bob.code("openrois.lease.resume", token=token) == "OUT_OF_RESOURCES"
         await cut(ann, bob)
         async with application(house.gateway) as again, application(house.gateway) as thief:
             assert await again.code("openrois.lease.resume", token=token) == "OK"

@@ -1,22 +1,29 @@
 """Control: a lost connection is resumed, components change hands, and everything stops."""
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import AsyncExitStack, asynccontextmanager
+from pathlib import Path
 from typing import Any
 
 import pytest
 
+from openrois.application import EngineHost
 from openrois.client import (
     BindingLost,
     Client,
+    Command,
     Connected,
     ConnectionLost,
     ControlChanged,
     ControlDeclined,
     ControlRequested,
     ControlWithdrawn,
+    resumption,
 )
 from openrois.errors import Aborted, ComponentFailed, OutOfResources, Unsupported
+from openrois.journal.journal import Journal
+from openrois.tasks import TaskScope
 from openrois.types.leases import LeaseState
 from tests.support import grounds
 from tests.support.grounds import Clock, Line
@@ -104,10 +111,13 @@ class TestResuming:
         with pytest.raises(ConnectionLost):
             await running
 
-    async def test_who_does_not_come_back_learns_it_in_time(self, line: Line, clock: Clock, ann: Client) -> None:
+    async def test_who_does_not_come_back_learns_it_in_time(
+        self, line: Line, clock: Clock, ann: Client, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
         await ann.bind(LAMP)
         running = await ann.component(LAMP).command("start").execute()
         await line.lamp.glowing.wait()
+        monkeypatch.setattr(resumption, "PATIENCE", 0.01)
         ann._application._resumption._grace = 0.01
         line.cut()
         with pytest.raises(ConnectionLost, match="1006"):
@@ -128,15 +138,86 @@ class TestResuming:
             near.abort()
             await clock.pass_time()
             await heard(notices)
-            far._other = far
             assert not running.done
-            far.abort()
-            await clock.asleep()
-            while not running.done:
-                await clock.pass_time()
-                line.lamp.may_end.set()
-                await ann.search()
+            await ann.component(LAMP).command("switch", times=1)
+            line.lamp.may_end.set()
             await running
+
+
+class TestRestart:
+    """The gateway has crashed and is there again: it knows no session, but its journal knows commands."""
+
+    async def test_each_command_gets_its_end(self, line: Line, clock: Clock, tmp_path: Path) -> None:
+        async with restarted(line, tmp_path) as restart, Client(dial=line.dial, reconnect=clock.reconnect()) as ann:
+            lamp = ann.component(LAMP)
+            await lamp.bind()
+            ended = await lamp.command("switch", times=2).execute()
+            await ended
+            running = await ann.execute(lamp.command("start"), lamp.command("switch", times=1))
+            await line.lamp.glowing.wait()
+            # Two whose ends were on their way when the gateway ended, and one that it never heard of.
+            unheard = await lamp.command("switch", times=3).execute()
+            failed = await lamp.command("fail").execute()
+            for command in (unheard, failed):
+                await command.wait()
+                command._outcome = None
+                command._ended.clear()
+            stranger = Command("toys/lamp", "start", "never sent", lambda _command_id: unheard)
+            ann._application.commands.expect((unheard, failed, stranger))
+            await restart()
+            await clock.pass_time()
+            assert await unheard == {"total": 5}
+            with pytest.raises(ComponentFailed, match="the bulb is gone"):
+                await failed
+            for command in running.commands:
+                with pytest.raises(ComponentFailed, match="the gateway was restarted"):
+                    await command
+            with pytest.raises(ConnectionLost, match="the gateway does not know of it"):
+                await stranger
+            assert not len(ann._application.commands)
+            assert await ended == {"total": 2}
+
+    async def test_what_was_told_to_nobody_is_lost(self, line: Line, clock: Clock, tmp_path: Path) -> None:
+        """The first connection after the restart asks, and breaks before it hears the answer."""
+        async with restarted(line, tmp_path) as restart, Client(dial=line.dial, reconnect=clock.reconnect()) as ann:
+            await ann.bind(LAMP)
+            running = await ann.component(LAMP).command("start").execute()
+            await line.lamp.glowing.wait()
+            await restart()
+            line.host.journal.tell("local", running.command_id)
+            await clock.pass_time()
+            with pytest.raises(ConnectionLost, match="was told before, and not heard"):
+                await running
+
+    async def test_without_a_token_too(self, clock: Clock, tmp_path: Path) -> None:
+        async with (
+            grounds.line(grace=0) as line,
+            restarted(line, tmp_path) as restart,
+            Client(dial=line.dial, reconnect=clock.reconnect()) as ann,
+        ):
+            await ann.bind(LAMP)
+            running = await ann.component(LAMP).command("start").execute()
+            await line.lamp.glowing.wait()
+            await restart()
+            await clock.pass_time()
+            with pytest.raises(ComponentFailed, match="the gateway was restarted"):
+                await running
+
+
+@asynccontextmanager
+async def restarted(line: Line, folder: Path) -> AsyncIterator[Callable[[], Awaitable[None]]]:
+    """Give a gateway a journal; what comes back lets it crash and be there again."""
+    async with AsyncExitStack() as stack:
+        line.host.journal = stack.enter_context(Journal(folder / "journal"))
+
+        async def restart() -> None:
+            line.host.journal.__exit__(None, None, None)
+            line.cut()
+            tasks = await stack.enter_async_context(TaskScope())
+            journal = stack.enter_context(Journal(folder / "journal"))
+            line.host = EngineHost(line.host.engine, tasks, journal=journal, lease_rules=line.host.lease_rules)
+
+        yield restart
 
 
 class TestHandover:

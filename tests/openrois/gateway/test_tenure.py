@@ -199,12 +199,14 @@ async def refresh(connection: ClientConnection, token: str) -> dict[str, Any]:
 async def test_a_new_token_on_the_same_connection(tmp_path: Path) -> None:
     async with guarded(tmp_path) as coming, coming.dial(fresh(exp=time.time() + 60, jti="old")) as connection:
         await hello(connection)
-        refused = {"return_code": "BAD_PARAMETER", "seconds": 0}
+        refused, asked = {"return_code": "BAD_PARAMETER", "seconds": 0}, 0
         for bad in ("x", fresh(sub="bob"), fresh(exp=1), fresh(roles="adapter"), fresh(roles="root")):
             assert await refresh(connection, bad) == refused
+            asked += 1
         for forged, _ in forgeries(Keys(), time.time()).values():
             if 0 < len(forged) <= MAX_TOKEN:
                 assert await refresh(connection, forged) == refused
+                asked += 1
         assert (await ask(connection, "openrois.auth.refresh", token="x" * 7000))["error"]["code"] == -32602
         answer = await refresh(connection, fresh(jti="new", roles="viewer"))
         assert answer["return_code"] == "OK"
@@ -213,6 +215,9 @@ async def test_a_new_token_on_the_same_connection(tmp_path: Path) -> None:
         answer = await ask(connection, "rois.command.bind", component_ref="x/y")
         assert answer["result"]["return_code"] == "UNSUPPORTED"
     lines = coming.audited()
+    assert [line["kind"] for line in lines if line["method"] == "openrois.auth.refresh"] == ["refused"] * asked + [
+        "acted"
+    ]
     assert {"algorithm", "header", "signature"} <= {line.get("reason") for line in lines}
     refreshed = [(line.get("detail"), line["token_id"]) for line in lines if line["kind"] == "acted"]
     assert refreshed == [("in place of old", "new")]

@@ -60,6 +60,14 @@ def test_so_many_run_others_wait_in_line_and_too_many_are_refused() -> None:
     assert (len(door.intake), door.intake.refused) == (1, 1)
 
 
+def test_what_waits_when_the_connection_ends_never_starts() -> None:
+    door = Door()
+    door.ask("a", "b", "c", "d")
+    door.intake.close()
+    door.over["a"]()
+    assert (door.started, len(door.intake)) == (["a", "b"], 0)
+
+
 def test_those_that_wait_are_bounded_by_their_text_too() -> None:
     door = Door()
     door.ask("a", "b", "c")

@@ -234,6 +234,32 @@ class TestEnding:
             assert (await other.ended()).code == 1006
             assert ended == ["slow"]
 
+    async def test_requests_that_wait_are_dropped(self) -> None:
+        _opened, slow = gate()
+        async with connected({"slow": slow}, capacity=MAX_RUNNING_REQUESTS + 8) as other:
+            for request_id in range(MAX_RUNNING_REQUESTS + 4):
+                await other.say(id=request_id, method="slow")
+            await settle()
+            assert len(other.session.intake) == 4
+            other.stream.abort()
+            assert (await other.ended()).code == 1006
+
+    async def test_end_takes_nothing_more_and_leaves_the_stream(self) -> None:
+        opened, slow = gate()
+        async with connected({"slow": slow, "echo": echo}) as other:
+            await other.say(id=1, method="slow")
+            await settle()
+            other.session.end(4000, "over")
+            other.session.end(4001, "again")
+            await other.say(id=2, method="echo")
+            closed = await other.ended()
+            assert (closed.code, closed.reason) == (4000, "over")
+            assert not opened.is_set()
+            assert len(other.session.outbox) == 0
+            await other.session.stream.send("farewell")
+            assert await other.stream.receive() == "farewell"
+            other.session.end(4001, "again")
+
     async def test_close_sends_what_waits_first(self) -> None:
         async with connected() as other:
             for number in range(3):

@@ -70,5 +70,5 @@ def test_each_holder_has_an_epoch_of_its_own(ann: Holder, bob: Holder) -> None:
 def test_a_successor_goes_on_in_the_same_epochs(ann: Holder, bob: Holder) -> None:
     held = Holding(first_epoch=7)
     held.bind(LAMP, ann)
-    held.succeed(ann, bob)
+    held.succeed(LAMP, bob)
     assert (held.held_by(bob), held.held_by(ann)) == ({LAMP: 7}, {})

@@ -7,11 +7,11 @@ from itertools import count
 import pytest
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
-from hypothesis.stateful import RuleBasedStateMachine, invariant, rule, run_state_machine_as_test
+from hypothesis.stateful import RuleBasedStateMachine, invariant, precondition, rule, run_state_machine_as_test
 
 from openrois.errors import OutOfResources, Unsupported
 from openrois.leases.changes import Asked, Change, Declined, Gained, Lost, Queued, Why, Withdrawn
-from openrois.leases.model import LeaseModel, Replayed, Rules, StillThere
+from openrois.leases.model import LeaseModel, Replayed, Rules
 from openrois.leases.waiting import MAX_WAITING, Request
 
 GRACE, PATIENCE = 10.0, 30.0
@@ -51,6 +51,13 @@ class Reference:
     def drop(self, ref: str, session: Session) -> None:
         self.lines[ref] = [other for other in self.lines[ref] if other is not session]
 
+    def replace(self, ref: str, former: Session, successor: Session, *, lost: bool) -> None:
+        """One goes on where another ended: it holds what that one held, and waits for nothing that it holds now."""
+        if self.holder(ref) is former:
+            self.lines[ref] = [successor, *(other for other in self.lines[ref][1:] if other is not successor)]
+        elif not lost:
+            self.drop(ref, former)
+
     def promote(self, ref: str, session: Session) -> None:
         if self.holder(ref) is not session:
             self.lines[ref] = [session, *(other for other in self.lines[ref][1:] if other is not session)]
@@ -69,6 +76,7 @@ class LeaseMachine(RuleBasedStateMachine):
         self.model = LeaseModel(Rules(GRACE, PATIENCE))
         self.reference = Reference()
         self.sessions = [Session(next(self.numbers)) for _ in range(4)]
+        self.gone: list[Session] = []
         self.told: dict[str, tuple[object, int]] = {}
         self.asked: dict[str, Request] = {}
         self.used: list[tuple[str, Session]] = []
@@ -77,6 +85,7 @@ class LeaseMachine(RuleBasedStateMachine):
     def live(self, seat: int) -> Session:
         """The application in a seat; if its connection was lost, another one has come and it is forgotten there."""
         if self.sessions[seat].away_until is not None:
+            self.gone.append(self.sessions[seat])
             self.sessions[seat] = Session(next(self.numbers))
         return self.sessions[seat]
 
@@ -187,27 +196,76 @@ class LeaseMachine(RuleBasedStateMachine):
         self.sessions[seat] = Session(next(self.numbers))
         self.take(self.model.leave(session, self.now))
 
-    @rule(seat=seats, subject=st.sampled_from(("ann", "ann", "ann", "bob")))
-    def resume(self, seat: int, subject: str) -> None:
-        former = self.sessions[seat]
-        successor = Session(next(self.numbers))
-        if not former.token:
+    @rule(seat=seats, by=seats, ref=refs, lost=st.booleans(), waits=st.booleans())
+    def change_connections(self, seat: int, by: int, ref: str, lost: bool, waits: bool) -> None:
+        """The most of what happens with tokens, which single steps seldom come to."""
+        former, successor = self.live(seat), self.live(by)
+        self.ask_for_token(seat)
+        self.bind(seat, ref)
+        if waits:
+            self.request(by, ref)
+        if lost:
+            self.lose_connection(seat)
+        self.show(former, successor, "ann")
+
+    def with_token(self) -> list[Session]:
+        return [session for session in (*self.sessions, *self.gone) if session.token]
+
+    @precondition(lambda self: bool(self.with_token()))
+    @rule(which=st.integers(0, 7), by=st.integers(0, 7), subject=st.sampled_from(("ann", "ann", "ann", "bob")))
+    def resume(self, which: int, by: int, subject: str) -> None:
+        former = self.with_token()[which % len(self.with_token())]
+        self.show(former, self.live(by) if by < 4 else Session(next(self.numbers)), subject)
+
+    def show(self, former: Session, successor: Session, subject: str) -> None:
+        """Whoever shows the token, lost or not, is the holder from then on; it may wait in a line meanwhile."""
+        if successor is former or self.model.holding.held_by(successor):
+            # The gateway asks the model for those alone that hold nothing.
             return
-        away = former.away_until is not None and former in self.model.absent
-        if subject == "ann" and away:
+        lost = former.away_until is not None
+        if subject == "ann" and (not lost or former in self.model.absent):
+            before = dict(self.told)
             resumed, changes = self.model.resume(former.token, subject, successor, self.now)
             assert resumed is former
-            for ref, line in self.reference.lines.items():
-                self.reference.lines[ref] = [successor if other is former else other for other in line]
-                if ref in self.told and self.told[ref][0] is former:
-                    self.told[ref] = successor, self.told[ref][1]
-            self.used = [(token, successor if of is former else of) for token, of in self.used]
-            self.used.append((former.token, successor))
-            self.sessions[seat] = successor
+            assert former not in self.model.absent
+            assert self.model.holding.held_by(former) == {}
+            assert self.model.waiting.of(former) == ()
+            self.succeed(former, successor, lost=lost)
             self.take(changes)
+            for ref, (holder, epoch) in before.items():
+                if holder is former:
+                    assert self.told[ref][0] is successor
+                    # What a lost connection sent cannot come any more; of any other it must be told as late.
+                    assert (self.told[ref][1] == epoch) is lost
         else:
-            with pytest.raises((Unsupported, StillThere)):
+            with pytest.raises(Unsupported):
                 self.model.resume(former.token, subject, successor, self.now)
+
+    def succeed(self, former: Session, successor: Session, *, lost: bool) -> None:
+        for ref in (LAMP, ARM):
+            held = self.reference.holder(ref) is former
+            self.reference.replace(ref, former, successor, lost=lost)
+            if held and lost:
+                self.told[ref] = successor, self.told[ref][1]
+            if held:
+                asked = [key for key, of in self.asked.items() if (of.component_ref, of.asker) == (ref, successor)]
+                for key in asked:
+                    del self.asked[key]
+        # The line of who goes on is that of the former from now on; that of its own is forgotten.
+        self.used = [(token, of) for token, of in self.used if of is not successor]
+        self.used = [(token, successor if of is former else of) for token, of in self.used]
+        self.used.append((former.token, successor))
+        successor.token, former.token = "", ""
+        self.sessions = [each for each in self.sessions if each not in (former, successor)] + [successor]
+        while len(self.sessions) < 4:
+            self.sessions.append(Session(next(self.numbers)))
+
+    @rule(seat=seats)
+    def resume_itself(self, seat: int) -> None:
+        session = self.live(seat)
+        if session.token:
+            with pytest.raises(Unsupported, match="not itself"):
+                self.model.resume(session.token, "ann", session, self.now)
 
     @rule(which=st.integers(0, 5))
     def replay(self, which: int) -> None:
@@ -340,10 +398,31 @@ def test_a_token_that_comes_twice_ends_the_grace_of_both(model: LeaseModel) -> N
     assert (replayed.value.holder, replayed.value.changes) == (BOB, [Lost(LAMP, BOB, 1, Why.EXPIRED)])
 
 
-def test_of_a_session_that_is_still_there_nothing_is_resumed(model: LeaseModel) -> None:
+def test_a_session_that_is_still_there_is_put_out(model: LeaseModel) -> None:
     token = model.token(ANN, "ann")
-    with pytest.raises(StillThere) as refused:
-        model.resume(token, "ann", BOB, 0)
-    assert refused.value.holder == ANN
-    model.lose(ANN, 0)
-    assert model.resume(token, "ann", BOB, 0)[0] == ANN
+    model.holding.bind(ARM, EVE)
+    wanted, waited = asked(model.request(ARM, ANN, 0)), asked(model.request(LAMP, EVE, 0))
+    assert model.resume(token, "ann", BOB, 1) == (
+        ANN,
+        [
+            Withdrawn(wanted, EVE),
+            Queued(ARM),
+            Lost(LAMP, ANN, 1, Why.RESUMED),
+            Gained(LAMP, BOB, 3, Why.RESUMED),
+            Queued(LAMP),
+            Asked(waited, BOB),
+        ],
+    )
+    # What comes of it yet changes nothing.
+    assert model.release(LAMP, ANN, 2) == []
+    assert model.lose(ANN, 2) == []
+    assert model.holding.held_by(BOB) == {LAMP: 3}
+
+
+def test_who_resumes_waits_no_more_for_what_it_holds_now(model: LeaseModel) -> None:
+    token = model.token(ANN, "ann")
+    model.request(LAMP, BOB, 0)
+    model.resume(token, "ann", BOB, 1)
+    assert model.waiting.queue(LAMP) == ()
+    with pytest.raises(Unsupported, match="not itself"):
+        model.resume(model.token(BOB, "ann"), "ann", BOB, 1)
