@@ -46,14 +46,11 @@ class Voice:
         synthesizer: makes speech of text.
         sound: what is heard of the avatar.
         body: whose mouth moves.
-        audience: those who hear it; nobody unless given.
     """
 
-    def __init__(
-        self, synthesizer: Synthesis, sound: AvatarSound, body: Body, audience: Audience | None = None
-    ) -> None:
-        self.audience = audience or Audience()
-        """Those who hear it."""
+    def __init__(self, synthesizer: Synthesis, sound: AvatarSound, body: Body) -> None:
+        self.audience = Audience()
+        """Those who hear it; nobody at first."""
         self.progress: Listeners[Progress] = Listeners()
         """Are told each word when it is heard, each mark, and how a speech ended."""
         self._synthesizer = synthesizer

@@ -45,9 +45,9 @@ class Drawing:
             f'<path d="M{path}" fill="none" stroke="{stroke}" stroke-width="{_n(width)}" stroke-linejoin="round"/>'
         )
 
-    def dot(self, x: float, y: float, fill: str, radius: float = 4) -> None:
+    def dot(self, x: float, y: float, fill: str) -> None:
         """A filled circle."""
-        self._lines.append(f'<circle cx="{_n(x)}" cy="{_n(y)}" r="{_n(radius)}" fill="{fill}"/>')
+        self._lines.append(f'<circle cx="{_n(x)}" cy="{_n(y)}" r="4" fill="{fill}"/>')
 
     def text(
         self, x: float, y: float, text: str, *, fill: str = TEXT, size: int = 13, bold: bool = False, anchor: str = ""
@@ -69,11 +69,11 @@ class Drawing:
         return "\n".join([self._head, *(f"  {line}" for line in self._lines), "</svg>\n"])
 
 
-def ticks(highest: float, most: int = 6) -> list[float]:
-    """Round numbers from 0 to at least `highest` (above 0), at most so many."""
+def ticks(highest: float) -> list[float]:
+    """Round numbers from 0 to at least `highest` (above 0), at most six."""
     for digit in (1, 2, 5, 10, 20, 50):
-        step = digit * 10 ** math.floor(math.log10(highest / (most - 1)))
-        if step * (most - 1) >= highest:
+        step = digit * 10 ** math.floor(math.log10(highest / 5))
+        if step * 5 >= highest:
             break
     return [round(step * number, 12) for number in range(math.ceil(highest / step - 1e-9) + 1)]
 

@@ -1,22 +1,20 @@
 """`python -m benchmarks.soak --minutes 30`: gateway, avatar and viewers; says what is left over and what has grown."""
 
 import argparse
-import json
 import os
 import subprocess
 import sys
 import time
-import urllib.request
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import psutil
-from prometheus_client.parser import text_string_to_metric_families
 
+from benchmarks.soak.findings import figures, is_clean, left_over, tell
 from benchmarks.soak.slope import slope
 
 _INTERVAL: Final = 2.0
@@ -62,9 +60,7 @@ class Adapter:
 
     def sample(self) -> Sample:
         """Measure it now."""
-        with urllib.request.urlopen(self._metrics, timeout=10) as response:
-            families = text_string_to_metric_families(response.read().decode())
-        figures = {sample.name: sample.value for family in families for sample in family.samples if not sample.labels}
+        told = figures(self._metrics)
         with self._process.oneshot():
             times = self._process.cpu_times()
             return Sample(
@@ -73,8 +69,8 @@ class Adapter:
                 cpu=round(times.user + times.system, 2),
                 descriptors=self._process.num_fds(),
                 threads=self._process.num_threads(),
-                tasks=int(figures["openrois_tasks"]),
-                sessions=int(figures["openrois_sessions"]),
+                tasks=int(told["openrois_tasks"]),
+                sessions=int(told["openrois_sessions"]),
                 load=round(os.getloadavg()[0], 2),
             )
 
@@ -116,7 +112,7 @@ def _sampled(adapter: Adapter, seconds: float) -> list[Sample]:
     return samples
 
 
-def _soak(adapter: Adapter, url: str, chosen: argparse.Namespace) -> dict[str, object]:
+def _soak(adapter: Adapter, url: str, chosen: argparse.Namespace) -> dict[str, Any]:
     visits = Visits()
 
     def crowd(seconds: float) -> list[Sample]:
@@ -133,10 +129,6 @@ def _soak(adapter: Adapter, url: str, chosen: argparse.Namespace) -> dict[str, o
     rest_before = _sampled(adapter, _SETTLING)[-1]
     busy = crowd(chosen.minutes * 60)
     rest_after = _sampled(adapter, _SETTLING)[-1]
-    left = {
-        name: getattr(rest_after, name) - getattr(rest_before, name)
-        for name in ("descriptors", "threads", "tasks", "sessions")
-    }
     hours = (rest_after.at - rest_before.at) / 3600
     return {
         "command": ["python", "-m", "benchmarks.soak", *sys.argv[1:]],
@@ -144,7 +136,7 @@ def _soak(adapter: Adapter, url: str, chosen: argparse.Namespace) -> dict[str, o
         "viewers": chosen.viewers,
         "minutes": chosen.minutes,
         "visits": asdict(visits),
-        "left_over": left,
+        "left_over": left_over(rest_before, rest_after, "descriptors", "threads", "tasks", "sessions"),
         "rss_slope_mb_per_hour": round(slope([(sample.at, sample.rss) for sample in busy]) * 3600, 2),
         "rss_at_rest_mb": [rest_before.rss, rest_after.rss],
         "rss_at_rest_growth_mb_per_hour": round((rest_after.rss - rest_before.rss) / hours, 2),
@@ -171,10 +163,8 @@ def main(arguments: Sequence[str]) -> int:
     with _program(*gateway, ready="listening"), _program(*avatar, *dial, ready="ready") as process:
         adapter = Adapter(process, f"http://127.0.0.1:{chosen.port + 1}/metrics")
         report = _soak(adapter, f"ws://127.0.0.1:{chosen.port}/", chosen)
-    if chosen.json:
-        chosen.json.write_text(json.dumps(report, indent=1) + "\n")
-    print(json.dumps({name: value for name, value in report.items() if name != "samples"}, indent=2))
-    return 1 if any(value > 0 for value in dict(report["left_over"]).values()) else 0  # type: ignore[call-overload]
+    tell(report, chosen.json)
+    return 0 if is_clean(report["left_over"]) else 1
 
 
 if __name__ == "__main__":

@@ -2,19 +2,17 @@
 
 import argparse
 import asyncio
-import json
 import os
 import sys
 import time
-import urllib.request
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import uvloop
-from prometheus_client.parser import text_string_to_metric_families
 
+from benchmarks.soak.findings import figures, is_clean, left_over, tell
 from benchmarks.soak.slope import slope
 from benchmarks.soak_gateway.robot import ENGINE
 from benchmarks.soak_gateway.visits import Visitors
@@ -42,17 +40,11 @@ def _descriptors(process: Child) -> int:
     return len(list(Path(f"/proc/{process.pid}/fd").iterdir()))
 
 
-def _tasks(metrics: str) -> int:
-    with urllib.request.urlopen(metrics, timeout=10) as response:
-        families = text_string_to_metric_families(response.read().decode())
-    return next(int(s.value) for family in families for s in family.samples if s.name == "openrois_gateway_tasks")
-
-
 async def _sampled(gateway: Child, adapter: Child, metrics: str, seconds: float) -> list[Sample]:
     samples = []
     end = time.monotonic() + seconds
     while True:
-        tasks = await asyncio.to_thread(_tasks, metrics)
+        tasks = int((await asyncio.to_thread(figures, metrics))["openrois_gateway_tasks"])
         sizes = round(gateway.memory(), 2), round(adapter.memory(), 2)
         samples.append(Sample(round(time.monotonic(), 1), *sizes, _descriptors(gateway), tasks, load()))
         if time.monotonic() >= end:
@@ -60,7 +52,7 @@ async def _sampled(gateway: Child, adapter: Child, metrics: str, seconds: float)
         await asyncio.sleep(_INTERVAL)
 
 
-async def _soak(chosen: argparse.Namespace) -> dict[str, object]:
+async def _soak(chosen: argparse.Namespace) -> dict[str, Any]:
     before = load()
     metrics = f"http://127.0.0.1:{chosen.metrics}/metrics"
     options = ("gateway", "--port", "0", "--metrics", f"127.0.0.1:{chosen.metrics}")
@@ -93,7 +85,7 @@ async def _soak(chosen: argparse.Namespace) -> dict[str, object]:
         "adapter_mb_per_hour": round(slope([(each.at, each.adapter) for each in busy]) * 3600, 2),
         "gateway_at_rest_mb": [rest.gateway, end.gateway],
         "adapter_at_rest_mb": [rest.adapter, end.adapter],
-        "left_over": {"descriptors": end.descriptors - rest.descriptors, "tasks": end.tasks - rest.tasks},
+        "left_over": left_over(rest, end, "descriptors", "tasks"),
         "load": [min(each.load for each in busy), max(each.load for each in busy)],
         "cpus": os.cpu_count(),
         "samples": [asdict(each) for each in (*warm_up, *busy, end)],
@@ -111,11 +103,8 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument("--json", type=Path, help="write everything here")
     chosen = parser.parse_args(arguments)
     report = uvloop.run(_soak(chosen))
-    if chosen.json:
-        chosen.json.write_text(json.dumps(report, indent=1) + "\n")
-    print(json.dumps({name: value for name, value in report.items() if name != "samples"}, indent=2))
-    left: dict[str, int] = report["left_over"]  # type: ignore[assignment]
-    return 1 if report["faults"] or any(value > 0 for value in left.values()) else 0
+    tell(report, chosen.json)
+    return 0 if is_clean(report["left_over"]) and not report["faults"] else 1
 
 
 if __name__ == "__main__":

@@ -2,7 +2,6 @@
 
 import asyncio
 import logging
-import ssl
 from collections.abc import Awaitable, Callable, Mapping
 from pathlib import Path
 from typing import Final
@@ -112,7 +111,7 @@ def flaw_of_address(url: str) -> str:
     return "it carries a password" if parts.username is not None else ""
 
 
-def fetch_from_url(url: str, ssl_context: ssl.SSLContext | None = None) -> Fetch:
+def fetch_from_url(url: str) -> Fetch:
     """Return what gets the key set at an address: no redirects, 5 s, 256 KiB.
 
     Raises:
@@ -127,7 +126,7 @@ def fetch_from_url(url: str, ssl_context: ssl.SSLContext | None = None) -> Fetch
             async with (
                 # What is packed could be any size once it is unpacked.
                 aiohttp.ClientSession(timeout=timeout, auto_decompress=False) as session,
-                session.get(url, allow_redirects=False, ssl=ssl_context or True) as response,
+                session.get(url, allow_redirects=False) as response,
             ):
                 if response.status != 200:
                     raise ValueError(f"{url} answered {response.status}")

@@ -120,11 +120,6 @@ class Candidate(_Message):
             raise PydanticCustomError("no_section", "neither sdp_mid nor sdp_m_line_index")
         return self
 
-    @property
-    def is_last(self) -> bool:
-        """Whether it only says that there are no more candidates."""
-        return not self.candidate
-
     def wire(self) -> dict[str, Any]:
         """The params as JSON values; `candidate` stands there also when it is None."""
         return super().wire() | {"candidate": self.candidate}

@@ -67,15 +67,6 @@ TIMEOUTS: dict[State, tuple[float, str]] = {
 """How long a state may last, and the reason of the bye when it lasts longer."""
 
 
-def state_table() -> str:
-    """`TRANSITIONS` as text: a line for each state, a column for each input, the deadline last."""
-    rows = [["", *(each.value for each in Input), "at most"]]
-    for state, row in TRANSITIONS.items():
-        limit = f"{TIMEOUTS[state][0]:g} s" if state in TIMEOUTS else "-"
-        rows.append([state.value, *(row[each].value if each in row else "-" for each in Input), limit])
-    return "\n".join("  ".join(cell.ljust(9) for cell in row).rstrip() for row in rows)
-
-
 class IllegalTransition(RuntimeError):
     """An input that the current state does not have; nothing was changed. The engine's mistake, never the peer's."""
 

@@ -97,21 +97,6 @@ class Relay(Generic[OwnerT, EngineT]):
         if self.owner(peer_id, engine) is not None:
             del self._peers[peer_id]
 
-    def forget_owner(self, owner: OwnerT) -> list[tuple[str, EngineT]]:
-        """The application is gone; returns the peers it had, each with its engine."""
-        gone = [(peer_id, peer.engine) for peer_id, peer in self._peers.items() if peer.owner == owner]
-        for peer_id, _ in gone:
-            del self._peers[peer_id]
-        self._buckets.pop(owner, None)
-        return gone
-
-    def forget_engine(self, engine: EngineT) -> list[tuple[str, OwnerT]]:
-        """The engine is gone; returns the peers it had, each with its owner."""
-        gone = [(peer_id, peer.owner) for peer_id, peer in self._peers.items() if peer.engine == engine]
-        for peer_id, _ in gone:
-            del self._peers[peer_id]
-        return gone
-
     async def send(self, owner: OwnerT, message: Upward) -> None:
         """Pass a message of `owner` on to the engine of its peer.
 

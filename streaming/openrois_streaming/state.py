@@ -130,12 +130,3 @@ def resumption(suspended_by: AbstractSet[Party], by: Party) -> StreamInput:
     A party that wanted nothing takes nothing back: the stream stays suspended as long as there is another that does.
     """
     return StreamInput.SUSPEND if suspended_by - {by} else StreamInput.RESUME
-
-
-def state_table() -> str:
-    """`TRANSITIONS` and `STATUS` as text, a line for each phase."""
-    rows = [["", *(event.value for event in StreamInput), "status"]]
-    for phase, row in TRANSITIONS.items():
-        cells = [row[event].value if event in row else "-" for event in StreamInput]
-        rows.append([phase.value, *cells, STATUS[phase].value])
-    return "\n".join("  ".join(cell.ljust(10) for cell in row).rstrip() for row in rows)

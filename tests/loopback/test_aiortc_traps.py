@@ -1,7 +1,5 @@
 """Where aiortc behaves otherwise than one expects; each test is named after the trap that it keeps us out of."""
 
-from collections.abc import AsyncIterator
-
 import pytest
 from openrois_signaling.messages import IceServer, Offer
 from openrois_streaming.errors import InvalidDescription, StaleGeneration
@@ -13,18 +11,6 @@ from tests.support import loopback
 from tests.support.loopback import Engine, Viewer, only_first_section, sections, without
 
 pytestmark = pytest.mark.media
-
-
-@pytest.fixture
-async def engine() -> AsyncIterator[Engine]:
-    async with loopback.engine() as engine:
-        yield engine
-
-
-@pytest.fixture
-async def viewer(engine: Engine) -> AsyncIterator[Viewer]:
-    async with loopback.viewer(engine) as viewer:
-        yield viewer
 
 
 async def test_trap_1_a_later_section_shares_the_transport_of_the_first(engine: Engine, viewer: Viewer) -> None:

@@ -255,7 +255,7 @@ async def test_what_a_server_knows_follows_the_offer() -> None:
         assert found.candidate is not None
         assert f" 198.51.100.9 {port} typ srflx raddr 127.0.0.1 rport {port}" in found.candidate
         assert (found.peer_id, found.generation, found.sdp_mid) == ("engine/p1", 1, "0")
-        assert last.is_last
+        assert not last.candidate
         engine.connect("a", "audio")
         await viewer.plays("1")
         assert "198.51.100.9" in engine.offers[1].sdp, "a later offer has it too"

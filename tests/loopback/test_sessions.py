@@ -2,7 +2,7 @@
 
 import asyncio
 import time
-from collections.abc import AsyncIterator, Callable
+from collections.abc import Callable
 
 import pytest
 import uvloop
@@ -14,18 +14,6 @@ from tests.support import loopback
 from tests.support.loopback import Engine, Viewer
 
 pytestmark = pytest.mark.media
-
-
-@pytest.fixture
-async def engine() -> AsyncIterator[Engine]:
-    async with loopback.engine() as engine:
-        yield engine
-
-
-@pytest.fixture
-async def viewer(engine: Engine) -> AsyncIterator[Viewer]:
-    async with loopback.viewer(engine) as viewer:
-        yield viewer
 
 
 async def play_suspend_resume_replace_and_leave() -> None:

@@ -58,9 +58,6 @@ def test_absent_optional_fields_do_not_stand_on_the_wire_and_the_last_candidate_
     assert "replaces" not in Offer.model_validate(OFFER).wire()
     last = Candidate(peer_id="p", generation=1, candidate=None, sdp_mid="0")
     assert last.wire() == {"peer_id": "p", "generation": 1, "candidate": None, "sdp_mid": "0"}
-    assert last.is_last
-    assert Candidate(peer_id="p", generation=1, candidate="").is_last
-    assert not Candidate.model_validate(CANDIDATE).is_last
 
 
 @pytest.mark.parametrize("generation", [0, -1, True, 1.0, "1", None, 2**31])

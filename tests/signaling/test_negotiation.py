@@ -14,7 +14,6 @@ from openrois_signaling.negotiation import (
     Negotiation,
     State,
     Verdict,
-    state_table,
 )
 from pydantic import ValidationError
 
@@ -90,15 +89,9 @@ def test_every_input_in_every_state_does_what_the_table_says(state: State, event
     assert negotiation.state is state
 
 
-def test_the_table_is_whole_ends_everywhere_and_fits_one_screen() -> None:
+def test_the_table_is_whole_and_ends_everywhere() -> None:
     assert set(TRANSITIONS) == set(State)
     assert all(Input.END in TRANSITIONS[state] for state in State if state is not State.ENDED)
-    text = state_table()
-    assert len(text.splitlines()) <= 24
-    assert max(map(len, text.splitlines())) <= 80
-    for name in (*State, *Input):
-        assert name.value in text
-    assert [line.split()[-2:] for line in text.splitlines() if line.startswith("offered")] == [["10", "s"]]
 
 
 def test_an_offer_is_made_sent_answered_and_applied() -> None:

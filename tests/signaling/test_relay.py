@@ -102,25 +102,6 @@ def test_an_application_has_a_bounded_number_of_peers(ends: Ends) -> None:
     assert ends.relay.register("one more", "bob", "avatar")
 
 
-async def test_an_application_that_leaves_is_forgotten(ends: Ends) -> None:
-    ends.relay.register("q", "alice", "robot")
-    ends.relay.register("r", "bob", "avatar")
-    for _ in range(int(BURST) + 1):
-        await ends.send("alice", restart())
-    assert ends.relay.forget_owner("alice") == [("p", "avatar"), ("q", "robot")]
-    assert ends.relay.forget_owner("alice") == []
-    assert await ends.send("alice", restart("p")) == "UNSUPPORTED"
-    assert ends.relay.owner("r", "avatar") == "bob"
-
-
-def test_an_engine_that_leaves_is_forgotten(ends: Ends) -> None:
-    ends.relay.register("q", "bob", "avatar")
-    ends.relay.register("r", "bob", "robot")
-    assert ends.relay.forget_engine("avatar") == [("p", "alice"), ("q", "bob")]
-    assert ends.relay.owner("p", "avatar") is None
-    assert ends.relay.owner("r", "robot") == "bob"
-
-
 async def test_a_failure_of_the_engines_side_passes_through() -> None:
     async def broken(engine: str, message: Upward) -> None:
         raise ConnectionError(engine)

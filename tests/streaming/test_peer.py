@@ -464,7 +464,7 @@ async def test_a_candidate_that_is_found_late_follows_the_offer(owner: Owner) ->
     assert isinstance(found, Candidate)
     assert (found.peer_id, found.generation, found.sdp_mid) == ("engine/p", 1, "0")
     assert isinstance(last, Candidate)
-    assert last.is_last
+    assert not last.candidate
     owner.peer.end("enough")
     owner.connection.find("candidate:1 1 udp 1 203.0.114.7 5001 typ srflx")
     assert isinstance(owner.said[-1], Bye), "nothing follows the end"

@@ -12,7 +12,6 @@ from openrois_streaming.state import (
     StreamStatus,
     following,
     resumption,
-    state_table,
 )
 
 
@@ -88,13 +87,8 @@ def test_a_stream_goes_on_when_nobody_wants_it_suspended(
     assert resumption(suspended_by, by) is event
 
 
-def test_the_table_is_whole_ends_everywhere_and_fits_one_screen() -> None:
+def test_the_table_is_whole() -> None:
     assert set(TRANSITIONS) == set(STATUS) == set(StreamPhase)
-    text = state_table()
-    assert len(text.splitlines()) <= 24
-    assert max(map(len, text.splitlines())) <= 100
-    for name in (*StreamPhase, *StreamInput, *StreamStatus):
-        assert name.value in text
 
 
 @given(st.lists(st.sampled_from(StreamInput), max_size=30))

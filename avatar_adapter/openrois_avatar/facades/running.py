@@ -11,7 +11,7 @@ from functools import partial
 from typing import Final
 
 from openrois_signaling.messages import MediaKind
-from openrois_streaming.clock import MediaClock, SystemClock
+from openrois_streaming.clock import SystemClock
 from openrois_streaming.sessions import SESSIONS_LIMIT
 
 from openrois.adapter.running import hosted
@@ -57,7 +57,7 @@ class FacadeAvatar:
 
 
 @asynccontextmanager
-async def run_facade(settings: AvatarSettings, clock: MediaClock | None = None) -> AsyncIterator[FacadeAvatar]:
+async def run_facade(settings: AvatarSettings) -> AsyncIterator[FacadeAvatar]:
     """Run an adapter for a game engine that does WebRTC itself, for as long as the block does.
 
     Raises:
@@ -65,7 +65,7 @@ async def run_facade(settings: AvatarSettings, clock: MediaClock | None = None) 
         LinkError: one cannot listen for its engine link.
         ValueError: the address of the facade is none.
     """
-    clock = clock or SystemClock()
+    clock = SystemClock()
     host, port = facade_address(settings.facade)
     video, audio = (reference(settings.engine_id, name) for name in ("VideoStreaming", "AudioStreaming"))
     kinds: dict[str, MediaKind] = {video: "video", audio: "audio"}

@@ -10,7 +10,7 @@ from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from openrois_streaming.clock import MediaClock, SystemClock
+from openrois_streaming.clock import SystemClock
 
 from openrois_avatar.child import Output, child_process
 from openrois_avatar.hearing.dictionary import has_word
@@ -49,9 +49,6 @@ class Sphinx:
 
     languages = ("en",)
 
-    def __init__(self, clock: MediaClock | None = None) -> None:
-        self._clock = clock or SystemClock()
-
     def available(self) -> tuple[bool, str]:
         """Whether PocketSphinx is installed; if not, the sentence that says what to do."""
         found = importlib.util.find_spec(_LIBRARY) is not None
@@ -75,7 +72,7 @@ class Sphinx:
         works, reason = self.available()
         if not works:
             raise RecognizerFailed(reason)
-        output = Output("speech recognition", self._clock)
+        output = Output("speech recognition", SystemClock())
         async with child_process(_CHILD, output=output, conversation=True) as process:
             conversation = _Conversation(process, output)
             await conversation.ask({"do": "greet"}, timeout=START_TIMEOUT)

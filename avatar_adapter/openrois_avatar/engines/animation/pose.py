@@ -92,13 +92,6 @@ _OWN = tuple(part.name for part in fields(Pose) if part.name not in _GROUPS)
 _MOUTH = tuple(part.name for part in fields(Mouth))
 _ARM = tuple(part.name for part in fields(Arm))
 _LEG = tuple(part.name for part in fields(Leg))
-CHANNELS = (
-    *_OWN,
-    *(f"mouth.{name}" for name in _MOUTH),
-    *(f"{side}.{name}" for side in ("left", "right") for name in _ARM),
-    *(f"{side}_leg.{name}" for side in ("left", "right") for name in _LEG),
-)
-"""Every number of a pose by its dotted name."""
 
 
 def channels(pose: Pose) -> dict[str, float]:

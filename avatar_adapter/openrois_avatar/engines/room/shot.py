@@ -91,9 +91,9 @@ HOME_SHOT: Final = shot(HOME.x, HOME.y, 0.0)
 class Camerawork:
     """Follows one figure. Times never go back from call to call."""
 
-    def __init__(self, time: float, place: Place = HOME) -> None:
+    def __init__(self, time: float) -> None:
         self._time = time
-        self._x, self._y, self._share = _Spring(place.x), _Spring(place.y), _Spring(0.0)
+        self._x, self._y, self._share = _Spring(HOME.x), _Spring(HOME.y), _Spring(0.0)
         self._stood = time - _LINGER
         """Since when the figure stands."""
         self._wanted = 0.0

@@ -14,6 +14,7 @@ from openrois_avatar.engines.sculpt.shading import CLOTH, SKIN, Surface, linear
 
 SHOULDER = (1.10, 0.30, -1.90)
 """The left shoulder joint."""
+_ANGLES, _AROUND = 48, 6
 _NECK_HOLE = ((0.0, 0.16, -1.42), (0.575, 0.56, 0.40))
 """Centre and radii of the ellipsoid that cuts the jumper's neck opening."""
 
@@ -41,19 +42,18 @@ def jumper_field(points: Array) -> Array:
     return carve(torso_field(points) - 0.045, ellipsoid(points, *_NECK_HOLE), 0.04)
 
 
-def neckline(turn: Array, out: float = 0.0) -> Array:
-    """Points (n, 3) on the jumper where its neck opening is, `out` (dm) beyond the edge; turn 0 is the front."""
+def neckline(turn: Array) -> Array:
+    """Points (n, 3) on the jumper where its neck opening is; turn 0 is the front."""
     centre, radii = (np.asarray(part) for part in _NECK_HOLE)
     level = np.linspace(0.6, -1.1, 60)
     aside = np.stack([np.sin(turn), -np.cos(turn)], axis=1)
-    scale = np.cos(level)[None, :, None] * (radii[:2] + out)
+    scale = np.cos(level)[None, :, None] * radii[:2]
     points = np.empty((len(turn), len(level), 3))
     points[..., :2] = centre[:2] + aside[:, None] * scale
-    points[..., 2] = centre[2] + np.sin(level) * (radii[2] + out)
+    points[..., 2] = centre[2] + np.sin(level) * radii[2]
     inside = torso_field(points.reshape(-1, 3)).reshape(len(turn), -1) < 0.045
     first = np.argmax(inside, axis=1)
-    found = points[np.arange(len(turn)), first]
-    return found if out == 0.0 else _onto_jumper(found)
+    return np.asarray(points[np.arange(len(turn)), first])
 
 
 def _onto_jumper(points: Array) -> Array:
@@ -62,16 +62,16 @@ def _onto_jumper(points: Array) -> Array:
     return points
 
 
-def neckband(angles: int = 48, around: int = 6) -> Array:
-    """The ribbed band along the neck opening: a closed tube, grid (around + 1, angles, 3)."""
-    turn = np.arange(angles) * 2 * np.pi / angles
+def neckband() -> Array:
+    """The ribbed band along the neck opening: a closed tube, grid (_AROUND + 1, _ANGLES, 3)."""
+    turn = np.arange(_ANGLES) * 2 * np.pi / _ANGLES
     line = neckline(turn)
     for _ in range(3):
         line = (np.roll(line, 1, 0) + 2 * line + np.roll(line, -1, 0)) / 4
     outward = np.stack([np.sin(turn), -np.cos(turn), 0 * turn], axis=1)
     lift = np.asarray((0.0, 0.0, 1.0))
     rows = []
-    for angle in np.linspace(0, 2 * np.pi, around + 1):
+    for angle in np.linspace(0, 2 * np.pi, _AROUND + 1):
         rows.append(line + outward * np.cos(angle) * 0.035 + lift * (np.sin(angle) * 0.065 + 0.03))
     return np.stack(rows)
 

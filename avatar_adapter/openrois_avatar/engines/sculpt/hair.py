@@ -25,6 +25,7 @@ from openrois_avatar.engines.sculpt.paint import Shadow
 from openrois_avatar.engines.sculpt.part import Part, still
 from openrois_avatar.engines.sculpt.shading import HAIR, HALFWAY, linear
 
+_SEED, _LOCKS, _RINGS = 11, 12, 15
 _SECTION = 6
 _CENTRE = np.asarray((0.0, 0.15, 0.10))
 """The middle of the head: what faces it is never seen."""
@@ -234,25 +235,25 @@ def lock(curve: Array, width: float, thick: float, centre: Array) -> tuple[Array
     return grid, grid_normals(grid, True)
 
 
-def locks(seed: int = 11, count: int = 12, rings: int = 15) -> list[tuple[Array, Array, Array]]:
+def locks() -> list[tuple[Array, Array, Array]]:
     """Every lock: grid, normals and brightness (rings, section)."""
-    random = np.random.default_rng(seed)
+    random = np.random.default_rng(_SEED)
     result = []
     for guides in (_FALLING, _TUCKED):
-        curves = np.stack([_spline(np.asarray(guide.points), rings) for guide in guides])
+        curves = np.stack([_spline(np.asarray(guide.points), _RINGS) for guide in guides])
         sizes = np.asarray([(guide.width, guide.thick) for guide in guides])
         for layer in (1, 0):
-            for step in range(count - layer * 2):
-                position = (step + 0.5 * layer) / (count - 1) * (len(guides) - 1)
+            for step in range(_LOCKS - layer * 2):
+                position = (step + 0.5 * layer) / (_LOCKS - 1) * (len(guides) - 1)
                 first = min(int(position), len(guides) - 2)
                 share = position - first
                 curve = curves[first] * (1 - share) + curves[first + 1] * share
                 width, thick = sizes[first] * (1 - share) + sizes[first + 1] * share
-                late = np.linspace(0, 1, rings)[:, None] ** 1.8
+                late = np.linspace(0, 1, _RINGS)[:, None] ** 1.8
                 drift = late * random.normal(0, (0.025, 0.025, 0.03))
                 outward = (curve - np.asarray((0, 0.1, 0.2))) * (0.032 * layer + random.uniform(-0.006, 0.010))
                 shaped = _lifted(curve + drift + outward)
-                shaped = _spline(shaped[: rings - int(random.integers(0, 2))], rings)
+                shaped = _spline(shaped[: _RINGS - int(random.integers(0, 2))], _RINGS)
                 grid, normals = lock(shaped, width * random.uniform(0.85, 1.15), thick, _CENTRE)
                 result.append((grid, normals, _strands(shaped, random)))
     return result

@@ -56,7 +56,8 @@ def ear_field(points: Array) -> Array:
 class DepthMap:
     """The y of the face's surface as seen from the front, sampled once and interpolated after."""
 
-    def __init__(self, reach: float = 0.80, low: float = -1.08, high: float = 0.56, step: float = 0.02) -> None:
+    def __init__(self) -> None:
+        reach, low, high, step = 0.80, -1.08, 0.56, 0.02
         xs, zs = np.arange(0.0, reach + step, step), np.arange(low, high + step, step)
         x, z = (part.ravel() for part in np.meshgrid(xs, zs))
         origins = np.stack([x, np.full_like(x, -1.2), z], axis=1)

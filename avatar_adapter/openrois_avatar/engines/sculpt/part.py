@@ -66,9 +66,9 @@ def both_ways(faces: Faces) -> Faces:
     return np.concatenate([faces, faces[:, ::-1]])
 
 
-def plain(colour: str, count: int, finish: Finish, openness: npt.ArrayLike = 1.0, gloss: float = 0.0) -> Surface:
+def plain(colour: str, count: int, finish: Finish, openness: npt.ArrayLike = 1.0) -> Surface:
     """A surface of one colour."""
-    return Surface(np.tile(linear(colour), (count, 1)), openness, finish, gloss)
+    return Surface(np.tile(linear(colour), (count, 1)), openness, finish, 0.0)
 
 
 def stepped(*values: float) -> State:

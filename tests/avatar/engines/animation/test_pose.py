@@ -1,13 +1,12 @@
 from dataclasses import FrozenInstanceError, replace
 
 import pytest
-from openrois_avatar.engines.animation.pose import CHANNELS, Arm, Mouth, Pose, channels, from_channels
+from openrois_avatar.engines.animation.pose import Arm, Mouth, Pose, channels, from_channels
 
 
 def test_a_pose_survives_its_channels() -> None:
     pose = Pose(head_yaw=0.2, mouth=Mouth(jaw=0.5), left=Arm(curl=0.9), right=Arm(out=2.0))
     flat = channels(pose)
-    assert tuple(flat) == CHANNELS
     assert (flat["head_yaw"], flat["mouth.jaw"], flat["left.curl"], flat["right.out"]) == (0.2, 0.5, 0.9, 2.0)
     assert from_channels(flat) == pose
 

@@ -1,0 +1,35 @@
+"""What the soaks have in common: figures as they are scraped, what is left over at the end, and how it is told."""
+
+import json
+import urllib.request
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from prometheus_client.parser import text_string_to_metric_families
+
+__all__ = ["figures", "is_clean", "left_over", "tell"]
+
+
+def figures(url: str) -> dict[str, float]:
+    """Return the figures without labels that a process serves for Prometheus at `url`."""
+    with urllib.request.urlopen(url, timeout=10) as response:
+        families = text_string_to_metric_families(response.read().decode())
+    return {sample.name: sample.value for family in families for sample in family.samples if not sample.labels}
+
+
+def left_over(before: object, after: object, *names: str) -> dict[str, int]:
+    """Return by how much each of the attributes has grown from one moment at rest to another."""
+    return {name: getattr(after, name) - getattr(before, name) for name in names}
+
+
+def is_clean(left: Mapping[str, int]) -> bool:
+    """Tell whether nothing is left over."""
+    return not any(value > 0 for value in left.values())
+
+
+def tell(report: Mapping[str, Any], file: Path | None) -> None:
+    """Print a report without its samples, and write all of it to the file, if there is one."""
+    if file is not None:
+        file.write_text(json.dumps(report, indent=1) + "\n")
+    print(json.dumps({name: value for name, value in report.items() if name != "samples"}, indent=2))
