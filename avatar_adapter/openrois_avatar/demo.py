@@ -2,18 +2,22 @@
 
 import argparse
 import asyncio
+import errno
 import signal
 import socket
 import sys
-from collections.abc import Awaitable, Sequence
+from collections.abc import Awaitable, Callable, Coroutine, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final
 
+from openrois.access.principal import Role
 from openrois.command_line import CommandLine
 from openrois.logs import set_up_logging
 from openrois.transport.credential_options import add_credential_options, credential_arguments, credentials
 from openrois.transport.websocket import dial
 from openrois_avatar.attendance import Attendance
+from openrois_avatar.demo_access import add_access_options, demo_access
 from openrois_avatar.link_options import add_facade_option, add_link_options, link_arguments
 from openrois_avatar.network_options import add_host_options, host_arguments
 from openrois_avatar.process import Program, ProgramFailed
@@ -21,8 +25,26 @@ from openrois_avatar.settings import ENGINES
 
 __all__ = ["main"]
 
-_HOST: Final = "127.0.0.1"
 _START_TIMEOUT: Final = 60.0
+
+
+@dataclass(frozen=True, slots=True)
+class _Demo:
+    """What a demo is made of.
+
+    Attributes:
+        gateway: its gateway.
+        avatar: the avatar behind it.
+        attendance: whether they are there.
+        page: where a browser finds it.
+        keep_token: gives the avatar a new token in time, for ever.
+    """
+
+    gateway: Program
+    avatar: Program
+    attendance: Attendance
+    page: str
+    keep_token: Callable[[], Coroutine[object, object, None]]
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -34,16 +56,35 @@ def main(arguments: Sequence[str]) -> int:
     add_facade_option(parser)
     add_host_options(parser)
     add_credential_options(parser)
+    add_access_options(parser)
     parser.add_argument("--verbose", action="store_true", help="log more")
     chosen = parser.parse_args(arguments)
+    try:
+        access = demo_access(chosen)
+    except ValueError as error:
+        parser.error(str(error))
     set_up_logging(verbose=chosen.verbose)
-    if not _is_free(chosen.port):
+    if not _is_free(access.host, chosen.port):
         print(f"openrois demo: port {chosen.port} is taken; is a demo running already? Try --port.", file=sys.stderr)
         return 1
     more = ("--verbose",) if chosen.verbose else ()
-    passed_on = (*link_arguments(chosen), *host_arguments(chosen), *credential_arguments(chosen), *more)
-    attendance = Attendance(f"ws://{_HOST}:{chosen.port}/", connect=partial(dial, credentials=credentials(chosen)))
-    return asyncio.run(_run(chosen.port, chosen.engine, more, passed_on, attendance))
+    with access.token_file() as issued:
+        shown = credentials(chosen)
+        if issued is not None:
+            chosen.token_file = issued
+            shown = replace(shown, token=partial(access.token, Role.VIEWER))
+        url = access.url("ws", chosen.port)
+        of_avatar = (*link_arguments(chosen), *host_arguments(chosen), *credential_arguments(chosen), *more)
+        gateway = ("gateway", "--port", str(chosen.port), "--drain", "0", *access.gateway_arguments(), *more)
+        avatar = ("avatar", "--gateway", f"{url}adapter", "--engine", chosen.engine, *of_avatar)
+        demo = _Demo(
+            Program(gateway, announces="listening "),
+            Program(avatar, announces="ready "),
+            Attendance(url, connect=partial(dial, credentials=shown)),
+            access.url("http", chosen.port),
+            partial(access.keep_token, issued),
+        )
+        return asyncio.run(_run(demo))
 
 
 def _port(text: str) -> int:
@@ -52,23 +93,19 @@ def _port(text: str) -> int:
     return int(text)
 
 
-def _is_free(port: int) -> bool:
-    with socket.socket() as probe:
+def _is_free(host: str, port: int) -> bool:
+    with socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET) as probe:
         # As the gateway will: a port whose last connections are still winding down counts as free.
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         try:
-            probe.bind((_HOST, port))
-        except OSError:
-            return False
+            probe.bind((host, port))
+        except OSError as error:
+            return error.errno != errno.EADDRINUSE
     return True
 
 
-async def _run(port: int, engine: str, more: Sequence[str], of_avatar: Sequence[str], attendance: Attendance) -> int:
-    gateway = Program(("gateway", "--port", str(port), "--drain", "0", *more), announces="listening ")
-    avatar = Program(
-        ("avatar", "--gateway", f"ws://{_HOST}:{port}/adapter", "--engine", engine, *of_avatar), announces="ready "
-    )
-    running = asyncio.ensure_future(_keep_running(gateway, avatar, attendance, f"http://{_HOST}:{port}/"))
+async def _run(demo: _Demo) -> int:
+    running = asyncio.ensure_future(_keep_running(demo))
     for name in (signal.SIGINT, signal.SIGTERM):
         asyncio.get_running_loop().add_signal_handler(name, running.cancel)
     try:
@@ -83,14 +120,15 @@ async def _run(port: int, engine: str, more: Sequence[str], of_avatar: Sequence[
     return 1
 
 
-async def _keep_running(gateway: Program, avatar: Program, attendance: Attendance, url: str) -> None:
+async def _keep_running(demo: _Demo) -> None:
     async with asyncio.TaskGroup() as tasks:
-        for program in (gateway, avatar):
+        tasks.create_task(demo.keep_token())
+        for program in (demo.gateway, demo.avatar):
             tasks.create_task(program.keep_running())
             await _in_time(program.ready.wait(), f"{program.name} is not ready")
-        tasks.create_task(attendance.watch(gateway, avatar))
-        await _in_time(attendance.until_there(), "no avatar has come to the gateway")
-        print(f"ready {url}", flush=True)
+        tasks.create_task(demo.attendance.watch(demo.gateway, demo.avatar))
+        await _in_time(demo.attendance.until_there(), "no avatar has come to the gateway")
+        print(f"ready {demo.page}", flush=True)
 
 
 async def _in_time(step: Awaitable[object], complaint: str) -> None:

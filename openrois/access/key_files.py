@@ -20,6 +20,7 @@ from cryptography.hazmat.primitives.serialization import (
 )
 
 from openrois.access.keys import MAX_KEY_FILE, VerificationKey, parse_key, public_key
+from openrois.secret_files import is_exposed
 
 __all__ = ["make_key_files", "read_key_file", "read_keys", "read_signing_key"]
 
@@ -122,5 +123,5 @@ def _write(path: Path, text: str, mode: int) -> None:
 
 
 def _warn_of_readers(path: Path) -> None:
-    if path.stat().st_mode & 0o077:
+    if is_exposed(path):
         _log.warning("%s can be read by others on this machine; chmod 600 keeps the key a secret", path)

@@ -68,8 +68,8 @@ async def serve(
     *components: Component,
     engine_id: str,
     gateway: str | None = None,
-    token_file: Path | None = None,
-    ca_file: Path | None = None,
+    token_file: Path | str | None = None,
+    ca_file: Path | str | None = None,
 ) -> AsyncIterator[EngineHost]:
     """Serve components to a gateway while the block runs; a connection that ends is made again.
 
@@ -99,8 +99,8 @@ def run(
     *components: Component,
     engine_id: str,
     gateway: str | None = None,
-    token_file: Path | None = None,
-    ca_file: Path | None = None,
+    token_file: Path | str | None = None,
+    ca_file: Path | str | None = None,
     verbose: bool = False,
 ) -> None:
     """Serve components to a gateway until the process is told to stop (Ctrl-C, SIGTERM): the main of an adapter.

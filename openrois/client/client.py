@@ -62,12 +62,12 @@ class Client(Operations):
         *,
         dial: Dial | None = None,
         token: Token | None = None,
-        ca_file: Path | None = None,
+        ca_file: Path | str | None = None,
         connect_timeout: float = 10.0,
         request_timeout: float = 30.0,
         reconnect: Reconnect | None = _RECONNECT,
     ) -> None:
-        credentials = Credentials(token, ca_file)
+        credentials = Credentials(token, None if ca_file is None else Path(ca_file))
         self._application = Application(lambda: self._connection, reconnect or _RECONNECT, request_timeout, credentials)
         connection = Connection(
             dial or websocket(url, credentials),

@@ -13,6 +13,7 @@ from pydantic.fields import FieldInfo
 
 from openrois.command_line import CommandLine, suggestion
 from openrois.gateway.settings import GROUPS, GatewaySettings
+from openrois.secret_files import is_exposed
 
 __all__ = ["Configured", "Setting", "configure", "printed", "settings_of"]
 
@@ -136,7 +137,7 @@ def configure(arguments: Sequence[str], environment: Mapping[str, str]) -> Confi
         raise ValueError("; ".join(_problems(error, sources))) from None
     given = {name: value for name, (value, _) in found.items()}
     files = [str(value) for name, value in given.items() if known[name].is_secret]
-    warnings = tuple(_WARNING.format(file) for file in files if Path(file).stat().st_mode & 0o077)
+    warnings = tuple(_WARNING.format(file) for file in files if is_exposed(Path(file)))
     return Configured(settings, sources, given, warnings, print_only)
 
 

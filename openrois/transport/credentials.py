@@ -34,14 +34,11 @@ class Credentials:
     ca_file: Path | None = None
 
     @classmethod
-    def of_files(cls, token_file: Path | None, ca_file: Path | None) -> "Credentials":
+    def of_files(cls, token_file: Path | str | None, ca_file: Path | str | None) -> "Credentials":
         """Return credentials from files, or those that the environment names; the token is read at each use."""
         named, authorities = os.environ.get(TOKEN_FILE_VARIABLE), os.environ.get(CA_FILE_VARIABLE)
-        path = token_file or (Path(named) if named else None)
-        return cls(
-            None if path is None else lambda: read_token(path),
-            ca_file or (Path(authorities) if authorities else None),
-        )
+        token, trusted = token_file or named, ca_file or authorities
+        return cls(None if not token else lambda: read_token(Path(token)), Path(trusted) if trusted else None)
 
     def newest(self) -> str | None:
         """Return the token as it is now.

@@ -5,6 +5,7 @@ import os
 import re
 import signal
 import socket
+import time
 from collections.abc import Callable
 from pathlib import Path
 
@@ -13,6 +14,13 @@ import pytest
 from openrois_avatar import demo as demo_module
 from openrois_avatar.process import ProgramFailed
 
+from openrois.access.issuing import issue_token
+from openrois.access.key_files import make_key_files
+from openrois.access.principal import Role
+from openrois.client import Client
+from openrois.client.components import SystemInformation
+from openrois.client.errors import ConnectionFailed
+from tests.support.certificates import Authority
 from tests.support.demo import Demo, end, first_line, free_port, running_demo, start
 
 pytestmark = pytest.mark.media
@@ -55,6 +63,24 @@ def test_a_demo_that_is_killed_takes_all_it_started_with_it(tmp_path: Path, engi
         assert len(tree) == processes
         demo.process.kill()
         assert not psutil.wait_procs(tree, timeout=2)[1]
+
+
+async def test_a_demo_for_other_machines_lets_nobody_in_without_a_token(tmp_path: Path) -> None:
+    authority = Authority(tmp_path)
+    cert, cert_key = authority.issue()
+    make_key_files(tmp_path / "key", "ES256")
+    reached = ("--host", "0.0.0.0", "--allow-host", "localhost", "--tls-cert", str(cert), "--tls-key", str(cert_key))
+    trusted = ("--auth-key", str(tmp_path / "key"), "--ca-file", str(authority.file))
+    with running_demo(tmp_path, more=(*reached, *trusted)) as demo:
+        assert demo.ready == f"ready https://localhost:{demo.port}/"
+        url = f"wss://localhost:{demo.port}/"
+        with pytest.raises(ConnectionFailed):
+            async with Client(url, ca_file=authority.file):
+                pass
+        token = issue_token(tmp_path / "key", "anna", [Role.VIEWER], ["avatar/*"], now=int(time.time()), ttl=60)
+        async with Client(url, token=token, ca_file=authority.file) as client:
+            assert await client.find(SystemInformation)
+        assert demo.interrupt() == 0
 
 
 def test_a_second_demo_on_the_same_port_says_so_in_one_line(tmp_path: Path) -> None:

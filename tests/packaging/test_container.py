@@ -1,11 +1,14 @@
 """The container file, as far as it can be tried without an image to build on: what it copies, runs and starts."""
 
 import json
+import re
 import shlex
 import subprocess
+import sys
 import tomllib
 from pathlib import Path
 
+from openrois.gateway import probe
 from openrois.gateway.configuration import configure
 from openrois.gateway.settings import GatewaySettings
 
@@ -26,7 +29,21 @@ def copied() -> list[str]:
 
 
 def test_it_knows_only_what_a_container_file_may_say() -> None:
-    known = {"FROM", "WORKDIR", "COPY", "RUN", "USER", "ENV", "VOLUME", "EXPOSE", "STOPSIGNAL", "ENTRYPOINT", "CMD"}
+    known = {
+        "ARG",
+        "FROM",
+        "HEALTHCHECK",
+        "WORKDIR",
+        "COPY",
+        "RUN",
+        "USER",
+        "ENV",
+        "VOLUME",
+        "EXPOSE",
+        "STOPSIGNAL",
+        "ENTRYPOINT",
+        "CMD",
+    }
     assert {name for name, _ in steps()} == known
 
 
@@ -47,6 +64,42 @@ def test_it_installs_what_was_tried_and_nothing_newer() -> None:
     words = shlex.split(install)
     assert words[words.index("-c") + 1] == "constraints.txt"
     assert words[-1] == "."
+
+
+def test_another_image_may_be_built_on() -> None:
+    (base,) = [rest for name, rest in steps() if name == "ARG"]
+    assert base.startswith("BASE=docker.io/library/python:3.")
+    assert [rest.split()[0] for name, rest in steps() if name == "FROM"] == ["${BASE}", "${BASE}"]
+
+
+def test_the_builder_is_given_what_is_copied_and_not_the_rest() -> None:
+    lines = (ROOT / ".dockerignore").read_text(encoding="utf-8").splitlines()
+    rules = [line for line in lines if not line.startswith("#")]
+    assert rules[0] == "*"
+    assert {rule.removeprefix("!") for rule in rules if rule.startswith("!")} == set(copied())
+    assert [rule for rule in rules[1:] if not rule.startswith("!")] == ["**/__pycache__"]
+
+
+def test_a_gateway_needs_nothing_that_is_taken_out_of_it() -> None:
+    (removed,) = [rest for name, rest in steps() if name == "RUN" and "pip uninstall" in rest]
+    gone = removed.partition("--yes ")[2].split()
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    named = {re.split(r"[<>=;\[]", each)[0] for each in project["project"]["dependencies"]}
+    assert set(gone) - {"pip", "setuptools"} <= named
+    modules = [{"opencv-python-headless": "cv2"}.get(name, name) for name in gone]
+    program = (
+        f"import sys; sys.modules.update(dict.fromkeys({modules!r}))\n"
+        "import openrois.gateway.command, openrois.access.command, openrois.conformance.command, openrois.cli"
+    )
+    subprocess.run([sys.executable, "-c", program], cwd=ROOT, check=True)
+
+
+def test_its_health_is_asked_where_it_listens() -> None:
+    words: list[str] = json.loads(dict(steps())["HEALTHCHECK"].partition("CMD ")[2])
+    assert words == ["/opt/openrois/bin/python3", "-m", probe.__name__]
+    settings = configure(["--config", str(PACKAGING / "gateway.toml")], {}).settings
+    assert settings.tls_cert is not None
+    assert f"https://127.0.0.1:{settings.port}/healthz" == probe.DEFAULT
 
 
 def test_nobody_in_it_is_root() -> None:

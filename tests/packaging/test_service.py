@@ -1,5 +1,6 @@
 """The unit for systemd: what systemd itself says of it, and whether it fits the gateway."""
 
+import re
 import shutil
 import subprocess
 import sys
@@ -7,7 +8,8 @@ from pathlib import Path
 
 import pytest
 
-from openrois.gateway.configuration import configure, settings_of
+from openrois.gateway import command
+from openrois.gateway.configuration import configure
 
 PACKAGING = Path(__file__).parents[2] / "packaging"
 UNIT = PACKAGING / "openrois-gateway.service"
@@ -49,14 +51,21 @@ def test_it_runs_as_nobody_and_stops_in_good_order() -> None:
     assert int(unit["WatchdogSec"][0]) > 0
 
 
-def test_the_secrets_are_copies_that_the_gateway_is_told_of() -> None:
+def test_a_configuration_that_cannot_be_used_is_not_tried_again() -> None:
+    with pytest.raises(SystemExit) as refused:
+        command.main(["--config", "/nowhere/gateway.toml"])
+    assert entries()["RestartPreventExitStatus"] == [str(refused.value.code)]
+
+
+def test_who_deploys_it_installs_what_it_reads_for_its_group_and_nobody_else() -> None:
     unit = entries()
-    copies = {line.partition(":")[0] for line in unit["LoadCredential"]}
-    known = {setting.variable for setting in settings_of()}
-    told = dict(line.split("=", 1) for line in unit["Environment"])
-    assert set(told) <= known
-    assert {value.removeprefix("%d/") for value in told.values()} == copies
-    environment = {name: value.replace("%d", "/run/credentials/x") for name, value in told.items()}
-    settings = configure(["--config", str(PACKAGING / "gateway.toml")], environment).settings
-    assert settings.tls_key == Path("/run/credentials/x/tls.key")
-    assert settings.auth_keys == (Path("/run/credentials/x/tokens.pem"),)
+    (group,) = unit["SupplementaryGroups"]
+    steps = (PACKAGING.parent / "docs" / "deploying.md").read_text(encoding="utf-8")
+    assert f"groupadd --system {group}\n" in steps
+    (installed,) = re.findall(rf"install -m 0640 -g {group} (.*) /etc/openrois/\n", steps)
+    settings = configure(["--config", str(PACKAGING / "gateway.toml")], {}).settings
+    read = [*settings.auth_keys, settings.tls_cert, settings.tls_key]
+    assert set(installed.split()) == {"packaging/gateway.toml", *(path.name for path in read if path is not None)}
+    assert "--config /etc/openrois/gateway.toml" in unit["ExecStart"][0]
+    kept = [path for path in (settings.audit_file, settings.journal) if path is not None]
+    assert {str(path.parent) for path in kept} == {f"/var/lib/{unit['StateDirectory'][0]}"}

@@ -9,7 +9,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import IO, Final
@@ -90,15 +90,15 @@ class Demo:
 
 
 @contextmanager
-def running_demo(folder: Path, engine: str = "synthetic") -> Iterator[Demo]:
-    """Run a demo for as long as the block does; its log goes into `folder`.
+def running_demo(folder: Path, engine: str = "synthetic", more: Sequence[str] = ()) -> Iterator[Demo]:
+    """Run a demo for as long as the block does, with more options where they are given; its log goes into `folder`.
 
     Raises:
         AssertionError: it did not start, or left a process behind.
     """
     path, port = folder / "demo.log", free_port()
     with path.open("w") as log:
-        process = start("demo", "--engine", engine, "--port", str(port), log=log)
+        process = start("demo", "--engine", engine, "--port", str(port), *more, log=log)
     try:
         demo = Demo(process, port, first_line(process), path)
         assert demo.ready, path.read_text()

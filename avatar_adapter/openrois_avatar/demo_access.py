@@ -1,0 +1,135 @@
+"""Who may reach a demo: its address, its certificate, and the tokens that it issues to its own programs."""
+
+import argparse
+import asyncio
+import time
+from collections.abc import Awaitable, Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Final
+
+from openrois.access.issuing import issue_token
+from openrois.access.key_files import read_signing_key
+from openrois.access.loopback import is_loopback
+from openrois.access.principal import Role
+
+__all__ = ["DemoAccess", "add_access_options", "demo_access"]
+
+_TTL: Final = 900
+"""Seconds for which each token is good."""
+
+_RENEWAL: Final = 300.0
+"""Seconds until the avatar gets another one: the former is good for long enough to be replaced."""
+
+
+@dataclass(frozen=True, slots=True)
+class DemoAccess:
+    """How a demo is reached.
+
+    Attributes:
+        host: the address that its gateway listens on.
+        name: what its gateway is called: by its own programs, by browsers, and in its certificate.
+        tls_cert: the certificate; None for no TLS.
+        tls_key: its private key.
+        key: what tokens are signed with; None where nobody needs one.
+    """
+
+    host: str = "127.0.0.1"
+    name: str = "127.0.0.1"
+    tls_cert: Path | None = None
+    tls_key: Path | None = None
+    key: Path | None = None
+
+    def url(self, scheme: str, port: int) -> str:
+        """Return an address of the gateway; `scheme` is `http` or `ws`, and gets its `s` where there is TLS."""
+        name = f"[{self.name}]" if ":" in self.name else self.name
+        return f"{scheme}{'' if self.tls_cert is None else 's'}://{name}:{port}/"
+
+    def gateway_arguments(self) -> tuple[str, ...]:
+        """Return what the gateway is told of it.
+
+        Raises:
+            ValueError: the key cannot be used.
+        """
+        given: list[str] = ["--host", self.host]
+        if not is_loopback(self.name):
+            given += ["--allow-host", self.name]
+        if self.tls_cert is not None:
+            given += ["--tls-cert", str(self.tls_cert), "--tls-key", str(self.tls_key)]
+        if self.key is not None:
+            # Whoever has the private half keeps it: a gateway gets what lies beside it.
+            shared = read_signing_key(self.key)[0] == "HS256"
+            given += ["--auth-key", str(self.key if shared else self.key.with_name(f"{self.key.name}.pub"))]
+        return tuple(given)
+
+    def token(self, role: Role) -> str:
+        """Return a new token of the demo's own.
+
+        Raises:
+            ValueError: the key cannot be used.
+        """
+        assert self.key is not None
+        return issue_token(self.key, f"demo-{role.value}", [role], ["*"], now=int(time.time()), ttl=_TTL)
+
+    @contextmanager
+    def token_file(self) -> Iterator[Path | None]:
+        """Have a file with a token of the avatar for as long as the block runs; None where nobody needs one."""
+        if self.key is None:
+            yield None
+            return
+        with TemporaryDirectory(prefix="openrois-demo-") as folder:
+            path = Path(folder, "avatar.token")
+            self._write_token(path)
+            yield path
+
+    async def keep_token(self, path: Path | None, sleep: Callable[[float], Awaitable[None]] = asyncio.sleep) -> None:
+        """Put a new token into the file again and again, long before the former one ends."""
+        while path is not None:
+            await sleep(_RENEWAL)
+            self._write_token(path)
+
+    def _write_token(self, path: Path) -> None:
+        new = path.with_name(f"{path.name}.new")
+        new.touch(0o600)
+        new.write_text(f"{self.token(Role.ADAPTER)}\n", encoding="ascii")
+        # Whoever reads meanwhile finds a whole one.
+        new.replace(path)
+
+
+def add_access_options(parser: argparse.ArgumentParser) -> None:
+    """Add what lets other machines reach a demo."""
+    group = parser.add_argument_group("reached from other machines")
+    group.add_argument("--host", default="127.0.0.1", metavar="ADDRESS", help="address to listen on (%(default)s)")
+    group.add_argument("--allow-host", metavar="NAME", help="what this machine is called, and its certificate says")
+    group.add_argument("--tls-cert", type=Path, metavar="FILE", help="the certificate with its chain, in PEM")
+    group.add_argument("--tls-key", type=Path, metavar="FILE", help="its private key, in PEM")
+    group.add_argument(
+        "--auth-key",
+        type=Path,
+        metavar="FILE",
+        help="what tokens are signed with, as `openrois token new-key` makes it: whoever opens the page needs one",
+    )
+
+
+def demo_access(chosen: argparse.Namespace) -> DemoAccess:
+    """Return what was chosen.
+
+    Raises:
+        ValueError: it does not fit together, or the key cannot be used.
+    """
+    if (chosen.tls_cert is None) != (chosen.tls_key is None):
+        raise ValueError("--tls-cert and --tls-key are given together")
+    if not is_loopback(chosen.host) and None in (chosen.tls_cert, chosen.auth_key):
+        raise ValueError(
+            f"--host {chosen.host} is for other machines too, and needs --tls-cert, --tls-key and --auth-key"
+        )
+    if chosen.host in ("0.0.0.0", "::") and chosen.allow_host is None:  # noqa: S104
+        raise ValueError(f"--host {chosen.host} is every address: --allow-host says what this machine is called")
+    if chosen.auth_key is not None and chosen.token_file is not None:
+        raise ValueError("with --auth-key the avatar gets its token from here, and needs no --token-file")
+    name = chosen.allow_host or chosen.host
+    access = DemoAccess(chosen.host, name.lower(), chosen.tls_cert, chosen.tls_key, chosen.auth_key)
+    access.gateway_arguments()
+    return access
