@@ -2,6 +2,7 @@
 
 import asyncio
 import time
+from collections import deque
 from collections.abc import Awaitable, Callable
 from typing import Final
 
@@ -9,6 +10,9 @@ __all__ = ["LoopLag"]
 
 PERIOD: Final = 0.25
 """Seconds between two looks."""
+
+_LOOKS: Final = round(60 / PERIOD)
+"""Looks that are kept: those of a minute, so that whoever scrapes once a minute misses none."""
 
 
 class LoopLag:
@@ -31,7 +35,7 @@ class LoopLag:
     ) -> None:
         self._clock = clock
         self._sleep = sleep
-        self._most = 0.0
+        self._latest: deque[float] = deque(maxlen=_LOOKS)
         self.last = 0.0
         self.total = 0.0
         self.turns = 0
@@ -42,11 +46,11 @@ class LoopLag:
             due = self._clock() + PERIOD
             await self._sleep(PERIOD)
             self.last = max(0.0, self._clock() - due)
-            self._most = max(self._most, self.last)
+            self._latest.append(self.last)
             self.total += self.last
             self.turns += 1
 
-    def take_most(self) -> float:
-        """Return the most since this was last asked."""
-        most, self._most = self._most, 0.0
-        return most
+    @property
+    def most(self) -> float:
+        """Seconds by which it was late at most in the last minute; whoever asks changes nothing for others."""
+        return max(self._latest, default=0.0)

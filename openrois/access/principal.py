@@ -51,7 +51,6 @@ ALLOWED: Final[Mapping[str, frozenset[Role]]] = MappingProxyType(
         "rois.stream.query_stream_status": _WATCHERS,
         "rois.stream.report_playout": _WATCHERS,
         "signaling.answer": _WATCHERS,
-        "signaling.bye": _WATCHERS,
         "signaling.candidate": _WATCHERS,
         "signaling.ice_servers": _WATCHERS,
         "signaling.restart": _WATCHERS,

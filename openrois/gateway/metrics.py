@@ -179,8 +179,8 @@ LAG: Final[tuple[Figure[LoopLag], ...]] = (
     Figure(
         "openrois_gateway_loop_lag_seconds",
         "gauge",
-        "By how much the event loop was late, at most since the last scrape.",
-        lambda lag: lag.take_most(),
+        "By how much the event loop was late, at most in the last minute.",
+        lambda lag: lag.most,
     ),
     Figure(
         "openrois_gateway_loop_lag_seconds_total",

@@ -112,6 +112,7 @@ async def served(monkeypatch: pytest.MonkeyPatch) -> dict[str, Handler]:
 
 async def test_every_method_that_is_served_has_a_rule(served: dict[str, Handler]) -> None:
     assert served.keys() <= ALLOWED.keys(), "a method without a rule is refused to everybody"
+    assert ALLOWED.keys() <= served.keys() | {"openrois.auth.refresh"}, "a rule for what nobody can call"
     assert served.keys() <= RULES.keys(), "say in the table of test_matrix what every role gets"
     # A gateway without authentication has no tokens to take.
     assert {method.name for method in METHODS} | SIGNALING <= served.keys() | {"openrois.auth.refresh"}
