@@ -36,7 +36,7 @@ async def child_process(
     environment: Mapping[str, str] | None = None,
     conversation: bool = False,
 ) -> AsyncIterator[Process]:
-    """Run `python -m module` for as long as the context lasts; at its end the child is terminated, then killed.
+    """Run `python -P -m module` for as long as the context lasts; at its end the child is terminated, then killed.
 
     The child is killed when this process dies, and does not get the terminal's Ctrl-C.
 
@@ -49,6 +49,8 @@ async def child_process(
     """
     process = await asyncio.create_subprocess_exec(
         sys.executable,
+        # Whatever lies in the working directory may be called like a module.
+        "-P",
         "-m",
         "openrois_avatar.launch",
         str(os.getpid()),

@@ -69,6 +69,8 @@ class Program:
     async def _run_once(self) -> int:
         process = await asyncio.create_subprocess_exec(
             sys.executable,
+            # Whatever lies in the working directory may be called like a module.
+            "-P",
             "-m",
             "openrois_avatar.launch",
             str(os.getpid()),

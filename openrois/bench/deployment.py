@@ -53,11 +53,11 @@ async def deployed(security: Security, *options: str) -> AsyncIterator[Deploymen
         BenchFailed: one of them did not start.
     """
     with security.prepared(f"{ENGINE}/*") as secured:
-        arguments = ("-m", "openrois.cli", "gateway", "--port", "0", *secured.gateway, *options)
+        arguments = ("-P", "-m", "openrois.cli", "gateway", "--port", "0", *secured.gateway, *options)
         async with child(*arguments) as gateway:
             url = gateway.said.rpartition(" ")[2]
             door = Door(url, secured.context, secured.token)
-            async with child("-m", "openrois.bench.adapter", url, environment=dict(secured.adapter)) as adapter:
+            async with child("-P", "-m", "openrois.bench.adapter", url, environment=dict(secured.adapter)) as adapter:
                 async with within(ATTACHING, "attaching the adapter"), applications(door, 1) as (application,):
                     await _attached(application)
                 yield Deployment(gateway, adapter, door, secured.certificate)

@@ -64,7 +64,7 @@ async def child(*arguments: str, environment: Mapping[str, str] | None = None) -
     Raises:
         BenchFailed: it ended, or said nothing in time.
     """
-    what = " ".join(arguments[:3])
+    what = " ".join(arguments[:4])
     process = await asyncio.create_subprocess_exec(
         sys.executable,
         *arguments,

@@ -133,7 +133,7 @@ async def run_rpc(settings: RpcSettings, progress: Progress) -> RpcReport:
         deployment = await stack.enter_async_context(deployed(settings.security))
         shown = ("--certificate", *deployment.certificate) if deployment.certificate else ()
         floors = [
-            await stack.enter_async_context(child("-m", "openrois.bench.echo", *loop, *shown))
+            await stack.enter_async_context(child("-P", "-m", "openrois.bench.echo", *loop, *shown))
             for loop in ((), ("--uvloop",))
         ]
         ports = [tuple(int(port) for port in floor.said.split()) for floor in floors]

@@ -3,6 +3,7 @@ import logging
 import os
 import sys
 from asyncio.subprocess import PIPE, Process
+from pathlib import Path
 
 import pytest
 from openrois_avatar.child import MAX_LINE, MAX_LINES, Output, child_process, ended_within
@@ -83,7 +84,12 @@ async def test_a_conversation_has_pipes_and_its_errors_are_logged(caplog: pytest
 
 
 @pytest.mark.engine
-async def test_a_child_gets_its_arguments_and_variables(caplog: pytest.LogCaptureFixture) -> None:
+async def test_a_child_gets_its_arguments_and_variables_and_nothing_of_the_working_directory(
+    caplog: pytest.LogCaptureFixture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in ("types", "timeit", "openrois_avatar"):
+        (tmp_path / f"{name}.py").write_text("raise SystemExit('somebody has a file of this name')")
+    monkeypatch.chdir(tmp_path)
     arguments = ("-n1", "-r1", "import os; print(os.environ['X'])")
     running = child_process("timeit", *arguments, output=output(), environment={"X": "y"})
     async with asyncio.timeout(60), running as process:

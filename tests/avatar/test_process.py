@@ -3,6 +3,7 @@ import logging
 import signal
 from collections.abc import AsyncIterator, Iterator
 from contextlib import asynccontextmanager, suppress
+from pathlib import Path
 
 import psutil
 import pytest
@@ -76,8 +77,11 @@ async def test_a_program_that_ends_is_started_again_after_growing_pauses() -> No
 
 
 async def test_a_program_that_is_killed_is_started_again_and_ends_when_it_is_told_to(
-    children: Children, caplog: pytest.LogCaptureFixture
+    children: Children, caplog: pytest.LogCaptureFixture, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    # Somebody's own file of such a name is none of its business.
+    (tmp_path / "types.py").write_text("raise SystemExit('taken')")
+    monkeypatch.chdir(tmp_path)
     program, pauses = Program(GATEWAY, announces="listening "), Pauses()
     async with running(program, pauses), asyncio.timeout(60):
         await program.ready.wait()
