@@ -28,6 +28,9 @@ STOP_ALL: Final = "openrois.stop_all"
 FLOOD: Final = 300
 """Requests that are asked before a STOP: more than a gateway serves at a time."""
 
+RESUMED: Final = 4409
+"""Closes a connection that another one goes on for."""
+
 _HOUR: Final = 3_600_000
 
 
@@ -233,6 +236,26 @@ async def _lease_resume(stage: Stage) -> None:
     for token in ("conformance-guess", answer["token"]):
         await thief.refused(RESUME, "UNSUPPORTED", token=token)
     expect("the state for who has resumed", (await _lease(again, arm))["state"], "MINE")
+
+
+@CHECKS("lease-resume-open", *BOTH)
+async def _lease_resume_open(stage: Stage) -> None:
+    """Who shows the token of a connection that is open has all of it at once, in new epochs; that one is closed."""
+    arm = stage.ref("arm")
+    app, again = await _leasing(stage), await _leasing(stage)
+    answer = await app.ask(TOKEN)
+    if answer["return_code"] == "UNSUPPORTED":
+        stage.remark("leases do not survive a lost connection at this gateway")
+        return
+    await _operating(stage, app, arm, "h")
+    before = (await _lease(app, arm))["epoch"]
+    resumed = await again.granted(RESUME, token=answer["token"], command_ids=["h"])
+    expect("the components that it has", [lease["component_ref"] for lease in resumed["leases"]], [arm])
+    expect("whether the epoch has grown", resumed["leases"][0]["epoch"] > before, True)
+    expect("the code with which the former connection is closed", (await app.closed())[0], RESUMED)
+    await stage.probe.finish(arm)
+    expect("how the command completed", await again.completed("h"), {"h": "OK"})
+    await _operates(again, arm, "i")
 
 
 @CHECKS("lease-ends", *BOTH)
