@@ -10,7 +10,7 @@ from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import InvalidURI
 
 from openrois.application import EngineHost
-from openrois.dialer import serve_parent
+from openrois.dialer import LONGEST_WAIT, serve_parent
 from openrois.engine import Engine
 from tests.support.wire import hosted
 
@@ -62,9 +62,9 @@ async def test_nobody_listens(host: EngineHost, caplog: pytest.LogCaptureFixture
 
     async with serve(never, "127.0.0.1", 0) as server:
         port = server.sockets[0].getsockname()[1]
-    time = Time(enough=4)
+    time = Time(enough=6)
     async with dialling(host, f"ws://127.0.0.1:{port}/adapter", time):
-        assert time.delays == [1, 1.5, 2.25, 3.375]
+        assert time.delays == [0.25, 0.375, 0.5625, 0.84375, 1, 1]
     assert f"no gateway answers at ws://127.0.0.1:{port}/adapter; `openrois gateway` starts one here" in caplog.text
 
 
@@ -108,7 +108,7 @@ async def test_a_gateway_that_restarts_says_when_to_come_back(host: EngineHost) 
     async with serve(restart, "127.0.0.1", 0) as server:
         url = f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}/adapter"
         async with dialling(host, url, time):
-            assert time.delays == [1.75, 2.25]
+            assert time.delays == [1.0, 1.125]
 
 
 async def test_an_attempt_that_takes_long_is_no_lasting_connection(host: EngineHost) -> None:
@@ -121,7 +121,54 @@ async def test_an_attempt_that_takes_long_is_no_lasting_connection(host: EngineH
     async with await asyncio.start_server(hang_up_at_length, "127.0.0.1", 0) as server:
         url = f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}/adapter"
         async with dialling(host, url, time):
-            assert time.delays == [1, 1.5, 2.25]
+            assert time.delays == [0.25, 0.375, 0.5625]
+
+
+@pytest.mark.parametrize("outage", [0.0, 0.3, 1.0, 4.0, 60.0, 3600.0])
+async def test_however_long_there_was_no_gateway_it_is_found_soon(host: EngineHost, outage: float) -> None:
+    """The longest waits that chance allows: what is measured is the rest of one when the gateway listens again."""
+    found = asyncio.Event()
+
+    async def take(far: ServerConnection) -> None:
+        found.set()
+        await far.wait_closed()
+
+    async with serve(take, "127.0.0.1", 0) as gone:
+        port = gone.sockets[0].getsockname()[1]
+    now, listening = 0.0, None
+
+    async def sleep(seconds: float) -> None:
+        nonlocal now, listening
+        now += seconds
+        if now >= outage and listening is None:
+            listening = await serve(take, "127.0.0.1", port)
+
+    url = f"ws://127.0.0.1:{port}/adapter"
+    running = asyncio.ensure_future(serve_parent(host, url, sleep=sleep, clock=lambda: now, chance=lambda: 1.0))
+    try:
+        async with asyncio.timeout(60):
+            await found.wait()
+    finally:
+        running.cancel()
+        await asyncio.wait({running})
+        assert listening is not None
+        listening.close()
+        await listening.wait_closed()
+    assert now - outage <= LONGEST_WAIT < 3
+
+
+@pytest.mark.parametrize(
+    ("status", "waits"), [(503, [0.25, 0.375]), (502, [0.25, 0.375]), (401, [1, 1.5]), (404, [1, 1.5])]
+)
+async def test_a_gateway_that_ends_is_no_refusal(host: EngineHost, status: int, waits: list[float]) -> None:
+    async def never(_far: ServerConnection) -> None:
+        raise AssertionError
+
+    async with serve(never, "127.0.0.1", 0, process_request=lambda far, _: far.respond(status, "no\n")) as server:
+        url = f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}/adapter"
+        time = Time(enough=2)
+        async with dialling(host, url, time):
+            assert time.delays == waits
 
 
 async def test_an_address_that_is_none_is_a_mistake(host: EngineHost) -> None:
