@@ -1,0 +1,213 @@
+"""What a gateway keeps of an application that binds, works and crashes, or gives back, ten thousand times over.
+
+    python -m benchmarks.crash_loop [--cycles 10000] [--json FILE]
+
+Each cycle is a connection of its own. By chance it says hello, subscribes, runs a command, asks for a resume token, and
+releases; then it disconnects, closes, or is cut off without a word, with what it has bound. The exit status is 1 if
+anything is left of them when the grace of leases is over.
+"""
+
+import argparse
+import asyncio
+import json
+import random
+import sys
+import time
+import urllib.request
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import uvloop
+from prometheus_client.parser import text_string_to_metric_families
+from websockets.asyncio.client import ClientConnection, connect
+
+from benchmarks.soak.slope import slope
+from benchmarks.soak_gateway.robot import ARMS, ENGINE
+from openrois.bench.conditions import conditions, load
+from openrois.bench.processes import Child, child
+
+WARM_UP: Final = 500
+"""Cycles before anything is counted: modules, caches, and the records that are kept."""
+
+SAMPLES: Final = 25
+
+PATIENCE: Final = 20.0
+"""Seconds until nothing may be left of the last one: the grace of leases is 10."""
+
+LEFT: Final = {
+    "tasks": "openrois_gateway_tasks",
+    "leases": "openrois_gateway_leases",
+    "absent holders": "openrois_gateway_absent_holders",
+    "unfinished commands": "openrois_gateway_unfinished_commands",
+    "applications": "openrois_gateway_connections",
+    "subscriptions": "openrois_gateway_subscriptions",
+    "silent connections": "openrois_gateway_silent_connections",
+}
+"""Figures of which nothing may be left."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """Gateway and adapter after so many cycles; memory in MiB."""
+
+    cycles: int
+    gateway: float
+    adapter: float
+    descriptors: int
+    adapter_descriptors: int
+    kept: Mapping[str, int]
+
+
+async def _sampled(cycles: int, gateway: Child, adapter: Child, metrics: str) -> Sample:
+    def scrape() -> dict[str, int]:
+        with urllib.request.urlopen(metrics, timeout=10) as response:
+            families = list(text_string_to_metric_families(response.read().decode()))
+        found = [each for family in families for each in family.samples if each.labels.get("kind") != "adapter"]
+        return {what: int(sum(each.value for each in found if each.name == name)) for what, name in LEFT.items()}
+
+    return Sample(
+        cycles,
+        round(gateway.memory(), 2),
+        round(adapter.memory(), 2),
+        _descriptors(gateway),
+        _descriptors(adapter),
+        await asyncio.to_thread(scrape),
+    )
+
+
+def _descriptors(process: Child) -> int:
+    return len(list(Path(f"/proc/{process.pid}/fd").iterdir()))
+
+
+class _Looping:
+    """One application that comes again and again."""
+
+    def __init__(self, url: str, number: int, seed: int, count: Counter[str]) -> None:
+        self._url = url.replace("http", "ws", 1)
+        self._arm = f"{ENGINE}/arm{number}"
+        self._dice = random.Random(seed + number)
+        self._count = count
+
+    async def cycle(self) -> None:
+        """Come once and go, one way or another."""
+        dice = self._dice
+        async with connect(self._url, compression=None, proxy=None, open_timeout=PATIENCE) as socket:
+            extended = dice.random() < 0.7
+            if extended:
+                await self._ask(socket, "openrois.hello", version="1")
+            await self._bind(socket)
+            if dice.random() < 0.5:
+                condition = f"component_ref = '{self._arm}'"
+                await self._ask(socket, "rois.event.subscribe", event_type="turned", condition=condition)
+            if dice.random() < 0.5:
+                unit = {"component_ref": self._arm, "command_type": "turn", "command_id": "c"}
+                await self._ask(socket, "rois.command.execute", command_unit_list=[unit])
+            if extended and dice.random() < 0.1:
+                await self._ask(socket, "openrois.lease.token")
+                # What it holds would be kept for the grace, and nobody else could go on meanwhile.
+                await self._ask(socket, "rois.command.release", component_ref=self._arm)
+            way = dice.choice(("release", "disconnect", "close", "cut", "cut", "cut"))
+            if way == "release":
+                await self._ask(socket, "rois.command.release", component_ref=self._arm)
+            elif way == "disconnect":
+                await self._ask(socket, "rois.system.disconnect")
+            elif way == "cut":
+                socket.transport.abort()
+        self._count[way] += 1
+
+    async def _bind(self, socket: ClientConnection) -> None:
+        async with asyncio.timeout(PATIENCE):
+            # Until the gateway has seen that the one before is gone.
+            while (await self._ask(socket, "rois.command.bind", component_ref=self._arm))["return_code"] != "OK":
+                pass
+
+    async def _ask(self, socket: ClientConnection, method: str, **params: Any) -> dict[str, Any]:
+        await socket.send(json.dumps({"jsonrpc": "2.0", "id": 1, "method": method, "params": params}))
+        async with asyncio.timeout(PATIENCE):
+            while True:
+                message = json.loads(await socket.recv())
+                if "id" in message:
+                    result: dict[str, Any] = message["result"]
+                    return result
+
+
+async def _measure(chosen: argparse.Namespace) -> dict[str, Any]:
+    before, count, began = load(), Counter[str](), time.monotonic()
+    metrics = f"http://127.0.0.1:{chosen.metrics}/metrics"
+    options = ("gateway", "--port", "0", "--metrics", f"127.0.0.1:{chosen.metrics}")
+    async with child("-m", "openrois.cli", *options) as gateway:
+        url = gateway.said.rpartition(" ")[2]
+        async with child("-m", "benchmarks.soak_gateway.robot", url) as adapter:
+            loops = [_Looping(url, number, chosen.seed, count) for number in range(ARMS)]
+
+            async def cycles(many: int) -> None:
+                async def some(each: _Looping) -> None:
+                    for _ in range(many // ARMS):
+                        await each.cycle()
+
+                await asyncio.gather(*(some(each) for each in loops))
+
+            await _attached(url)
+            await cycles(WARM_UP)
+            await asyncio.sleep(PATIENCE)
+            rest = await _sampled(0, gateway, adapter, metrics)
+            count.clear()
+            samples = []
+            for number in range(SAMPLES):
+                await cycles(chosen.cycles // SAMPLES)
+                samples.append(await _sampled(chosen.cycles // SAMPLES * (number + 1), gateway, adapter, metrics))
+            took = time.monotonic() - began
+            await asyncio.sleep(PATIENCE)
+            end = await _sampled(chosen.cycles, gateway, adapter, metrics)
+    later = samples[SAMPLES // 2 :]
+    return {
+        "command": ["python", "-m", "benchmarks.crash_loop", *sys.argv[1:]],
+        "conditions": str(conditions(before)),
+        "cycles": dict(count),
+        "seconds": round(took),
+        "memory_mb": {"gateway": [rest.gateway, end.gateway], "adapter": [rest.adapter, end.adapter]},
+        "second_half_kb_per_1000_cycles": {
+            "gateway": round(slope([(each.cycles, each.gateway) for each in later]) * 1000 * 1024, 1),
+            "adapter": round(slope([(each.cycles, each.adapter) for each in later]) * 1000 * 1024, 1),
+        },
+        "left_over": {
+            "descriptors": end.descriptors - rest.descriptors,
+            "adapter descriptors": end.adapter_descriptors - rest.adapter_descriptors,
+            **{what: end.kept[what] - rest.kept[what] for what in LEFT},
+        },
+        "held_at_rest": end.kept,
+        "samples": [asdict(each) for each in (rest, *samples, end)],
+    }
+
+
+async def _attached(url: str) -> None:
+    """Wait until the arms are there."""
+    async with connect(url.replace("http", "ws", 1), proxy=None) as socket, asyncio.timeout(PATIENCE):
+        while True:
+            request = {"jsonrpc": "2.0", "id": 1, "method": "rois.system.get_profile", "params": {"condition": ""}}
+            await socket.send(json.dumps(request))
+            if ENGINE in str(await socket.recv()):
+                return
+            await asyncio.sleep(0.05)
+
+
+def main() -> int:
+    """Run it; 0 if nothing is left over. Whether memory grows is for a person to judge."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.crash_loop", description=__doc__)
+    parser.add_argument("--cycles", type=int, default=10_000, help="after the warm-up (%(default)s)")
+    parser.add_argument("--seed", type=int, default=12)
+    parser.add_argument("--metrics", type=int, default=18772, help="port of the gateway's figures (%(default)s)")
+    parser.add_argument("--json", type=Path, help="write everything here")
+    chosen = parser.parse_args()
+    report = uvloop.run(_measure(chosen))
+    if chosen.json:
+        chosen.json.write_text(json.dumps(report, indent=1) + "\n")
+    print(json.dumps({name: value for name, value in report.items() if name != "samples"}, indent=2))
+    return 1 if any(value > 0 for value in report["left_over"].values()) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
