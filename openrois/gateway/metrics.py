@@ -13,7 +13,7 @@ from openrois.access.jwks import KeySetCache
 from openrois.access.keys import KeySource
 from openrois.application import EngineHost
 from openrois.gateway.heads import Heads
-from openrois.gateway.places import MAX_ADAPTERS, MAX_APPLICATIONS
+from openrois.gateway.places import MAX_ADAPTERS, MAX_APPLICATIONS, Places
 from openrois.jsonrpc.latencies import BOUNDS, Latencies
 from openrois.loop_lag import LoopLag
 from openrois.metrics.exposition import families, written
@@ -199,6 +199,15 @@ HEADS: Final[tuple[Figure[Heads], ...]] = (
     ),
 )
 
+PLACES: Final[tuple[Figure[Places], ...]] = (
+    Figure(
+        "openrois_gateway_entering_connections",
+        "gauge",
+        "Applications that wait to be let in.",
+        lambda places: places.waiting,
+    ),
+)
+
 KEYS: Final[tuple[Figure[KeySetCache], ...]] = (
     Figure(
         "openrois_gateway_key_fetches_total", "counter", "Attempts to fetch the issuer's keys.", lambda k: k.fetches
@@ -240,7 +249,7 @@ ADAPTER: Final[tuple[Figure[int], ...]] = (
 LABELLED: Final[tuple[Figure[Any], ...]] = (*KEYS, *TURNED_AWAY, *LEASES_ENDED, *CLOSED, *ADAPTER)
 """Each has as many samples as there are values of its label; at first none."""
 
-FIGURES: Final[tuple[Figure[Any], ...]] = (*CONNECTION, *GATEWAY, *LAG, *HEADS, *LIMITS, *LABELLED)
+FIGURES: Final[tuple[Figure[Any], ...]] = (*CONNECTION, *GATEWAY, *LAG, *HEADS, *PLACES, *LIMITS, *LABELLED)
 
 HISTOGRAMS: Final = {
     "openrois_gateway_request_seconds": "Time from a request of an application to its reply, by method.",
@@ -256,12 +265,14 @@ class Sources:
         host: the gateway's engine and what its sessions share.
         lag: watches the event loop.
         heads: connections that have not said what they want.
+        places: who is let in next.
         keys: where keys for tokens come from; None where nobody needs a token.
     """
 
     host: EngineHost
     lag: LoopLag
     heads: Heads
+    places: Places
     keys: KeySource | None
 
 
@@ -277,6 +288,7 @@ def _families(sources: Sources) -> Iterator[Metric]:
     yield from families(GATEWAY, (), [((), host)])
     yield from families(LAG, (), [((), sources.lag)])
     yield from families(HEADS, (), [((), sources.heads)])
+    yield from families(PLACES, (), [((), sources.places)])
     yield from families(KEYS, (), [((), sources.keys)] if isinstance(sources.keys, KeySetCache) else [])
     limits = [((kind,), limit) for kind, limit in zip(KINDS, (MAX_APPLICATIONS, MAX_ADAPTERS), strict=True)]
     yield from families(LIMITS, ("kind",), limits)

@@ -1,13 +1,14 @@
 """How many connections there may be: applications and adapters have places of their own, and one address has few."""
 
+import asyncio
 from collections import Counter
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import asynccontextmanager, contextmanager
 from typing import Final
 
 from aiohttp import web
 
-__all__ = ["MAX_ADAPTERS", "MAX_APPLICATIONS", "MAX_PER_ADDRESS", "Places"]
+__all__ = ["ENTERING", "MAX_ADAPTERS", "MAX_APPLICATIONS", "MAX_PER_ADDRESS", "Places"]
 
 MAX_APPLICATIONS: Final = 8192
 """Applications at a time; one more is answered 503."""
@@ -19,12 +20,19 @@ MAX_PER_ADDRESS: Final = 1024
 """Applications at a time from one address, unless the gateway is told otherwise; one more is answered 429."""
 
 
+ENTERING: Final = 4
+"""Applications whose WebSockets are opened at the same time; adapters pass those that wait for that."""
+
+
 class Places:
     """The places of one gateway.
 
     Args:
         turned_away: told the reason whenever there is no place.
         per_address: applications at a time from one address.
+
+    Attributes:
+        waiting: how many applications wait for `entering`.
     """
 
     def __init__(self, turned_away: Callable[[str], None], per_address: int = MAX_PER_ADDRESS) -> None:
@@ -32,6 +40,8 @@ class Places:
         self._per_address = per_address
         self._applications: Counter[str] = Counter()
         self._adapters = 0
+        self.waiting = 0
+        self._entering = asyncio.Semaphore(ENTERING)
 
     @property
     def is_full(self) -> bool:
@@ -59,6 +69,24 @@ class Places:
             self._applications[address] -= 1
             if not self._applications[address]:
                 del self._applications[address]
+
+    @asynccontextmanager
+    async def entering(self) -> AsyncIterator[None]:
+        """Let an application in while the block runs, a few at a time, in the order in which they came.
+
+        A crowd that comes back at once leaves the loop free for adapters, which do not wait here.
+        """
+        self.waiting += 1
+        try:
+            await self._entering.acquire()
+        finally:
+            self.waiting -= 1
+        try:
+            yield
+            # Who was let in before has its turn, too.
+            await asyncio.sleep(0)
+        finally:
+            self._entering.release()
 
     @contextmanager
     def of_adapter(self) -> Iterator[None]:

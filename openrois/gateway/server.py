@@ -4,7 +4,13 @@ import asyncio
 import logging
 import time
 from collections.abc import AsyncIterator, Awaitable, Callable
-from contextlib import AbstractContextManager, AsyncExitStack, asynccontextmanager
+from contextlib import (
+    AbstractAsyncContextManager,
+    AbstractContextManager,
+    AsyncExitStack,
+    asynccontextmanager,
+    nullcontext,
+)
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Final
@@ -153,7 +159,7 @@ async def run_gateway(
         metrics = ""
         if settings.metrics is not None:
             keys = None if verifier is None else verifier.keys
-            look = partial(figures, Sources(host, lag, heads, keys))
+            look = partial(figures, Sources(host, lag, heads, places, keys))
             serving = serving_metrics(*metrics_address(settings.metrics), look, settings.metrics_token)
             metrics = await stack.enter_async_context(serving)
             _log.info("metrics: %s", metrics)
@@ -203,6 +209,7 @@ class _Server:
                 self._application_profile,
                 tenure,
                 self._places.of_application(request.remote or ""),
+                self._places.entering(),
                 lambda stream: serve_application(self._host, stream, tenure, self._entrance.renewal),
             )
         path = request.match_info["path"]
@@ -224,6 +231,7 @@ class _Server:
             self._adapter_profile,
             tenure,
             self._places.of_adapter(),
+            nullcontext(),
             lambda stream: serve_adapter(
                 self._host, stream, self._adapter_timeout, tenure=tenure, renewal=self._entrance.renewal
             ),
@@ -235,15 +243,15 @@ class _Server:
         profile: SocketProfile,
         tenure: Tenure,
         place: AbstractContextManager[None],
+        entering: AbstractAsyncContextManager[None],
         serve: Callable[[MessageStream], Awaitable[object]],
     ) -> web.StreamResponse:
-        if self._host.draining:
-            self._host.traffic.turn_away("draining")
-            raise web.HTTPServiceUnavailable(text=f"{RESTARTS}\n", headers={"Retry-After": str(RETRY_AFTER)})
         with place:
             socket = ServerSocket(request, profile)
             try:
-                await socket.prepare()
+                async with entering:
+                    self._require_open()
+                    await socket.prepare()
             except StreamClosed:
                 # aiohttp needs an answer, and drops it: there is nobody any more.
                 return web.Response()
@@ -258,6 +266,11 @@ class _Server:
                 pinging.cancel()
                 await asyncio.wait({pinging})
             return socket.response
+
+    def _require_open(self) -> None:
+        if self._host.draining:
+            self._host.traffic.turn_away("draining")
+            raise web.HTTPServiceUnavailable(text=f"{RESTARTS}\n", headers={"Retry-After": str(RETRY_AFTER)})
 
     async def _close_all(self, _app: web.Application) -> None:
         await asyncio.gather(

@@ -295,6 +295,7 @@ class RpcSession:
         *,
         timeout: float | None = None,
         urgent: bool = False,
+        before: Callable[[], None] | None = None,
         on_result: Callable[[Any], Any] | None = None,
         on_late: Callable[[Any], None] | None = None,
         on_reason: Callable[[str], None] | None = None,
@@ -306,6 +307,7 @@ class RpcSession:
             params: its params.
             timeout: seconds to wait at most, for room to ask as for the answer; `call_timeout` unless given.
             urgent: whether it is sent also where there is no room to ask.
+            before: called when there is room, right before it is sent; what it raises is raised, and nothing is sent.
             on_result: makes of the result what is returned, before any later message of the other side is looked at.
             on_late: called with a result that comes after the caller gave up, by timeout or cancellation; without it
                 such a result is dropped.
@@ -327,6 +329,8 @@ class RpcSession:
                 await self.outbox.room()
         if self._closed is not None:
             raise SessionClosed(str(self._closed))
+        if before is not None:
+            before()
         request_id, text, answer = self._calls.open(name, params, on_result, on_late, on_reason)
         # `asyncio.timeout` takes as long as all the rest of a call.
         expiry = loop.call_at(deadline, _expire, answer, deadline)

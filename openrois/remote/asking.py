@@ -58,6 +58,7 @@ class Asking:
         too_late: Callable[[Any], None] | None = None,
         *,
         urgent: bool = False,
+        before: Callable[[], None] | None = None,
     ) -> Outcome:
         """Ask, check the answer, and raise what its return code stands for.
 
@@ -68,6 +69,7 @@ class Asking:
             accepted: called with a result whose code is OK before any later message is looked at.
             too_late: called with a result, as it came, that arrives when nobody waits for it any more.
             urgent: whether it is asked also where there is no room for questions.
+            before: called when there is room, right before it is asked; what that raises is raised.
 
         Raises:
             RoISError: the other side refused, did not answer in time or properly, or is gone.
@@ -80,7 +82,7 @@ class Asking:
             return checked
 
         reason = _Latest()
-        checked: Outcome = await self._ask(name, params, on_result, too_late, reason, urgent=urgent)
+        checked: Outcome = await self._ask(name, params, on_result, too_late, reason, urgent=urgent, before=before)
         if checked.return_code is not ReturnCode.OK:
             raise _refusal(name, checked.return_code, reason)
         return checked
@@ -107,11 +109,18 @@ class Asking:
         reason: _Latest,
         *,
         urgent: bool = False,
+        before: Callable[[], None] | None = None,
     ) -> Any:
         self.require_connected()
         try:
             return await self._session.call(
-                name, params, urgent=urgent, on_result=on_result, on_late=too_late, on_reason=reason.take
+                name,
+                params,
+                urgent=urgent,
+                before=before,
+                on_result=on_result,
+                on_late=too_late,
+                on_reason=reason.take,
             )
         except TimeoutError:
             raise NotResponding(f"the engine did not answer {name} in time") from None

@@ -4,6 +4,7 @@ import asyncio
 import logging
 from typing import Any
 
+from openrois.errors import Aborted
 from openrois.logs import Tally
 from openrois.types.codes import CompletedStatus
 from openrois.types.messages import Completed
@@ -17,14 +18,34 @@ _log = logging.getLogger(__name__)
 class RemoteCommand:
     """One command.
 
+    Args:
+        component_ref: where it runs.
+
     Attributes:
         ended: how it ended; None where the engine went away first.
         reason: why it did not end OK, where the other side has said so.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, component_ref: str) -> None:
+        self.component_ref = component_ref
         self.ended: asyncio.Future[CompletedStatus | None] = asyncio.get_running_loop().create_future()
         self.reason = ""
+        self._is_sent = False
+        self._is_stopped = False
+
+    def send(self) -> None:
+        """Note that it is sent now.
+
+        Raises:
+            Aborted: its component was told to stop while it waited for that, and must not begin behind the stop.
+        """
+        if self._is_stopped:
+            raise Aborted(f"{self.component_ref} was stopped before the command could be sent")
+        self._is_sent = True
+
+    def stop(self) -> None:
+        """Keep it from being sent, if it has not been."""
+        self._is_stopped = not self._is_sent
 
     def end(self, status: CompletedStatus | None) -> None:
         """Note how it ended; only the first time counts."""
@@ -52,6 +73,12 @@ class RemoteCommands:
     def expect(self, command_id: str, command: RemoteCommand) -> None:
         """Note a command before its end can be told."""
         self._running[command_id] = command
+
+    def stop(self, component_ref: str) -> None:
+        """Keep the commands of a component from being sent that still wait for that."""
+        for command in self._running.values():
+            if command.component_ref == component_ref:
+                command.stop()
 
     def forget(self, command_id: str) -> None:
         """Forget a command that nobody waits for any more."""

@@ -178,8 +178,11 @@ class RemoteProxy:
         self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = ()
     ) -> tuple[Result, ...]:
         """Run a command and wait until the other side says that it has ended."""
-        command = RemoteCommand()
+        command = RemoteCommand(component_ref)
         command_id = secrets.token_hex(16)
+        stops = is_stop(command_type)
+        if stops:
+            self._commands.stop(component_ref)
         try:
             if command_type == "set_parameter":
                 command_id = await self._set_parameter(component_ref, arguments, command)
@@ -195,7 +198,8 @@ class RemoteProxy:
                     "rois.command.execute",
                     ExecuteParams(command_unit_list=(unit,)),
                     ReturnResult,
-                    urgent=is_stop(command_type),
+                    urgent=stops,
+                    before=command.send,
                 )
             # The component's own engine ends it in time, and can say more about it; some do not.
             promised = self._claims.seconds_for(component_ref, command_type)

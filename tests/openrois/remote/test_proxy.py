@@ -10,6 +10,7 @@ import pytest
 
 from openrois.contract import Client, Event, SubscriptionLost
 from openrois.errors import Aborted, ComponentFailed, EngineUnreachable, NotResponding, TimedOut, Unsupported
+from openrois.jsonrpc.outbox import CONTROL_LIMIT
 from openrois.jsonrpc.session import RpcSession
 from openrois.remote.proxy import RemoteProxy
 from openrois.tasks import TaskScope
@@ -269,6 +270,28 @@ class TestInvoke:
         command_id = request["params"]["command_unit_list"][0]["command_id"]
         await far.tell("rois.command.completed", command_id=command_id, status="OK")
         await far.introduce()
+
+    async def test_what_waits_for_room_does_not_begin_behind_a_stop(self, far: Far) -> None:
+        await far.introduce()
+        # The other side does not read, and half of what may wait for it does.
+        for _ in range(CONTROL_LIMIT // 2 + 100):
+            far.session.notify("filler", {})
+        starting = [asyncio.ensure_future(far.proxy.invoke(ref, "start")) for ref in (TOY, "plain/other")]
+        await asyncio.sleep(0)
+        assert not far.session.outbox.is_roomy
+        stopping = asyncio.ensure_future(far.proxy.invoke(TOY, "stop"))
+        begun = []
+        while len(begun) < 2:
+            message = json.loads(await far.stream.receive())
+            if message["method"] == "rois.command.execute":
+                (unit,) = message["params"]["command_unit_list"]
+                begun.append((unit["component_ref"], unit["command_type"]))
+                await far.answer(message)
+                await far.tell("rois.command.completed", command_id=unit["command_id"], status="OK")
+        assert begun == [(TOY, "stop"), ("plain/other", "start")]
+        await asyncio.gather(stopping, starting[1])
+        with pytest.raises(Aborted, match="was stopped before the command could be sent"):
+            await starting[0]
 
     async def test_results_are_asked_for_where_there_are_some(self, far: Far) -> None:
         await far.introduce()
