@@ -198,7 +198,7 @@ class Component:
         Raises:
             Unsupported: the profile has no such command.
             BadParameter: an argument is unknown, repeated, missing, or not of its type.
-            ComponentFailed: the component is not READY or BUSY.
+            ComponentFailed: the component is not READY or BUSY; `stop` is then tried all the same, if it is connected.
             Aborted: `stop` or another `start` ended it.
             TimedOut: it took longer than its profile allows.
             RoISError: whatever the command raises.
@@ -208,12 +208,18 @@ class Component:
         message = self.__authored.commands.get(command_type)
         if message is None:
             raise Unsupported(f"{self.name} has no command {command_type!r}")
-        self.require_usable()
+        is_usable = self.status in (ComponentStatus.READY, ComponentStatus.BUSY)
+        if command_type != "stop" or self.__standing is not ComponentStatus.READY:
+            self.require_usable()
         given = self.__read(message, arguments)
         self.__running += 1
         try:
             async with asyncio.timeout(None if message.timeout is None else message.timeout * _MILLISECOND):
-                return await self.__run_checked(message, given)
+                results = await self.__run_checked(message, given)
+                if not is_usable:
+                    # Whatever is wrong with what moves, it has been told to stop; now it is said.
+                    self.require_usable()
+                return results
         except TimeoutError:
             sentence = f"{self.name}: {command_type} took longer than {message.timeout} ms"
             self.report(ErrorType.COMPONENT_NOT_RESPONDING, sentence)

@@ -115,6 +115,20 @@ class TestStatus:
         thing.may_end.set()
         await running
 
+    @pytest.mark.parametrize("trouble", [ComponentStatus.ERROR, ComponentStatus.WARNING])
+    async def test_what_does_not_work_is_told_to_stop_all_the_same(
+        self, thing: Thing, trouble: ComponentStatus
+    ) -> None:
+        running = asyncio.ensure_future(thing.run("start", ()))
+        await began(thing)
+        thing.is_in = trouble
+        with pytest.raises(ComponentFailed, match=trouble.value):
+            await thing.run("stop", ())
+        assert thing.stopped == 1
+        with pytest.raises(Aborted):
+            await running
+        assert thing.starts == ["begins", "ends"]
+
 
 class TestStart:
     async def test_stop_ends_it_with_abort_after_the_stop_ran(self, thing: Thing) -> None:

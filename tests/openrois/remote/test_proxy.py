@@ -280,7 +280,7 @@ class TestInvoke:
         await asyncio.sleep(0)
         assert not far.session.outbox.is_roomy
         stopping = asyncio.ensure_future(far.proxy.invoke(TOY, "stop"))
-        begun = []
+        begun: list[tuple[str, str]] = []
         while len(begun) < 2:
             message = json.loads(await far.stream.receive())
             if message["method"] == "rois.command.execute":
