@@ -56,12 +56,16 @@ async def serve_parent(
         websockets.exceptions.InvalidURI: `url` is no WebSocket address.
     """
     absent, refused = Backoff(_FIRST_WAIT, limit=LONGEST_WAIT), Backoff(limit=_LONGEST_REFUSED)
+    attempts = 0
     while True:
         lasted, asked, backoff = 0.0, 0.0, absent
+        attempts += 1
+        # Somebody who looks at it sees soon what it waits for, and nobody's disk is filled.
+        news = logging.INFO if attempts.bit_count() == 1 else logging.DEBUG
         try:
             async with dial(url, credentials=credentials) as stream:
                 _log.info("connected to %s", url)
-                connected = clock()
+                connected, attempts, news = clock(), 0, logging.INFO
                 closed = await serve_engine(host, stream, credentials)
                 lasted, asked = clock() - connected, asked_to_wait(closed.reason)
                 if closed.code == POLICY_VIOLATION:
@@ -73,10 +77,10 @@ async def serve_parent(
             # A gateway may come later; what has to be set right by somebody is a warning.
             may_come = _may_come(error)
             said = unreachable(url, error, remedies=(TOKEN_FILE_VARIABLE, CA_FILE_VARIABLE))
-            _log.log(logging.INFO if may_come else logging.WARNING, "%s", said)
+            _log.log(news if may_come else logging.WARNING, "%s", said)
             backoff = absent if may_come else refused
         delay = backoff.after(lasted) * chance() + asked
-        _log.info("trying again in %.1f s", delay)
+        _log.log(news, "trying again in %.1f s", delay)
         await sleep(delay)
 
 

@@ -65,6 +65,7 @@ async def test_nobody_listens(host: EngineHost, caplog: pytest.LogCaptureFixture
     time = Time(enough=6)
     async with dialling(host, f"ws://127.0.0.1:{port}/adapter", time):
         assert time.delays == [0.25, 0.375, 0.5625, 0.84375, 1, 1]
+    assert len([line for line in caplog.messages if line.startswith("trying again")]) == 3, "the attempts 1, 2 and 4"
     assert f"no gateway answers at ws://127.0.0.1:{port}/adapter; `openrois gateway` starts one here" in caplog.text
 
 
