@@ -78,8 +78,7 @@ class RpcSession:
             stands right before the reply.
         rules: which requests come first and how many there may be; the `intake` made of them keeps count.
         on_refusal: called with the method, the params, the result and the reason of such a reply.
-        latencies: of the requests that are served here; None for not measured.
-        call_latencies: of our own; None for not measured.
+        latencies, call_latencies: of the requests that are served here, and of our own; None for not measured.
         peer: who is at the other end, for the log.
         requests: how many came.
         refused: how many of them were answered with a reason.
@@ -300,7 +299,7 @@ class RpcSession:
         on_late: Callable[[Any], None] | None = None,
         on_reason: Callable[[str], None] | None = None,
     ) -> Any:
-        """Ask the other side and wait for its answer.
+        """Ask the other side, wait for its answer and return the result.
 
         Args:
             name: the method.
@@ -312,9 +311,6 @@ class RpcSession:
             on_late: called with a result that comes after the caller gave up, by timeout or cancellation; without it
                 such a result is dropped.
             on_reason: called with what `take_reason` is told of this request, before its result comes.
-
-        Returns:
-            The result.
 
         Raises:
             RpcError: the other side answered with an error.
