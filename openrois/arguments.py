@@ -18,9 +18,9 @@ def check_arguments(profiles: tuple[ParameterProfile, ...], arguments: tuple[Arg
     values: dict[str, str] = {}
     for argument in arguments:
         if argument.name not in types:
-            raise BadParameter(f"there is no argument {argument.name!r}; there are {', '.join(types) or 'none'}")
+            raise BadParameter(f"nothing here is called {argument.name!r}; there are: {', '.join(types) or 'none'}")
         if argument.name in values:
-            raise BadParameter(f"the argument {argument.name!r} is given twice")
+            raise BadParameter(f"{argument.name!r} is given twice")
         try:
             check_value(types[argument.name], argument.value)
         except ValueError as error:

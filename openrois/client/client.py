@@ -45,8 +45,8 @@ class Client(Operations):
     Args:
         url: the gateway's address.
         dial: opens connections in place of a WebSocket to `url`.
-        token: a JSON Web Token for the gateway, where it wants one; or a function that returns the newest: it is called
-            at every connection, and before the present one ends.
+        token: a JSON Web Token (RFC 7519) for the gateway, where it wants one; or a function that returns the newest:
+            it is called at every connection, and before the present one ends.
         ca_file: authorities (PEM) that may have signed the gateway's certificate, in place of the system's.
         connect_timeout: seconds that connecting may take.
         request_timeout: seconds that an answer may take.
@@ -211,7 +211,15 @@ class Client(Operations):
     @overload
     async def find_all(self, kind: ComponentType, condition: str = "") -> list[ComponentProxy]: ...
     async def find_all(self, kind: Any, condition: str = "") -> list[Any]:
-        """Return the components of a type that meet a condition, in the order of the profile."""
+        """Return the components of a type that meet a condition, in the order of the profile; none is no error.
+
+        Args:
+            kind: the type, as `component` takes it.
+            condition: which of them; see `where`.
+
+        Raises:
+            BadParameter: it is no condition.
+        """
         of_type = where(component_type=_type_of(kind).urn)
         refs = await self.search(f"{of_type} AND {condition}" if condition else of_type)
         return [self.component(kind, component_ref) for component_ref in refs]

@@ -30,6 +30,11 @@ class Command(Generic[T]):
     It raises `Aborted`, `TimedOut`, `OutOfResources` or `ComponentFailed` where the command ended otherwise than OK,
     and `ConnectionLost` where the connection ended first: then the command may go on, and nobody will say how it ends.
     Cancelling the wait does not stop the command.
+
+    Attributes:
+        component_ref: the component that runs it.
+        command_type: which command.
+        command_id: what `Client.get_command_result` takes.
     """
 
     def __init__(
@@ -100,6 +105,9 @@ class Execution:
     """A sequence that the gateway has accepted. Await it for the end of all of its commands.
 
     It raises what the first command that failed raises; the commands after it end with `Aborted`.
+
+    Attributes:
+        commands: their handles, in order.
     """
 
     def __init__(self, commands: tuple[Command[Any], ...]) -> None:

@@ -53,7 +53,11 @@ class Control:
         self._listen = listen
 
     async def status(self, component_ref: str) -> LeaseStatus:
-        """Return who controls a component; from then on `ControlChanged` tells when that changes."""
+        """Return who controls a component; from then on `ControlChanged` tells when that changes.
+
+        Raises:
+            Unsupported: there is no such component.
+        """
         result = await self._connection.ask("openrois.lease.query", _params(component_ref), LeaseResult)
         return result.lease or LeaseStatus()
 
@@ -92,15 +96,27 @@ class Control:
         raise ConnectionLost("openrois.lease.request: the client is closed")
 
     async def grant(self, request_id: str) -> None:
-        """Let who asks (`ControlRequested`) have the component; what runs there ends with ABORT."""
+        """Let who asks (`ControlRequested`) have the component; what runs there ends with ABORT.
+
+        Raises:
+            Unsupported: nobody asks so (any more).
+        """
         await self._connection.act("openrois.lease.grant", LeaseRequestParams(request_id=request_id), ReturnResult)
 
     async def decline(self, request_id: str) -> None:
-        """Keep the component that somebody asks for."""
+        """Keep the component that somebody asks for (`ControlRequested`).
+
+        Raises:
+            Unsupported: nobody asks so (any more).
+        """
         await self._connection.act("openrois.lease.decline", LeaseRequestParams(request_id=request_id), ReturnResult)
 
     async def take(self, component_ref: str) -> None:
-        """Bind a component, as an administrator, whoever holds it; what runs there ends with ABORT."""
+        """Bind a component, as an administrator, whoever holds it; what runs there ends with ABORT.
+
+        Raises:
+            Unsupported: there is no such component, or this application is no administrator.
+        """
         await self._connection.act("openrois.lease.take", _params(component_ref), LeaseResult)
         self._bindings.use(component_ref)
 

@@ -54,7 +54,12 @@ class ProfileChanged(Notice):
 
 @dataclass(frozen=True, slots=True)
 class Fault(Notice):
-    """An engine or component reports an error (notify_error); `get_error_detail` says more."""
+    """An engine or component reports an error (notify_error; RoIS 2.0, 8.2); `Client.get_error_detail` says more.
+
+    Attributes:
+        error_id: what `get_error_detail` takes.
+        error_type: what kind of error it is.
+    """
 
     error_id: str
     error_type: ErrorType
@@ -65,6 +70,10 @@ class BindingLost(Notice):
     """A component that was bound is not any more: it is gone, or another application has it by now.
 
     It is bound again as soon as it can be, unless it is released, or was handed over or taken.
+
+    Attributes:
+        component_ref: the component.
+        error: why, as the operation that found out would have raised it.
     """
 
     component_ref: str
@@ -73,7 +82,11 @@ class BindingLost(Notice):
 
 @dataclass(frozen=True, slots=True)
 class BindingRestored(Notice):
-    """A component is bound again. What runs there was not started by this connection."""
+    """A component is bound again. What runs there was not started by this connection.
+
+    Attributes:
+        component_ref: the component.
+    """
 
     component_ref: str
 
@@ -118,7 +131,13 @@ class ControlRequested(Notice):
 
 @dataclass(frozen=True, slots=True)
 class ControlDeclined(Notice):
-    """The holder keeps a component that this application has asked for."""
+    """The holder keeps a component that this application has asked for.
+
+    Attributes:
+        component_ref: the component.
+        request_id: of the request that is answered so.
+        reason: one sentence.
+    """
 
     component_ref: str
     request_id: str
@@ -127,7 +146,12 @@ class ControlDeclined(Notice):
 
 @dataclass(frozen=True, slots=True)
 class ControlWithdrawn(Notice):
-    """Who has asked for a component does not any more."""
+    """Who has asked for a component does not any more.
+
+    Attributes:
+        component_ref: the component.
+        request_id: of a `ControlRequested`; to answer it is too late.
+    """
 
     component_ref: str
     request_id: str
@@ -135,7 +159,13 @@ class ControlWithdrawn(Notice):
 
 @dataclass(frozen=True, slots=True)
 class SubscriptionLost(Notice):
-    """A subscription could not be made again: its component is gone, or does not work. It is tried again."""
+    """A subscription could not be made again: its component is gone, or does not work. It is tried again.
+
+    Attributes:
+        event_type: of what it is a subscription.
+        condition: whose events they are, as it was given.
+        error: why, as `subscribe` would have raised it.
+    """
 
     event_type: str
     condition: str
@@ -144,7 +174,12 @@ class SubscriptionLost(Notice):
 
 @dataclass(frozen=True, slots=True)
 class SubscriptionRestored(Notice):
-    """A subscription is made again; what happened in between was not heard."""
+    """A subscription is made again; what happened in between was not heard.
+
+    Attributes:
+        event_type: of what it is a subscription.
+        condition: whose events they are, as it was given.
+    """
 
     event_type: str
     condition: str
@@ -152,7 +187,12 @@ class SubscriptionRestored(Notice):
 
 @dataclass(frozen=True, slots=True)
 class Notification:
-    """A notification as it came, also one of an extension."""
+    """A notification as it came, also one of an extension.
+
+    Attributes:
+        method: such as `"signaling.offer"`.
+        params: its members, as JSON values.
+    """
 
     method: str
     params: dict[str, Any] = field(default_factory=dict)

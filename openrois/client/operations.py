@@ -47,7 +47,7 @@ Results = tuple[Result, ...]
 
 
 class Operations:
-    """System, Command, Query and Event interface of one gateway.
+    """System, Command, Query and Event interface of one gateway (RoIS 2.0, 8.2), by the standard's names.
 
     Every method raises a `RoISError` for a return code other than OK, `RpcError` where the gateway does not know the
     method or its params, `ConnectionLost` and `TimeoutError`. Without a connection they wait for one, up to the request
@@ -64,13 +64,25 @@ class Operations:
         self._subscriptions = subscriptions
 
     async def get_profile(self, condition: str = "") -> ProfileResult:
-        """Return the tree of engines and the profile of each component that meets a condition."""
+        """Return the tree of engines and the profile of each component that meets a condition; of all without one.
+
+        Raises:
+            BadParameter: it is no condition; see `where`.
+        """
         return await self._connection.ask(
             "rois.system.get_profile", ConditionParams(condition=condition), ProfileResult
         )
 
     async def get_error_detail(self, error_id: str, condition: str = "") -> Results:
-        """Return what is known of a `Fault`."""
+        """Return what is known of a `Fault`.
+
+        Args:
+            error_id: of the fault.
+            condition: a gateway of ours takes none but the empty one.
+
+        Raises:
+            BadParameter: the gateway does not know the fault, or does not remember it any more.
+        """
         params = ErrorDetailParams(error_id=error_id, condition=condition)
         return (await self._connection.ask("rois.system.get_error_detail", params, ResultsResult)).results
 
@@ -136,12 +148,22 @@ class Operations:
         return (await self._connection.act(method, params, ConnectStreamResult, too_late=too_late)).stream_id
 
     async def get_parameter(self, component_ref: str) -> tuple[Parameter, ...]:
-        """Return the parameters of a component that have a value."""
+        """Return the parameters of a component that have a value.
+
+        Raises:
+            Unsupported: there is no such component.
+        """
         params = ComponentParams(component_ref=component_ref)
         return (await self._connection.ask("rois.command.get_parameter", params, ParametersResult)).parameters
 
     async def set_parameter(self, component_ref: str, parameters: Iterable[Parameter]) -> Command[None]:
-        """Change parameters of a component, all at once; the command that comes back ends when that is done."""
+        """Change parameters of a component, all at once; the command that comes back ends when that is done.
+
+        Raises:
+            Unsupported: there is no such component.
+            BadParameter: there is no such parameter, or a value does not fit; nothing is changed then.
+            OutOfResources: the component acts, and is not bound by this application.
+        """
         commands: list[Command[None]] = []
 
         def accepted(result: SetParameterResult) -> None:
@@ -214,12 +236,25 @@ class Operations:
         await (await self.execute(*items))
 
     async def get_command_result(self, command_id: str, condition: str = "") -> Results:
-        """Return what a command of this application gave."""
+        """Return what a command of this application gave.
+
+        Args:
+            command_id: of a command that has ended.
+            condition: a gateway of ours takes none but the empty one.
+
+        Raises:
+            BadParameter: the gateway does not know the command, or does not remember it any more.
+        """
         params = CommandResultParams(command_id=command_id, condition=condition)
         return (await self._connection.ask("rois.command.get_command_result", params, ResultsResult)).results
 
     async def query(self, query_type: str, condition: str = "") -> Results:
-        """Ask the one component that answers a query and meets a condition."""
+        """Ask the one component that answers a query and meets a condition.
+
+        Raises:
+            Unsupported: there is none.
+            BadParameter: there are several, or it is no condition; see `where`.
+        """
         params = QueryParams(query_type=query_type, condition=condition)
         return (await self._connection.ask("rois.query.query", params, ResultsResult)).results
 
@@ -242,7 +277,15 @@ class Operations:
         return Subscription(self._subscriptions, event_type, condition, read, buffer)
 
     async def get_event_detail(self, event_id: str, condition: str = "") -> Results:
-        """Return what an event tells, for as long as the gateway remembers it."""
+        """Return what an event tells, for as long as the gateway remembers it.
+
+        Args:
+            event_id: of an event that this application was told.
+            condition: a gateway of ours takes none but the empty one.
+
+        Raises:
+            BadParameter: the gateway does not know the event, or does not remember it any more.
+        """
         params = DetailParams(event_id=event_id, condition=condition)
         return (await self._connection.ask("rois.event.get_event_detail", params, ResultsResult)).results
 

@@ -72,15 +72,27 @@ class Streaming(ComponentProxy):
             _log.debug("a stream that nobody waits for any more is not given back: %s", error)
 
     async def disconnect_stream(self, stream_id: str) -> None:
-        """End a stream."""
+        """End a stream.
+
+        Raises:
+            Unsupported: there is no such stream.
+        """
         await self._act_on("disconnect_stream", stream_id)
 
     async def suspend_stream(self, stream_id: str) -> None:
-        """Pause a stream."""
+        """Pause a stream; it stays connected, and nothing of it arrives.
+
+        Raises:
+            Unsupported: there is no such stream.
+        """
         await self._act_on("suspend_stream", stream_id)
 
     async def resume_stream(self, stream_id: str) -> None:
-        """Go on with a stream."""
+        """Go on with a stream that was suspended.
+
+        Raises:
+            Unsupported: there is no such stream.
+        """
         await self._act_on("resume_stream", stream_id)
 
     async def _act_on(self, verb: str, stream_id: str) -> None:
@@ -89,7 +101,11 @@ class Streaming(ComponentProxy):
                 await self.command(verb, None, stream_id=stream_id)
 
     async def get_stream_status(self, stream_id: str) -> StreamStatus:
-        """Return what a stream does."""
+        """Return what a stream does (RoIS 2.0, table 8.10).
+
+        Raises:
+            Unsupported: there is no such stream.
+        """
         result = await self._extended("query_stream_status", stream_id=stream_id)
         if result is not None:
             return read_result("rois.stream.query_stream_status", StreamStatusResult, result).status
