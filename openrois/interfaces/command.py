@@ -3,6 +3,7 @@
 import asyncio
 import logging
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
@@ -62,6 +63,14 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
     }
 
 
+@dataclass(slots=True)
+class _Sequence:
+    """Commands that were accepted together: how many have not ended, and what runs them."""
+
+    left: int
+    task: asyncio.Task[None] | None = None
+
+
 class _Commands:
     """The operations of one application."""
 
@@ -69,6 +78,7 @@ class _Commands:
         self._app = app
         self._accepted: dict[str, AcceptedCommand] = {}
         self._unreplied: set[str] = set()
+        self._sequences: dict[int, _Sequence] = {}
 
     async def search(self, params: ConditionParams) -> SearchResult:
         condition = parse_condition(params.condition, COMPONENT_PROPERTIES)
@@ -142,6 +152,7 @@ class _Commands:
         commands = {unit.command_id: unit.component_ref for unit in units}
         app.commands.accept(commands, STOP_RESERVE if all(is_stop(unit.command_type) for unit in units) else 0)
         sequence = app.host.accepted.next_sequence()
+        self._sequences[sequence] = _Sequence(len(units))
         for unit in units:
             starts = unit.command_type == "start"
             command = AcceptedCommand(unit.component_ref, app, partial(self._end_early, unit), sequence, starts)
@@ -187,11 +198,15 @@ class _Commands:
         seen.add(command_id)
 
     def _start(self, params: ExecuteParams) -> None:
-        for unit in commands_of(params.command_unit_list):
+        units = commands_of(params.command_unit_list)
+        sequence = self._sequences[self._accepted[units[0].command_id].sequence]
+        for unit in units:
             self._unreplied.discard(unit.command_id)
             if reason := self._accepted[unit.command_id].aborted:
                 self._finish(unit, CompletedStatus.ABORT, (), reason)
-        self._app.host.tasks.start(run_sequence(params.command_unit_list, self._run, self._skip, self._app.host.sleep))
+        if sequence.left:
+            running = run_sequence(params.command_unit_list, self._run, self._skip, self._app.host.sleep)
+            sequence.task = self._app.host.tasks.start(running)
 
     async def _run(self, unit: CommandUnit) -> CompletedStatus:
         if unit.command_type not in STREAM_METHODS:
@@ -250,9 +265,19 @@ class _Commands:
         command = self._accepted.pop(unit.command_id, None)
         if command is not None:
             self._app.host.accepted.remove(command)
+            self._leave(command.sequence)
         self._app.commands.finish(unit.command_id, results, status, reason)
         self._app.host.journal.ended(self._app.client_id, unit.command_id, status, reason, results)
         self._app.completed(unit.command_id, status, reason)
+
+    def _leave(self, number: int) -> None:
+        """Count a command of a sequence that has ended; behind the last one nobody waits for delays."""
+        sequence = self._sequences[number]
+        sequence.left -= 1
+        if not sequence.left:
+            del self._sequences[number]
+            if sequence.task is not None:
+                sequence.task.cancel()
 
     async def get_command_result(self, params: CommandResultParams) -> ResultsResult | Reply:
         if params.condition:
