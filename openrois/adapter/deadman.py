@@ -13,6 +13,7 @@ from openrois.errors import Aborted, RoISError, Unsupported
 from openrois.lifeline import Lifeline
 from openrois.stopping import STOP_TIMEOUT
 from openrois.tasks import TaskScope
+from openrois.types.codes import ComponentFunction
 from openrois.types.messages import Result
 from openrois.types.streams import HolderNotification
 
@@ -47,7 +48,7 @@ class DeadMan:
 
     It trips when the connection to the gateway ends, when the gateway gives no sign of life, and when the application
     that held the component does not hold it any more, whatever the reason. Then the component's own `stop` is
-    called at once, and its commands end with ABORT.
+    called at once, and its commands end with ABORT. A command whose turn comes only then begins nothing.
 
     Args:
         lifeline: to the gateway.
@@ -84,6 +85,9 @@ class DeadMan:
         """
         if component.dead_man is None or command_type in _AT_ONCE:
             return await work
+        if self._is_uncontrolled(component_ref, component):
+            work.close()
+            raise Aborted(f"{component.name} does not move: nobody has control")
         moving = _Moving(component_ref, component, max(component.dead_man - ALLOWANCE, 0.0))
         task = asyncio.ensure_future(work)
         self._begin(moving)
@@ -98,6 +102,11 @@ class DeadMan:
             self._end(moving)
             task.cancel()
             await asyncio.gather(task, return_exceptions=True)
+
+    def _is_uncontrolled(self, component_ref: str, component: Component) -> bool:
+        """Tell whether a gateway that says who holds what has named nobody: who began a sequence may have left."""
+        held = component_ref in self._holders or component.profile.function is not ComponentFunction.ACTUATION
+        return self._lifeline.is_alive and not held
 
     def take_holder(self, told: HolderNotification, client: Client) -> None:
         """Learn who holds a component: what moves for somebody else stops."""

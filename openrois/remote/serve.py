@@ -20,7 +20,7 @@ from openrois.remote.extension import CLIENT_GONE, EXTENSION_METHODS
 from openrois.renewing import renewing
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from openrois.transport.stream import MessageStream, StreamClosed
-from openrois.types.codes import StreamStatus
+from openrois.types.codes import ComponentFunction, StreamStatus
 from openrois.types.leases import LEASES
 from openrois.types.references import engine_of
 from openrois.types.streams import (
@@ -71,10 +71,20 @@ async def serve_engine(
     finally:
         # Before anything else, what moves stops.
         host.lifeline.cut("the connection to the gateway has ended")
+        _end_waiting(host, app)
         host.fence.forget(app)
         # Then what is held is let go: an engine below that does not answer must not delay that.
         host.tasks.start(served.close())
         await app.close()
+
+
+def _end_waiting(host: EngineHost, app: ApplicationSession) -> None:
+    """End what acts and waits for its turn: nobody could stop it once that has come."""
+    for component_ref, profile in host.engine.directory.component_profiles.items():
+        if profile.function is ComponentFunction.ACTUATION:
+            for command in host.accepted.of(component_ref):
+                if command.owner is app and command.task is None:
+                    command.abort("the connection to the gateway ended before its turn came")
 
 
 class _ServedExtension:

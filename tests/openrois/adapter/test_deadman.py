@@ -2,25 +2,29 @@
 
 import asyncio
 from collections.abc import AsyncIterator
+from contextlib import AsyncExitStack
 from dataclasses import dataclass, field
 
 import pytest
 
-from openrois.adapter import components
+from openrois.adapter import components, running
 from openrois.adapter.deadman import ALLOWANCE, DeadMan, HolderExtension
 from openrois.authoring.marks import command
 from openrois.component import DEAD_MAN, Component
 from openrois.contract import Client
+from openrois.engine import Engine
 from openrois.errors import Aborted, ComponentFailed, Unsupported
 from openrois.lifeline import Lifeline
 from openrois.registry import LocalRegistry
 from openrois.tasks import TaskScope
 from openrois.types.streams import HolderNotification
+from tests.support import wire
 from tests.support.components import Lamp
 from tests.support.deployment import patience
 from tests.support.streams import FakeStreams
 
 ROVER = "r/rover"
+COMPLETED = "rois.command.completed"
 
 
 class Rover(Component, authority="Test", function="actuation"):
@@ -118,6 +122,8 @@ async def robot() -> AsyncIterator[Robot]:
         registry = LocalRegistry("r", (rover, Winch("winch"), Lamp()))
         registry.guard = deadman.guard
         lifeline.attach(asked.append)
+        for component_ref in (ROVER, "r/winch"):
+            deadman.take_holder(HolderNotification(component_ref=component_ref, holds=True, epoch=1), client("ann"))
         yield Robot(time, lifeline, deadman, registry, rover, asked)
 
 
@@ -228,6 +234,21 @@ def held(by: Client, epoch: int, robot: Robot, *, holds: bool = True) -> None:
     robot.deadman.take_holder(HolderNotification(component_ref=ROVER, holds=holds, epoch=epoch), by)
 
 
+async def test_nothing_begins_to_move_for_who_has_left(robot: Robot) -> None:
+    ann = client("ann")
+    held(ann, 2, robot)
+    robot.deadman.forget(ann)
+    assert "nobody has control" in await aborted(robot.run())
+    held(ann, 3, robot)
+    held(ann, 3, robot, holds=False)
+    assert "nobody has control" in await aborted(robot.run("turn"))
+    assert await robot.registry.invoke(ROVER, "stop") == ()
+    assert not robot.rover.driving.is_set()
+    assert robot.asked == []
+    held(ann, 4, robot)
+    (await robot.driving()).cancel()
+
+
 async def test_it_moves_only_for_who_holds_it(robot: Robot) -> None:
     ann, bob = client("ann"), client("bob")
     held(ann, 1, robot)
@@ -260,3 +281,32 @@ async def test_the_extension_below_hears_the_same(robot: Robot) -> None:
     assert [name for name, _, _ in streams.calls] == [HolderNotification.method]
     with pytest.raises(Unsupported):
         await none.call("rois.stream.connect_stream", {}, ann)
+
+
+async def test_the_rest_of_a_sequence_does_not_move_when_who_sent_it_has_left() -> None:
+    rover, lamp = Rover(), Lamp()
+    async with AsyncExitStack() as stack:
+        host = await stack.enter_async_context(wire.hosted(Engine("gateway")))
+        below = await stack.enter_async_context(running.hosted("r", rover, lamp))
+        await stack.enter_async_context(wire.adapter_leg(host, below))
+        app = await stack.enter_async_context(wire.application(host))
+        other = await stack.enter_async_context(wire.application(host))
+        for component_ref in (ROVER, "r/lamp"):
+            assert (await app.ask("rois.command.bind", component_ref=component_ref))["return_code"] == "OK"
+        units = [
+            {"component_ref": component_ref, "command_type": "start", "command_id": command_id}
+            for component_ref, command_id in (("r/lamp", "first"), (ROVER, "then"))
+        ]
+        assert (await app.ask("rois.command.execute", command_unit_list=units))["return_code"] == "OK"
+        async with patience():
+            await lamp.glowing.wait()
+        assert (await app.ask("rois.system.disconnect"))["return_code"] == "OK"
+        lamp.may_end.set()
+        ended = {told["command_id"]: told["status"] for told in [await app.next(COMPLETED), await app.next(COMPLETED)]}
+        assert ended == {"first": "OK", "then": "ABORT"}
+        assert not rover.driving.is_set()
+        # Whoever is in control moves it.
+        assert (await other.ask("rois.command.bind", component_ref=ROVER))["return_code"] == "OK"
+        assert (await other.ask("rois.command.execute", command_unit_list=units[1:]))["return_code"] == "OK"
+        async with patience():
+            await rover.driving.wait()

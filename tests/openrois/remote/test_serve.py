@@ -318,3 +318,27 @@ async def test_of_two_gateways_that_believe_to_be_in_charge_the_later_one_is(chi
         child.grace_ends.set()
     told = [params["epoch"] for name, params, _ in child.streams.calls if name == "openrois.holder" and params["holds"]]
     assert told == [5, 7]
+
+
+async def test_what_acts_and_waits_for_its_turn_ends_with_the_connection(child: Child) -> None:
+    """Nobody could stop it: whoever would is not there any more."""
+    near, far = memory_pair()
+    turn = asyncio.Event()
+    async with TaskScope() as tasks:
+        waiting = asyncio.Event()
+
+        async def sleep(_seconds: float) -> None:
+            waiting.set()
+            await turn.wait()
+
+        host = EngineHost(child.engine, tasks, sleep=sleep)
+        serving = asyncio.ensure_future(serve_engine(host, near))
+        parent = Parent(far)
+        unit = {"component_ref": LAMP, "command_type": "switch", "command_id": "c", "delay_time": 5}
+        assert await parent.ask("rois.command.execute", command_unit_list=[unit]) == {"return_code": "OK"}
+        async with asyncio.timeout(60):
+            await waiting.wait()
+            await far.close()
+            await serving
+            assert host.commands.taken == 0
+            turn.set()
