@@ -15,15 +15,22 @@ HTTP_LOG: Final = logging.getLogger(__name__)
 HTTP_LOG.setLevel(logging.INFO)
 
 _unreadable = Tally(logging.getLogger(f"{__name__}.unreadable"), "requests that cannot be read")
+_failed = Tally(logging.getLogger(f"{__name__}.failed"), "requests that failed inside", logging.ERROR)
 
 
-def _is_no_request(record: logging.LogRecord) -> bool:
-    """Tell whether a record is about something else than a request that could not be read, and count that."""
+def _is_worth_a_line(record: logging.LogRecord) -> bool:
+    """Tell whether a record is about something else than a request that could not be read, and count that.
+
+    A traceback stands at 1, 2, 4, 8 ... requests that failed: who finds one that does may send it for ever.
+    """
     error = record.exc_info[1] if record.exc_info else None
-    if not isinstance(error, HttpProcessingError):
+    if error is None:
         return True
-    _unreadable.note(type(error).__name__)
-    return False
+    if isinstance(error, HttpProcessingError):
+        _unreadable.note(type(error).__name__)
+        return False
+    _failed.note(type(error).__name__)
+    return _failed.count.bit_count() == 1
 
 
-HTTP_LOG.addFilter(_is_no_request)
+HTTP_LOG.addFilter(_is_worth_a_line)

@@ -2,6 +2,7 @@
 
 import logging
 import re
+import time
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from typing import Final
@@ -15,6 +16,7 @@ from openrois.audit import Audit
 from openrois.gateway.origins import OriginRules, parse_origin
 from openrois.gateway.settings import GatewaySettings
 from openrois.logs import Tally
+from openrois.rate import RateLimit
 
 __all__ = ["SUBPROTOCOL", "Admission", "guard", "origin_rules"]
 
@@ -22,6 +24,12 @@ _log = logging.getLogger(__name__)
 
 SUBPROTOCOL: Final = "openrois.v1"
 """What a browser offers beside the token, and is answered."""
+
+REFUSED_AT_ONCE: Final = 1000
+"""Refused connections of strangers that the audit trail tells one by one; as many of those whose token is genuine."""
+
+REFUSED_PER_SECOND: Final = 10
+"""Of each in the long run; of more the next record says how many there were."""
 
 _BEARER: Final = "openrois.bearer."
 _TOKEN_NAMES: Final = frozenset({"token", "access_token", "id_token", "auth", "authorization", "bearer", "jwt"})
@@ -55,15 +63,19 @@ class Admission:
         verifier: tells whom a token is for; None where no token is needed.
         audit: hears of everyone who is refused.
         turned_away: counts them by reason.
+        clock: monotonic seconds.
     """
 
     rules: OriginRules
     verifier: TokenVerifier | None
     audit: Audit
     turned_away: Callable[[str], None] = lambda _reason: None
+    clock: Callable[[], float] = time.monotonic
 
     def __post_init__(self) -> None:
         self._tally = Tally(_log, "refused connections")
+        # Strangers, however many, do not hide who has a token, and nobody fills a disk.
+        self._told = {known: _Told(self.clock) for known in (False, True)}
 
     async def application(self, request: web.Request) -> Principal:
         """Return who wants to connect as an application.
@@ -144,8 +156,25 @@ class Admission:
         self.turned_away(reason.value)
         path = "/adapter" if request.path == "/adapter" else "/"
         stranger = None if not subject else Principal(subject, frozenset(), ())
-        self.audit.refused(stranger, path, request.remote or "", reason.value)
+        if (told := self._told[bool(subject)].note(reason.value)) is not None:
+            self.audit.refused(stranger, path, request.remote or "", told)
         self._tally.note(f"{path} from {request.remote}: {reason.value}")
+
+
+class _Told:
+    """What the audit trail is told of refusals of one kind."""
+
+    def __init__(self, clock: Callable[[], float]) -> None:
+        self._limit = RateLimit(REFUSED_AT_ONCE, REFUSED_PER_SECOND, clock)
+        self._omitted = 0
+
+    def note(self, reason: str) -> str | None:
+        """Return what is recorded of a refusal; None for nothing."""
+        if not self._limit.admits():
+            self._omitted += 1
+            return None
+        omitted, self._omitted = self._omitted, 0
+        return f"{reason} (and {omitted} more refusals before)" if omitted else reason
 
 
 def guard(admission: Admission) -> Callable[..., Awaitable[web.StreamResponse]]:

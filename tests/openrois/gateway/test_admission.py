@@ -11,8 +11,10 @@ import aiohttp
 import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 
+from openrois.gateway import admission
 from openrois.gateway.server import run_gateway
 from openrois.gateway.settings import GatewaySettings
+from tests.support.clock import Clock
 from tests.support.forgeries import forgeries
 from tests.support.guarded import Guarded, ask, fresh, guarded
 from tests.support.tokens import SECRET, Keys
@@ -223,3 +225,26 @@ async def test_an_adapter_offers_what_its_token_is_for(
             assert "out of the scope" in closed.rcvd.reason
             assert not attached.is_set()
         waiting.cancel()
+
+
+async def test_a_flood_of_strangers_does_not_fill_the_trail(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(admission, "REFUSED_AT_ONCE", 3)
+    monkeypatch.setattr(admission, "REFUSED_PER_SECOND", 0.0001)
+    async with guarded(tmp_path) as coming:
+        for _ in range(10):
+            await refused(coming)
+        # Whoever has a token that is genuine is not hidden by them.
+        await refused(coming, fresh(iat=1, exp=2))
+    assert [(line["reason"], line.get("who")) for line in coming.audited()] == [("missing", None)] * 3 + [
+        ("expired", "alice")
+    ]
+
+
+def test_of_what_is_left_out_the_number_is_told() -> None:
+    clock = Clock()
+    told = admission._Told(clock)
+    assert [told.note("missing") for _ in range(admission.REFUSED_AT_ONCE)][-1] == "missing"
+    assert [told.note("missing") for _ in range(5)] == [None] * 5
+    clock.now += 1
+    assert told.note("host") == "host (and 5 more refusals before)"
+    assert told.note("host") == "host"
