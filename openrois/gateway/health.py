@@ -44,7 +44,7 @@ async def readyz(readiness: Readiness, token: str, request: web.Request) -> web.
 
 def _may_know(request: web.Request, token: str) -> bool:
     shown = request.headers.get("Authorization", "")
-    if token and hmac.compare_digest(shown.encode(), f"Bearer {token}".encode()):
+    if token and hmac.compare_digest(shown.encode(errors="surrogateescape"), f"Bearer {token}".encode()):
         return True
     # What a proxy of this machine passes on comes from anywhere.
     return is_loopback(request.remote or "") and not any(name in request.headers for name in _PASSED_ON)

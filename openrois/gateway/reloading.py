@@ -30,7 +30,7 @@ class Reloader:
 
         Args:
             paths: the files.
-            reload: reads them; raises `ValueError` with a sentence where it cannot use them.
+            reload: reads them; raises where it cannot use them, a `ValueError` with a sentence if it knows why.
             what: what is in them, for the log.
         """
         watched = tuple(paths)
@@ -53,7 +53,8 @@ class Reloader:
             try:
                 reload()
                 _log.info("%s: read again", what)
-            except ValueError as error:
+            except Exception as error:
+                # Whatever it is, such as a file that goes while it is read: nobody would look at the others any more.
                 self.failures += 1
                 _log.error("%s: what was read before holds on: %s", what, error)
 

@@ -127,5 +127,9 @@ class Tenures:
         _log.info("the session of %s ends: %s", former.subject, _SAID[reason])
         # From here on nothing more is done for it, also while it is being closed.
         tenure.is_over = True
-        tenure.replace(Principal(former.subject, frozenset(), ()))
         self._tasks.start(connection.close(TOKEN_ENDED, _SAID[reason]))
+        try:
+            tenure.replace(Principal(former.subject, frozenset(), ()))
+        except Exception:
+            # Whatever went wrong in one session, the others end in their time, too.
+            _log.exception("what the session of %s has cannot be taken from it", former.subject)

@@ -54,7 +54,8 @@ async def serving_metrics(
 
     async def answer(request: web.Request) -> web.Response:
         shown = request.headers.get("Authorization", "")
-        if token and not hmac.compare_digest(shown.encode(), f"Bearer {token}".encode()):
+        is_it = hmac.compare_digest(shown.encode(errors="surrogateescape"), f"Bearer {token}".encode())
+        if token and not is_it:
             raise web.HTTPUnauthorized(headers={"WWW-Authenticate": "Bearer"})
         async with one_at_a_time:
             text, content_type = await write(request.headers.get("Accept", ""))

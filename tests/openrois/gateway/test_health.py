@@ -1,8 +1,10 @@
 """Whether a gateway is ready, truthfully; and why not, to its owner alone."""
 
+import asyncio
 from functools import partial
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 import aiohttp
 import pytest
@@ -44,6 +46,14 @@ async def test_a_gateway_that_is_full_is_not_ready(monkeypatch: pytest.MonkeyPat
             assert await asked(gateway, "readyz", **passed_on) == (503, lacking)
             passed_on["Authorization"] = "Bearer " + "t" * 16
             assert await asked(gateway, "readyz", **passed_on) == (503, silent)
+            url = urlsplit(gateway.url)
+            reader, writer = await asyncio.open_connection(url.hostname, url.port)
+            writer.write(b"GET /readyz HTTP/1.1\r\nHost: localhost\r\nVia: x\r\nConnection: close\r\n")
+            writer.write(b"Authorization: Bearer \xff\r\n\r\n")
+            told = await reader.read()
+            writer.close()
+            assert told.startswith(b"HTTP/1.1 503 ")
+            assert b"lacking" not in told
             assert await asked(gateway, "healthz") == (200, {"status": "ok"})
 
 

@@ -43,6 +43,21 @@ def test_what_cannot_be_used_is_said(tmp_path: Path, caplog: pytest.LogCaptureFi
     assert reloader.failures == 1
 
 
+@pytest.mark.parametrize("error", [FileNotFoundError("it went while it was read"), RecursionError(), KeyError("x")])
+def test_whatever_goes_wrong_the_others_are_read(error: Exception, tmp_path: Path) -> None:
+    """Who is revoked would be let in for ever."""
+
+    def reload() -> None:
+        raise error
+
+    read: list[str] = []
+    reloader = Reloader()
+    reloader.add((tmp_path / "x",), reload, "the keys")
+    reloader.add((tmp_path / "y",), lambda: read.append("y"), "the list of revocations")
+    reloader.look(at_all=True)
+    assert (reloader.failures, read) == (1, ["y"])
+
+
 async def test_it_looks_again_and_again(tmp_path: Path) -> None:
     looked = asyncio.Event()
     path = tmp_path / "x"

@@ -52,6 +52,22 @@ async def watched() -> AsyncIterator[Watched]:
         yield Watched(tasks)
 
 
+async def test_whatever_goes_wrong_in_one_session_all_end_in_their_time(caplog: pytest.LogCaptureFixture) -> None:
+    def fail(_principal: Principal) -> None:
+        raise ZeroDivisionError("a bug")
+
+    async with watched() as here:
+        tenures = [Tenure(principal(1100), fail), Tenure(principal(1100))]
+        connections = [Connection(), Connection()]
+        with here.tenures.holding(tenures[0], connections[0]), here.tenures.holding(tenures[1], connections[1]):
+            here.at(1100)
+            await asyncio.sleep(0)
+            assert [len(connection.closed) for connection in connections] == [1, 1]
+            assert [tenure.is_over for tenure in tenures] == [True, True]
+            assert tenures[0].principal.roles == frozenset()
+    assert "a bug" in caplog.text
+
+
 def principal(expires: float | None, subject: str = "alice") -> Principal:
     return Principal(subject, VIEWER, ("*",), expires, "t1")
 

@@ -1,4 +1,5 @@
 import asyncio
+from urllib.parse import urlsplit
 
 import aiohttp
 import pytest
@@ -57,3 +58,11 @@ async def test_a_token_is_asked_for_where_there_is_one() -> None:
         for shown, status in (("", 401), ("Bearer sss", 401), ("Bearer ü", 401), ("Bearer " + "s" * 16, 200)):
             async with http.get(url, headers={"Authorization": shown}) as response:
                 assert response.status == status
+
+
+async def test_what_is_no_text_is_no_token() -> None:
+    async with serving_metrics("127.0.0.1", 0, write, "s" * 16) as url:
+        reader, writer = await asyncio.open_connection("127.0.0.1", urlsplit(url).port)
+        writer.write(b"GET /metrics HTTP/1.1\r\nHost: x\r\nConnection: close\r\nAuthorization: Bearer \xff\r\n\r\n")
+        assert (await reader.read()).startswith(b"HTTP/1.1 401 ")
+        writer.close()
