@@ -70,6 +70,12 @@ class _Sequence:
     left: int
     task: asyncio.Task[None] | None = None
 
+    def leave(self) -> None:
+        """Count a command that has ended; behind the last one nobody waits for delays."""
+        self.left -= 1
+        if not self.left and self.task is not None:
+            self.task.cancel()
+
 
 class _Commands:
     """The operations of one application."""
@@ -78,7 +84,7 @@ class _Commands:
         self._app = app
         self._accepted: dict[str, AcceptedCommand] = {}
         self._unreplied: set[str] = set()
-        self._sequences: dict[int, _Sequence] = {}
+        self._sequences: dict[str, _Sequence] = {}
 
     async def search(self, params: ConditionParams) -> SearchResult:
         condition = parse_condition(params.condition, COMPONENT_PROPERTIES)
@@ -152,7 +158,7 @@ class _Commands:
         commands = {unit.command_id: unit.component_ref for unit in units}
         app.commands.accept(commands, STOP_RESERVE if all(is_stop(unit.command_type) for unit in units) else 0)
         sequence = app.host.accepted.next_sequence()
-        self._sequences[sequence] = _Sequence(len(units))
+        self._sequences |= dict.fromkeys(commands, _Sequence(len(units)))
         for unit in units:
             starts = unit.command_type == "start"
             command = AcceptedCommand(unit.component_ref, app, partial(self._end_early, unit), sequence, starts)
@@ -199,7 +205,7 @@ class _Commands:
 
     def _start(self, params: ExecuteParams) -> None:
         units = commands_of(params.command_unit_list)
-        sequence = self._sequences[self._accepted[units[0].command_id].sequence]
+        sequence = self._sequences[units[0].command_id]
         for unit in units:
             self._unreplied.discard(unit.command_id)
             if reason := self._accepted[unit.command_id].aborted:
@@ -265,19 +271,10 @@ class _Commands:
         command = self._accepted.pop(unit.command_id, None)
         if command is not None:
             self._app.host.accepted.remove(command)
-            self._leave(command.sequence)
+            self._sequences.pop(unit.command_id).leave()
         self._app.commands.finish(unit.command_id, results, status, reason)
         self._app.host.journal.ended(self._app.client_id, unit.command_id, status, reason, results)
         self._app.completed(unit.command_id, status, reason)
-
-    def _leave(self, number: int) -> None:
-        """Count a command of a sequence that has ended; behind the last one nobody waits for delays."""
-        sequence = self._sequences[number]
-        sequence.left -= 1
-        if not sequence.left:
-            del self._sequences[number]
-            if sequence.task is not None:
-                sequence.task.cancel()
 
     async def get_command_result(self, params: CommandResultParams) -> ResultsResult | Reply:
         if params.condition:
