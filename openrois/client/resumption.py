@@ -59,6 +59,9 @@ class Resumption:
             TimeoutError: no answer in time.
         """
         self._extended = extended
+        # An attempt that failed half way had a session, too.
+        self._former, self._token = self._token or self._former, ""
+        self._orphans = self._commands.ids()
         if not extended:
             self._give_up()
             return

@@ -69,10 +69,7 @@ export class Client extends Link {
     };
     this.#restoration = new Restoration(this.#bindings, this.#subscriptions, renewal, options?.backoff);
     this.control = new Control(this, this.#bindings);
-    this.#resumption = new Resumption(this.#completions, (refs) => {
-      this.#bindings.resumed(this.call, refs);
-      this.changed();
-    });
+    this.#resumption = new Resumption(this.#completions);
     this.on("completed", (completed) => this.#completions.completed(completed));
     this.on("event", (event) => this.#subscriptions.deliver(event));
   }
@@ -230,8 +227,8 @@ export class Client extends Link {
     await this.#restoration.begin(call);
   }
 
-  protected override ended(closed: boolean): void {
-    this.#resumption.ended(closed);
+  protected override ended(closed: boolean, code?: number): void {
+    this.#resumption.ended(closed, code);
     this.#restoration.stop();
     if (!closed) return;
     this.#subscriptions.end();

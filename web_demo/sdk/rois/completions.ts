@@ -30,6 +30,10 @@ export class Completions {
     this.#settle(completed.command_id, completed);
   }
 
+  awaits(commandId: string): boolean {
+    return this.#waiting.has(commandId);
+  }
+
   /** The commands that have not ended. */
   get unfinished(): readonly string[] {
     return [...this.#waiting.keys()];

@@ -12,8 +12,17 @@ export type ConnectionState =
   /** `attempt` counts the failures since the connection was last good; 0 at the first try. */
   | { readonly name: "connecting"; readonly attempt: number }
   | { readonly name: "connected" }
-  /** The next attempt starts at `retryAt`, in milliseconds since the epoch; infinite for none by itself. */
-  | { readonly name: "waiting"; readonly retryAt: number; readonly attempt: number; readonly reason: string }
+  /**
+   * The next attempt starts at `retryAt`, in milliseconds since the epoch; infinite for none by itself. `code` is that of
+   * the socket that has closed, if there was one.
+   */
+  | {
+      readonly name: "waiting";
+      readonly retryAt: number;
+      readonly attempt: number;
+      readonly reason: string;
+      readonly code?: number;
+    }
   | { readonly name: "closed" };
 
 export interface ConnectionEvents {
@@ -153,7 +162,7 @@ export class Connection {
       if (message) this.#fail(attempt, message);
     });
     socket.addEventListener("close", (event) =>
-      this.#fail(attempt, event.reason || `closed (${event.code})`),
+      this.#fail(attempt, event.reason || `closed (${event.code})`, event.code),
     );
   }
 
@@ -166,7 +175,7 @@ export class Connection {
         if (attempt === this.#attempt) this.events.emit("notification", notification);
       },
       onTraffic: (traffic) => this.events.emit("traffic", traffic),
-      onClose: (code, reason) => this.#fail(attempt, reason || `closed (${code})`),
+      onClose: (code, reason) => this.#fail(attempt, reason || `closed (${code})`, code),
     });
     this.#session = session;
     try {
@@ -181,7 +190,7 @@ export class Connection {
     this.#enter({ name: "connected" });
   }
 
-  #fail(attempt: number, reason: string): void {
+  #fail(attempt: number, reason: string, code?: number): void {
     // What an attempt says after it was given up is old news.
     if (attempt !== this.#attempt) return;
     this.#attempt += 1;
@@ -192,7 +201,8 @@ export class Connection {
     const wait = this.#backoff.next() + (asked === undefined ? 0 : Number(asked) * 1000);
     const retryAt = Date.now() + wait;
     this.#timer = setTimeout(() => this.#dial(), wait);
-    this.#enter({ name: "waiting", retryAt, attempt: this.#backoff.failures, reason });
+    const closed = code === undefined ? {} : { code };
+    this.#enter({ name: "waiting", retryAt, attempt: this.#backoff.failures, reason, ...closed });
   }
 
   #enter(state: ConnectionState): void {

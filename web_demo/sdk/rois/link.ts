@@ -216,8 +216,8 @@ export abstract class Link {
   /** There is a session: what is held at the gateway is made again, before anybody is told. */
   protected abstract began(call: Call): Promise<void>;
 
-  /** The session is gone; `closed`: for good. */
-  protected abstract ended(closed: boolean): void;
+  /** The session is gone; `closed`: for good; `code`: how it was closed, where it was. */
+  protected abstract ended(closed: boolean, code?: number): void;
 
   /** The engines or components are others now. */
   protected abstract changed(): void;
@@ -239,7 +239,7 @@ export abstract class Link {
     clearInterval(this.#probe);
     clearTimeout(this.#doubt);
     if (state.name === "connected") this.#probe = setInterval(() => this.#probeIdle(), this.#idleProbe / 4);
-    else this.ended(state.name === "closed");
+    else this.ended(state.name === "closed", state.name === "waiting" ? state.code : undefined);
     this.emitter.emit("state", state);
     if (state.name === "connected") for (const tell of this.#postponed.splice(0)) tell();
   }

@@ -83,29 +83,42 @@ describe("a lost connection", () => {
     expect(tokens).toBe(2);
   });
 
-  it("is not waited for longer than the gateway keeps it", async () => {
+  it("is not waited for longer than a gateway needs to be there again", async () => {
     const [id = ""] = await client.execute([unit]);
-    const lost = expect(client.completed(id)).rejects.toBeInstanceOf(ConnectionLost);
+    const settled = vi.fn();
+    client.completed(id).catch(settled);
     gateway.stop();
-    await vi.advanceTimersByTimeAsync(10_000);
-    await lost;
+    await vi.advanceTimersByTimeAsync(29_000);
+    expect(settled).not.toHaveBeenCalled();
+    await vi.advanceTimersByTimeAsync(1000);
+    expect(settled).toHaveBeenCalledExactlyOnceWith(expect.any(ConnectionLost));
   });
 
-  it("that the gateway takes for alive is resumed later", async () => {
+  it("that broke again before it was resumed is resumed by the newer token", async () => {
     await client.bind(ARM);
     const [id = ""] = await client.execute([unit]);
-    gateway.on("openrois.lease.resume", () => ({ return_code: "OUT_OF_RESOURCES" }));
-    gateway.on("rois.command.bind", () => ({ return_code: "OUT_OF_RESOURCES" }));
-    await cut();
     gateway.on("openrois.lease.resume", () => resumed());
-    gateway.on("rois.command.bind", () => ({}));
-    const restored = vi.fn();
-    client.on("restored", restored);
-    await vi.advanceTimersByTimeAsync(1000);
-    expect(restored).toHaveBeenCalled();
-    const ended = client.completed(id);
-    gateway.notify("rois.command.completed", { command_id: id, status: "OK" });
-    await expect(ended).resolves.toMatchObject({ status: "OK" });
+    gateway.on("rois.command.bind", () => {
+      gateway.on("rois.command.bind", () => ({}));
+      gateway.socket.end(1006);
+      return {};
+    });
+    await cut();
+    await vi.advanceTimersByTimeAsync(2000);
+    expect(gateway.called("openrois.lease.resume")).toEqual([
+      { token: "t1", command_ids: [id] },
+      { token: "next", command_ids: [id] },
+    ]);
+  });
+
+  it("that another one has resumed is that one's", async () => {
+    const [id = ""] = await client.execute([unit]);
+    const lost = expect(client.completed(id)).rejects.toBeInstanceOf(ConnectionLost);
+    gateway.socket.end(4409, "another connection has resumed this session");
+    await vi.advanceTimersByTimeAsync(2000);
+    await lost;
+    expect(gateway.called("openrois.lease.resume")).toEqual([]);
+    expect(tokens).toBe(2);
   });
 
   it("ends at once where the client is closed", async () => {
@@ -113,6 +126,64 @@ describe("a lost connection", () => {
     const lost = expect(client.completed(id)).rejects.toBeInstanceOf(ConnectionLost);
     await client.close();
     await lost;
+  });
+});
+
+describe("a gateway that was restarted", () => {
+  const ends: { [id: string]: JsonObject } = {};
+  const asked = (): unknown[] =>
+    gateway.called("rois.command.get_command_result").map((each) => each["command_id"]);
+
+  beforeEach(() => {
+    gateway.on("openrois.lease.resume", () => ({ return_code: "UNSUPPORTED" }));
+  });
+
+  /** Answers what the journal knows: `completed` comes right behind, once. */
+  function journal(code: string, status?: string): void {
+    gateway.on("rois.command.get_command_result", ({ command_id = "" }) => {
+      if (status !== undefined && ends[String(command_id)] === undefined) {
+        ends[String(command_id)] = { command_id, status };
+        queueMicrotask(() =>
+          queueMicrotask(() => gateway.notify("rois.command.completed", { command_id, status })),
+        );
+      }
+      return { return_code: code };
+    });
+  }
+
+  it.each([
+    ["OK", "OK"],
+    ["OK", "ABORT"],
+    ["ERROR", "ERROR"],
+  ])("tells how each command ended: %s, %s", async (code, status) => {
+    const ids = await client.execute([unit, unit]);
+    const ended = Promise.all(ids.map((id) => client.completed(id)));
+    journal(code, status);
+    await cut();
+    await expect(ended).resolves.toEqual(ids.map((command_id) => ({ command_id, status })));
+    expect(new Set(asked())).toEqual(new Set(ids));
+  });
+
+  it.each(["BAD_PARAMETER", "OK", "ERROR"])("and does not know it: %s", async (code) => {
+    const [id = ""] = await client.execute([unit]);
+    const lost = expect(client.completed(id)).rejects.toBeInstanceOf(ConnectionLost);
+    journal(code);
+    await cut();
+    await lost;
+    expect(asked()).toEqual(code === "BAD_PARAMETER" ? [id] : [id, id]);
+  });
+
+  it("and ends again is asked again", async () => {
+    const [id = ""] = await client.execute([unit]);
+    const ended = client.completed(id);
+    gateway.on("rois.command.get_command_result", () => {
+      journal("ERROR", "ERROR");
+      gateway.socket.end(1006);
+      return {};
+    });
+    await cut();
+    await vi.advanceTimersByTimeAsync(2000);
+    await expect(ended).resolves.toMatchObject({ status: "ERROR" });
   });
 });
 
