@@ -17,8 +17,9 @@ from aiohttp import ClientSession
 from websockets.exceptions import InvalidHandshake
 
 from openrois.adapter.running import hosted, serve
-from openrois.client import Client, ConnectionState
+from openrois.client import Client, ConnectionState, Reconnect
 from openrois.dialer import serve_parent
+from openrois.errors import ComponentFailed
 from openrois.journal import file as journal_file
 from openrois.journal.file import JournalFile, Record
 from openrois.tasks import TaskScope
@@ -37,7 +38,7 @@ async def robot(stack: AsyncExitStack, url: str, lamp: Lamp) -> None:
     async def briefly(_seconds: float) -> None:
         await asyncio.sleep(0.05)
 
-    host = await stack.enter_async_context(hosted("robot", lamp, Bell()))
+    host = await stack.enter_async_context(hosted("robot", lamp, Bell(), Lamp("torch")))
     scope = await stack.enter_async_context(TaskScope())
     scope.start(serve_parent(host, f"{url.replace('http', 'ws', 1)}adapter", sleep=briefly))
 
@@ -64,10 +65,15 @@ async def test_f7_a_gateway_that_is_killed(seed: int, tmp_path: Path, caplog: py
                         for kind in ("start", "switch")
                     ]
                     assert await app.code("rois.command.execute", command_unit_list=units) == "OK"
+                client = await stack.enter_async_context(Client(url, reconnect=Reconnect(first=0.05, limit=0.1)))
+                torch = client.component("robot/torch")
+                await torch.bind()
+                running = await client.execute(torch.command("start"), torch.command("switch", times=1))
+                ended = [await torch.command("switch", times=1).execute() for _ in range(count)]
                 await turns(chance, 100)
                 gateway.signal(signal.SIGKILL)
                 await app.gone.wait()
-        ended = {name: app.how(name) for name in (*app.accepted, "ended") if app.how(name)}
+        heard = {name: app.how(name) for name in (*app.accepted, "ended") if app.how(name)}
         book.holders.clear()
         async with start(), book.witness(url, extended=True) as again:
             again.inherits(app)
@@ -78,7 +84,15 @@ async def test_f7_a_gateway_that_is_killed(seed: int, tmp_path: Path, caplog: py
                 assert (result["return_code"], status) in {("ERROR", "ERROR"), ("OK", "ABORT"), ("OK", "OK")}
                 if status == "ERROR":
                     assert again.reasons[command_id] == "the gateway was restarted"
-            assert ended["ended"] == "OK"
+            assert heard["ended"] == "OK"
+            # The SDK asks by itself, and every handle comes to an end.
+            async with asyncio.timeout(10):
+                for command in (*running.commands, *ended):
+                    await command.wait()
+            assert [command.status for command in running.commands] == ["ERROR", "ERROR"]
+            with pytest.raises(ComponentFailed, match="the gateway was restarted"):
+                await running
+            assert {command.status for command in ended} <= {"OK", "ERROR"}
             # No ghost of the former holder.
             assert await again.bind() == "OK"
             assert await again.execute("new", "switch") == "OK"

@@ -1,6 +1,7 @@
 """The TypeScript SDK in Node, as a package, against a real gateway with a real adapter behind it."""
 
 import re
+import signal
 import subprocess
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
@@ -9,11 +10,15 @@ from urllib.parse import urlsplit
 
 import pytest
 
+from openrois.adapter.running import serve
 from openrois.gateway.server import Gateway, run_gateway
 from openrois.gateway.settings import GatewaySettings
 from openrois.types.codes import ErrorType
+from tests.support.components import Lamp
+from tests.support.demo import free_port
 from tests.support.deployment import gateway, until
 from tests.support.fleet import NOON, Robot, everything, fleet
+from tests.support.ground import gateway_program
 from tests.web_sdk.conftest import Application, Start
 
 
@@ -110,4 +115,21 @@ async def test_what_is_bound_and_subscribed_comes_back(start: Start) -> None:
             await app.go_on()
             assert await app.says("reached") == "place 2"
             await app.go_on()
+            await app.ends()
+
+
+async def test_after_a_crash_of_the_gateway_each_command_has_its_end(start: Start, tmp_path: Path) -> None:
+    port = str(free_port())
+    url = f"http://127.0.0.1:{port}/"
+    options = ("--port", port, "--journal", str(tmp_path / "journal"))
+    async with AsyncExitStack() as stack:
+        async with gateway_program(*options, log=tmp_path / "log") as running:
+            await stack.enter_async_context(serve(Lamp(), engine_id="robot", gateway=url))
+            app = await stack.enter_async_context(start("survivor.mjs", url))
+            await app.says("ready")
+            running.signal(signal.SIGKILL)
+            await running.ended()
+        async with gateway_program(*options, log=tmp_path / "log"):
+            restarted = ["ERROR", "the gateway was restarted"]
+            assert await app.says("ended") == [restarted, restarted, ["ConnectionLost"]]
             await app.ends()

@@ -24,6 +24,7 @@ from openrois.client import (
 from openrois.errors import Aborted, ComponentFailed, OutOfResources, Unsupported
 from openrois.journal.journal import Journal
 from openrois.tasks import TaskScope
+from openrois.transport.stream import StreamClosed
 from openrois.types.leases import LeaseState
 from tests.support import grounds
 from tests.support.grounds import Clock, Line
@@ -123,6 +124,36 @@ class TestResuming:
         with pytest.raises(ConnectionLost, match="1006"):
             await running
         await clock.pass_time()
+
+    async def test_one_that_breaks_again_before_it_is_whole(self, line: Line, clock: Clock, ann: Client) -> None:
+        """It had resumed the lost one, so that it is the one to resume now."""
+        await ann.bind(LAMP)
+        running = await ann.component(LAMP).command("start").execute()
+        await line.lamp.glowing.wait()
+        usual = line.speaks
+
+        async def breaks(host: EngineHost, stream: Any) -> None:
+            receive = stream.receive
+
+            async def until_it_binds() -> str:
+                text: str = await receive()
+                if "rois.command.bind" not in text:
+                    return text
+                stream.abort()
+                raise StreamClosed(1006)
+
+            stream.receive = until_it_binds
+            await usual(host, stream)
+
+        line.speaks = breaks
+        line.cut()
+        await clock.pass_time()
+        await clock.asleep()
+        line.speaks = usual
+        line.lamp.may_end.set()
+        await clock.pass_time()
+        await running
+        await ann.component(LAMP).command("switch", times=1)
 
     async def test_a_connection_that_the_gateway_takes_for_alive(self, line: Line, clock: Clock) -> None:
         """Only our end is gone at first: the gateway learns of it later."""
