@@ -1,5 +1,6 @@
 # A person types `make demo` or `make test`; everything they need is made first, in .venv and web_demo.
 PY := .venv/bin/python
+PINNED := PIP_CONSTRAINT=constraints.txt PIP_BUILD_CONSTRAINT=constraints.txt# for what builds, too: -c does not reach it
 PAGE := web_demo/openrois_web_demo/static/index.html
 PAGE_SOURCES := $(shell find web_demo/sdk web_demo/app -type f) web_demo/build.mjs web_demo/package-lock.json
 NODE_MODULES := web_demo/node_modules/.stamp
@@ -14,7 +15,6 @@ demo: .venv/demo.stamp $(PAGE)
 test: .venv/dev.stamp $(NODE_MODULES) $(PAGE)
 	cd web_demo && npm run --silent test
 	$(PY) -m pytest $(if $(ARGS),$(ARGS),-n auto --dist worksteal -p tests.branches -m "$(UNIT)" && $(PY) -m pytest -n 3 --dist loadfile -m "(media or engine) and not browser$(SHORT)" $(call marked,media\|engine) && $(PY) -m pytest -m "browser$(SHORT)" $(call marked,browser))
-
 unit: .venv/dev.stamp
 	$(PY) -m pytest -n auto --dist worksteal -m "$(UNIT)" $(ARGS)
 check: lint test
@@ -35,6 +35,6 @@ $(NODE_MODULES): web_demo/package-lock.json .venv/demo.stamp
 	cd web_demo && npm ci --ignore-scripts --no-audit --no-fund && touch node_modules/.stamp
 .venv/demo.stamp: pyproject.toml constraints.txt
 	@python3 -c 'import sys; sys.exit("Python 3.11 or newer is needed; python3 is " + sys.version.split()[0] if sys.version_info < (3, 11) else 0)'
-	python3 -m venv .venv && .venv/bin/pip install -q --disable-pip-version-check -c constraints.txt -e '.[demo]' && touch $@
+	python3 -m venv .venv && $(PINNED) .venv/bin/pip install -q --disable-pip-version-check -c constraints.txt -e '.[demo]' && touch $@
 .venv/dev.stamp: .venv/demo.stamp
-	.venv/bin/pip install -q --disable-pip-version-check -c constraints.txt -e '.[demo,dev]' && touch $@
+	$(PINNED) .venv/bin/pip install -q --disable-pip-version-check -c constraints.txt -e '.[demo,dev]' && touch $@
