@@ -25,8 +25,8 @@ export class Handover {
   #componentRef: string | null = null;
   /** Who asks for what this page has, by the request's id, the first one first. */
   readonly #asking = new Map<string, Asking>();
-  /** This page has asked for it, and neither gave it back nor left the line. */
-  #wanted = false;
+  /** The component that this page has asked for, and neither given back nor ceased to wait for; empty for none. */
+  #wanted = "";
   /** The holder said no, or nothing in time; one waits in line all the same. */
   #declined = false;
   #held = "";
@@ -89,8 +89,10 @@ export class Handover {
     if (this.#watching) return;
     if (state === "MINE") return this.#has();
     this.#forget();
-    this.#wanted &&= position > 0;
-    this.#declined &&= position > 0;
+    if (position === 0) {
+      this.#wanted = "";
+      this.#declined = false;
+    }
     if (state === "FREE") return this.#hide();
     const who = named(holder);
     if (position > 0) return this.#waits(who, position);
@@ -102,9 +104,9 @@ export class Handover {
     const [first] = this.#asking.values();
     if (first) return this.#answer(first.told);
     if (this.#held !== "") return this.#show(this.#held, null, null);
-    if (!this.#wanted) return this.#hide();
+    if (this.#wanted !== this.#componentRef) return this.#hide();
     const giveBack: Press = async () => {
-      this.#wanted = false;
+      this.#wanted = "";
       await this.#client.release(this.#componentRef ?? "");
       await this.#look();
     };
@@ -113,7 +115,7 @@ export class Handover {
 
   #waits(who: string, position: number): void {
     const leave: Press = async () => {
-      this.#wanted = false;
+      this.#wanted = "";
       await this.#client.call("openrois.lease.leave", { component_ref: this.#componentRef ?? "" });
       await this.#look();
     };
@@ -124,9 +126,10 @@ export class Handover {
   }
 
   async #request(): Promise<void> {
-    this.#wanted = true;
+    const componentRef = this.#componentRef ?? "";
+    this.#wanted = componentRef;
     this.#declined = false;
-    const asking = this.#client.control.request(this.#componentRef ?? "", { wait: true });
+    const asking = this.#client.control.request(componentRef, { wait: true });
     asking.catch(() => this.#look());
     // What is asked next is answered next: who waits has its place by then.
     await this.#look();
