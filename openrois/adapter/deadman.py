@@ -114,7 +114,7 @@ class DeadMan:
         if told.holds:
             self._holders[told.component_ref] = client, told.epoch
             if held is not None and held[1] < told.epoch:
-                self._trip_component(told.component_ref, "another application has control now")
+                self._trip_component(told.component_ref, "control has changed hands, or connections")
         elif held is not None and held[0] is client:
             del self._holders[told.component_ref]
             self._trip_component(told.component_ref, "nobody has control any more")

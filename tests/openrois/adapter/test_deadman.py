@@ -263,7 +263,7 @@ async def test_it_moves_only_for_who_holds_it(robot: Robot) -> None:
     held(ann, 2, robot)
     running = await robot.driving()
     held(bob, 3, robot)
-    assert "another application" in await aborted(running)
+    assert "changed hands" in await aborted(running)
     running = await robot.driving()
     robot.deadman.forget(bob)
     assert "is gone" in await aborted(running)
@@ -308,5 +308,29 @@ async def test_the_rest_of_a_sequence_does_not_move_when_who_sent_it_has_left() 
         # Whoever is in control moves it.
         assert (await other.ask("rois.command.bind", component_ref=ROVER))["return_code"] == "OK"
         assert (await other.ask("rois.command.execute", command_unit_list=units[1:]))["return_code"] == "OK"
+        async with patience():
+            await rover.driving.wait()
+
+
+async def test_what_moves_stops_when_who_is_in_control_changes_connections() -> None:
+    rover = Rover()
+    async with AsyncExitStack() as stack:
+        host = await stack.enter_async_context(wire.hosted(Engine("gateway")))
+        below = await stack.enter_async_context(running.hosted("r", rover))
+        await stack.enter_async_context(wire.adapter_leg(host, below))
+        app = await stack.enter_async_context(wire.application(host))
+        again = await stack.enter_async_context(wire.application(host))
+        token = (await app.ask("openrois.lease.token"))["token"]
+        assert (await app.ask("rois.command.bind", component_ref=ROVER))["return_code"] == "OK"
+        unit = {"component_ref": ROVER, "command_type": "start", "command_id": "drive"}
+        assert (await app.ask("rois.command.execute", command_unit_list=[unit]))["return_code"] == "OK"
+        async with patience():
+            await rover.driving.wait()
+        assert (await again.ask("openrois.lease.resume", token=token))["return_code"] == "OK"
+        told = await again.next(COMPLETED)
+        assert (told["command_id"], told["status"], rover.stopped.is_set()) == ("drive", "ABORT", True)
+        rover.driving.clear()
+        unit["command_id"] = "on"
+        assert (await again.ask("rois.command.execute", command_unit_list=[unit]))["return_code"] == "OK"
         async with patience():
             await rover.driving.wait()

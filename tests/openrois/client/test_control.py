@@ -175,6 +175,24 @@ class TestResuming:
             await running
 
 
+async def test_a_session_that_another_one_has_resumed(line: Line, clock: Clock, ann: Client, bob: Client) -> None:
+    """The client comes back as somebody else, and does not fight: it is told what it has lost."""
+    lost = ann.notices(BindingLost)
+    await ann.bind(LAMP)
+    running = await ann.component(LAMP).command("start").execute()
+    await line.lamp.glowing.wait()
+    token = (await ann.call("openrois.lease.token"))["token"]
+    resumed = await bob.call("openrois.lease.resume", token=token, command_ids=[running.command_id])
+    assert [lease["component_ref"] for lease in resumed["leases"]] == [LAMP]
+    await clock.pass_time()
+    assert (await heard(lost)).component_ref == LAMP
+    with pytest.raises(ConnectionLost, match=r"4409.*; the gateway does not know of it"):
+        await running
+    assert (await ann.control.status(LAMP)).state is LeaseState.HELD
+    line.lamp.may_end.set()
+    await bob.component(LAMP).command("switch", times=1)
+
+
 class TestRestart:
     """The gateway has crashed and is there again: it knows no session, but its journal knows commands."""
 
