@@ -46,13 +46,14 @@ class _Checked:
         passed = self._rules.passed(data)
         if not passed:
             return _MORE
-        went_on = self._parser.feed_data(passed)
+        refused, rest = self._parser.feed_data(passed)
         fault = self._rules.fault
-        if fault is not None and fault.code == WSCloseCode.PROTOCOL_ERROR:
-            # No closing handshake is waited for, as with what the library refuses by itself. A flood is taken in for as
-            # long as that takes: bytes that nobody reads would cost its sender the close frame.
+        if not refused and fault is not None and fault.code == WSCloseCode.PROTOCOL_ERROR:
+            # No closing handshake is waited for, as after what the library refuses itself; there the end would make it
+            # forget why. A flood is taken in for as long as that takes: bytes that nobody reads would cost its sender
+            # the close frame.
             self._parser.feed_eof()
-        return went_on
+        return refused, rest
 
     def feed_eof(self) -> None:
         self._parser.feed_eof()

@@ -256,5 +256,7 @@ CASES = (*RIGHT, *GOODBYES, *RESERVED, *CONTROL, *FRAGMENTS, *TEXTS, *LENGTHS, *
 WITH_HANDSHAKE = (
     _one("a request", asks(1), "answer 1"),
     _closed("a frame without a mask", 1002, frame(TEXT, _SHORT, mask=None)),
+    _closed("what the library refuses, and then what it lets pass", 1002, frame(PING, fin=False), frame(CONTINUATION)),
+    _closed("what it closes for another reason, and then that", 1007, frame(TEXT, b"\xff"), frame(CONTINUATION)),
     Case("half a header, and then no mask", (b"\x81", b"\x05hello"), ("close 1002",)),
 )
