@@ -10,6 +10,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Final
 
+from openrois.access.claims import MAX_LIFETIME
 from openrois.access.issuing import issue_token
 from openrois.access.key_files import read_signing_key
 from openrois.access.loopback import is_loopback
@@ -17,10 +18,10 @@ from openrois.access.principal import Role
 
 __all__ = ["DemoAccess", "add_access_options", "demo_access"]
 
-_TTL: Final = 900
+_TTL: Final = int(MAX_LIFETIME)
 """Seconds for which each token is good."""
 
-_RENEWAL: Final = 300.0
+_RENEWAL: Final = 1200.0
 """Seconds until the avatar gets another one: the former is good for long enough to be replaced."""
 
 

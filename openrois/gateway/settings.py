@@ -139,6 +139,11 @@ class GatewaySettings(Listening, Authentication, Encryption, Streams, Adapters, 
 
     @model_validator(mode="after")
     def _check_exposure(self) -> Self:
+        if self.tls_elsewhere and not self.is_authenticated:
+            raise ValueError(
+                "--tls-elsewhere: what is in front lets others in, and without authentication (--auth-key or "
+                "--auth-jwks) they could operate every robot behind it"
+            )
         if is_loopback(self.host):
             return self
         if not self.is_authenticated:

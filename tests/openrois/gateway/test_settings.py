@@ -92,6 +92,7 @@ def test_who_listens_for_others_asks_for_tokens_and_does_tls(host: str) -> None:
         ({"allow_hosts": ("https://app.example.org",)}, "no host's name"),
         ({"allow_hosts": ("app.example.org:8765",)}, "no host's name"),
         ({"allow_hosts": ("",)}, "no host's name"),
+        ({"tls_elsewhere": True}, "lets others in"),
         ({"tls_cert": Path("x")}, "given together"),
         ({"tls_key": Path("x")}, "given together"),
         ({"tls_cert": Path("x"), "tls_key": Path("y"), "tls_elsewhere": True}, "not in both"),
