@@ -1,11 +1,11 @@
-"""F7 to F9, F21, F22, F25, F27: the gateway itself is killed, told to stop, stopped, or has no disk and no files."""
+"""F7 to F9, F22, F25, F27: the gateway itself is killed, told to stop, stopped, or has no disk and no files."""
 
 import asyncio
 import random
 import resource
 import signal
 import sqlite3
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from contextlib import AsyncExitStack
 from functools import partial
 from pathlib import Path
@@ -161,36 +161,6 @@ async def test_f9_all_come_back_after_a_restart(clients: int, tmp_path: Path) ->
             print(f"{clients} clients were back after {after:.1f} s, the robot after {robot_after:.1f} s")
             for each in apps[:: clients // 20]:
                 assert await each.search() == (LAMP,)
-
-
-def _shifted(clock: Callable[[], float], seconds: float) -> float:
-    return clock() + seconds
-
-
-@pytest.mark.parametrize("seed", ALL)
-async def test_f21_a_wall_clock_that_jumps(seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
-    async with ground(seed, tmp_path, caplog) as place:
-        await place.robot()
-        app = await place.witness(extended=True)
-        assert await app.bind() == "OK"
-        await app.subscribe("rang", BELL)
-        assert await app.execute("runs") == "OK"
-        now = place.host.wall_clock
-        for _ in range(4):
-            jump = place.chance.choice([3600, -3600, 365 * 86400, -365 * 86400])
-            place.host.wall_clock = partial(_shifted, now, jump)
-            place.bell.ring(str(jump))
-            assert await app.execute(f"at {jump} {place.chance.random()}", "switch") == "OK"
-            await app.ask("rois.system.connect")
-        assert app.how("runs") == ""
-        async with asyncio.timeout(5):
-            while len(app.events) < 4:
-                await turns(place.chance)
-        assert await app.code("rois.event.get_event_detail", event_id=app.events[0]["event_id"], condition="") == "OK"
-        place.lamp.may_end.set()
-        assert await app.end_of("runs") == "OK"
-        await app.settled()
-        assert app.errors == []
 
 
 @pytest.mark.parametrize("seed", SOME)

@@ -93,6 +93,7 @@ class Witness:
         close_reason: why.
         events: results of the events that it heard, in order.
         dropped: how many events it was told that it missed.
+        declined: the components that it asked for and was not given.
     """
 
     def __init__(self, book: Book, socket: ClientConnection) -> None:
@@ -102,6 +103,7 @@ class Witness:
         self.events: list[dict[str, Any]] = []
         self.errors: list[dict[str, Any]] = []
         self.dropped = 0
+        self.declined: list[str] = []
         self.socket = socket
         self.reasons: dict[str, str] = {}
         self._book = book
@@ -195,6 +197,8 @@ class Witness:
             self.errors.append(params)
         elif method == "openrois.events_dropped":
             self.dropped += params["count"]
+        elif method == "openrois.lease.declined":
+            self.declined.append(params["component_ref"])
         elif method == "openrois.reason" and "command_id" in params:
             self.reasons[params["command_id"]] = params["reason"]
 
