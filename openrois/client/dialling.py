@@ -40,7 +40,7 @@ def websocket(url: str, credentials: Credentials = NO_CREDENTIALS) -> Dial:
         try:
             stream = await opening.__aenter__()
         except (InvalidHandshake, ValueError, OSError) as error:
-            said = unreachable(address, error, remedies=("token=", "ca_file="))
+            said = unreachable(address, error, remedies=("Client(token=...)", "Client(ca_file=...)"))
             final = isinstance(error, InvalidStatus) and error.response.status_code in _FINAL
             # The sentence has all of it; what the library says of each layer below would hide it.
             raise ConnectionFailed(said, final=final) from None

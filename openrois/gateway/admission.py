@@ -103,7 +103,9 @@ class Admission:
 
     def _not_for_this(self, request: web.Request, principal: Principal) -> web.HTTPException:
         self._note(request, Refusal.ROLE, principal.subject)
-        return web.HTTPForbidden(text="the token is not for this\n")
+        return web.HTTPForbidden(
+            text="the token is not for this: adapters need the role adapter, applications another\n"
+        )
 
     async def _principal(self, request: web.Request) -> Principal:
         offered = _offered(request)

@@ -20,6 +20,7 @@ from tests.support.guarded import Guarded, ask, fresh, guarded
 from tests.support.tokens import SECRET, Keys
 
 V1 = "openrois.v1"
+NOT_FOR_THIS = b"the token is not for this: adapters need the role adapter, applications another\n"
 
 
 async def refused(coming: Guarded, *arguments: Any, **how: Any) -> tuple[int, bytes]:
@@ -128,7 +129,7 @@ async def test_roles_and_paths(roles: list[str], application: bool, adapter: boo
                 async with coming.dial(fresh(roles=roles), path=path):
                     pass
             else:
-                assert await refused(coming, fresh(roles=roles), path=path) == (403, b"the token is not for this\n")
+                assert await refused(coming, fresh(roles=roles), path=path) == (403, NOT_FOR_THIS)
 
 
 async def test_origins_and_hosts(tmp_path: Path) -> None:
