@@ -5,7 +5,7 @@ import difflib
 from collections.abc import Iterable, Sequence
 from typing import Any, Final, NoReturn
 
-__all__ = ["CommandLine", "suggestion"]
+__all__ = ["CommandLine", "port_number", "suggestion"]
 
 _WRONG_USAGE: Final = 2
 
@@ -27,6 +27,17 @@ class CommandLine(argparse.ArgumentParser):
             known = [option for action in self._actions for option in action.option_strings]
             self.error(f"{unknown[0]} is not known here{suggestion(unknown[0].partition('=')[0], known)}")
         return found, unknown
+
+
+def port_number(text: str) -> int:
+    """Read the number of a TCP port, as the `type` of an argument.
+
+    Raises:
+        argparse.ArgumentTypeError: it is none.
+    """
+    if not (text.isascii() and text.isdigit() and 0 < int(text) < 1 << 16):
+        raise argparse.ArgumentTypeError(f"{text[:40]!r} is not a port from 1 to 65535")
+    return int(text)
 
 
 def suggestion(name: str, known: Iterable[str]) -> str:

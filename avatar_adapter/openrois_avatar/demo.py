@@ -1,6 +1,5 @@
 """`openrois demo`: run a gateway and an avatar, as two processes that are watched over, until told to stop."""
 
-import argparse
 import asyncio
 import errno
 import signal
@@ -12,7 +11,7 @@ from functools import partial
 from typing import Final
 
 from openrois.access.principal import Role
-from openrois.command_line import CommandLine
+from openrois.command_line import CommandLine, port_number
 from openrois.logs import set_up_logging
 from openrois.transport.credential_options import add_credential_options, credential_arguments, credentials
 from openrois.transport.websocket import dial
@@ -50,7 +49,7 @@ class _Demo:
 def main(arguments: Sequence[str]) -> int:
     """Run the command and return its exit status: 0 when stopped, 1 when it could not start, 2 for wrong usage."""
     parser = CommandLine("openrois demo", description="A live avatar on a page of this machine.")
-    parser.add_argument("--port", type=_port, default=8765, help="TCP port of the page (%(default)s)")
+    parser.add_argument("--port", type=port_number, default=8765, help="TCP port of the page (%(default)s)")
     parser.add_argument("--engine", choices=ENGINES, default="auto", help="what renders the avatar (%(default)s)")
     add_link_options(parser, when=" if it is external or a facade")
     add_facade_option(parser)
@@ -85,12 +84,6 @@ def main(arguments: Sequence[str]) -> int:
             partial(access.keep_token, issued),
         )
         return asyncio.run(_run(demo))
-
-
-def _port(text: str) -> int:
-    if not (text.isascii() and text.isdigit() and 0 < int(text) < 1 << 16):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a port from 1 to 65535")
-    return int(text)
 
 
 def _is_free(host: str, port: int) -> bool:

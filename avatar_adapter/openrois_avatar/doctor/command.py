@@ -11,7 +11,7 @@ from openrois_signaling.turn import turn_credential
 from openrois_streaming.network.servers import read_servers
 from openrois_streaming.network.settings import NetworkSettings
 
-from openrois.command_line import CommandLine
+from openrois.command_line import CommandLine, port_number
 from openrois_avatar.doctor import machine, network
 from openrois_avatar.doctor.finding import Finding, Level, as_json, as_text, exit_status, summary
 from openrois_avatar.doctor.media import media
@@ -25,7 +25,7 @@ def main(arguments: Sequence[str]) -> int:
     parser = CommandLine(
         "openrois doctor", description="What of the media path works here, and what to change where it does not."
     )
-    parser.add_argument("--port", type=int, default=8765, help="the gateway's TCP port (%(default)s)")
+    parser.add_argument("--port", type=port_number, default=8765, help="the gateway's TCP port (%(default)s)")
     parser.add_argument("--ice-server", action="append", default=[], metavar="URL", help="a STUN server to ask")
     parser.add_argument("--turn", action="append", default=[], metavar="URL", help="a TURN server to ask")
     parser.add_argument("--turn-secret-file", type=Path, metavar="FILE", help="holds its secret, as the gateway's does")

@@ -27,7 +27,13 @@ def test_they_do_not_without_a_way(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.parametrize(
-    "arguments", [["--turn", "turn:t"], ["--turn", "turn:t", "--turn-secret-file", "nowhere"], ["--udp-ports", "1-2"]]
+    "arguments",
+    [
+        ["--turn", "turn:t"],
+        ["--turn", "turn:t", "--turn-secret-file", "nowhere"],
+        ["--udp-ports", "1-2"],
+        ["--port", "70000"],
+    ],
 )
 def test_wrong_usage_ends_with_2(
     arguments: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
