@@ -11,9 +11,9 @@ from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass, field
 
 COOKIE = struct.pack("!I", 0x2112A442)
-ALLOCATE, REFRESH, SEND, CREATE_PERMISSION, CHANNEL_BIND = 0x003, 0x004, 0x016, 0x008, 0x009
-USERNAME, INTEGRITY, ERROR, CHANNEL, LIFETIME, PEER, DATA = 0x0006, 0x0008, 0x0009, 0x000C, 0x000D, 0x0012, 0x0013
-REALM, NONCE, RELAYED, FAMILY, TRANSPORT = 0x0014, 0x0015, 0x0016, 0x0017, 0x0019
+ALLOCATE, SEND, CREATE_PERMISSION, CHANNEL_BIND = 0x003, 0x016, 0x008, 0x009
+USERNAME, INTEGRITY, ERROR, CHANNEL, PEER, DATA = 0x0006, 0x0008, 0x0009, 0x000C, 0x0012, 0x0013
+REALM, NONCE, FAMILY, TRANSPORT = 0x0014, 0x0015, 0x0017, 0x0019
 UDP, TCP = 17, 6
 OK = 0
 PATIENCE = 10.0
@@ -34,7 +34,6 @@ class TurnClient(asyncio.DatagramProtocol):
     credential: str = ""
     realm: bytes = b""
     nonce: bytes = b""
-    relayed: tuple[str, int] = ("", 0)
     channel: int = 0x4000
     heard: asyncio.Queue[bytes] = field(default_factory=asyncio.Queue)
     transport: asyncio.DatagramTransport | None = None
@@ -42,9 +41,9 @@ class TurnClient(asyncio.DatagramProtocol):
     def datagram_received(self, data: bytes, _addr: object) -> None:
         self.heard.put_nowait(data)
 
-    async def allocate(self, *, family: int = 4, transport: int = UDP, lifetime: int = 600) -> int:
+    async def allocate(self, *, family: int = 4, transport: int = UDP) -> int:
         """Ask for a relayed address; return 0 or the error code."""
-        asked = [(TRANSPORT, bytes((transport, 0, 0, 0))), (LIFETIME, struct.pack("!I", lifetime))]
+        asked = [(TRANSPORT, bytes((transport, 0, 0, 0)))]
         if family == 6:
             asked.append((FAMILY, b"\x02\0\0\0"))
         return await self.ask(ALLOCATE, *asked)
@@ -65,14 +64,10 @@ class TurnClient(asyncio.DatagramProtocol):
 
     async def ask(self, method: int, *attributes: tuple[int, object]) -> int:
         """Ask, again with what the server wants to be proven; return 0 or the error code."""
+        before = self.nonce
         code = await self._ask(method, attributes)
-        return await self._ask(method, attributes) if code in {401, 438} and self.username and self._is_new() else code
-
-    def _is_new(self) -> bool:
-        new, self._asked = self.nonce != self._asked, self.nonce
-        return new
-
-    _asked: bytes = b""
+        is_invited = code in {401, 438} and self.username and self.nonce != before
+        return await self._ask(method, attributes) if is_invited else code
 
     async def _ask(self, method: int, attributes: tuple[tuple[int, object], ...]) -> int:
         message, transaction = self._message(method, list(attributes))
@@ -116,10 +111,6 @@ class TurnClient(asyncio.DatagramProtocol):
                 self.nonce = value
             elif kind == ERROR:
                 code = value[2] * 100 + value[3]
-            elif kind == RELAYED:
-                port = struct.unpack("!H", _xored(value[2:4], COOKIE))[0]
-                host = ipaddress.ip_address(_xored(value[4:], COOKIE + answer[8:20]))
-                self.relayed = (str(host), port)
         return code
 
 
