@@ -36,6 +36,19 @@ def test_systemd_understands_every_line(tmp_path: Path) -> None:
 
 
 @needs_systemd
+def test_systemd_understands_what_is_written_of_adapters(tmp_path: Path) -> None:
+    blocks = re.findall(r"```ini\n(.*?)```", (PACKAGING.parent / "docs" / "deploying.md").read_text(), re.DOTALL)
+    (port,) = [block for block in blocks if "CAP_NET_BIND_SERVICE" in block]
+    (avatar,) = [block for block in blocks if "openrois avatar" in block]
+    own = UNIT.read_text(encoding="utf-8").replace("[Install]", port.replace("[Service]", "") + "[Install]")
+    for name, unit in (("openrois-avatar.service", avatar), (UNIT.name, own)):
+        there = tmp_path / name
+        there.write_text(unit.replace("/opt/openrois/bin/openrois", sys.executable))
+        said = subprocess.run(["systemd-analyze", "verify", str(there)], capture_output=True, text=True, check=False)
+        assert (said.returncode, said.stdout + said.stderr) == (0, "")
+
+
+@needs_systemd
 def test_it_is_exposed_as_little_as_can_be() -> None:
     arguments = ["systemd-analyze", "security", "--offline=true", "--threshold=15", "--no-pager", str(UNIT)]
     said = subprocess.run(arguments, capture_output=True, text=True, check=False)
