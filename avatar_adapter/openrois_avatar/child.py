@@ -69,6 +69,8 @@ async def child_process(
         yield process
     finally:
         await _end(process)
+        if conversation and process.stdout is not None:
+            await _drop(process.stdout)
         await asyncio.wait({reading}, timeout=OUTPUT_TIMEOUT)
         reading.cancel()
 
@@ -79,6 +81,15 @@ async def ended_within(process: Process, seconds: float) -> bool:
         async with asyncio.timeout(seconds):
             await process.wait()
     return process.returncode is not None
+
+
+async def _drop(stream: asyncio.StreamReader) -> None:
+    """Read what nobody wants any more: a pipe with much in it is not read to its end by itself, and stays open."""
+    # RuntimeError: somebody waits for more of it, and so gets it all.
+    with suppress(TimeoutError, RuntimeError):
+        async with asyncio.timeout(OUTPUT_TIMEOUT):
+            while await stream.read(65536):
+                pass
 
 
 async def _end(process: Process) -> None:

@@ -105,6 +105,16 @@ async def test_a_child_that_runs_on_is_ended() -> None:
 
 
 @pytest.mark.engine
+async def test_what_nobody_reads_of_a_child_does_not_keep_its_pipe_open() -> None:
+    arguments = ("-n1", "-r1", "import sys; sys.stdout.write('x' * 10_000_000)")
+    running = child_process("timeit", *arguments, output=output(), conversation=True)
+    async with asyncio.timeout(60), running as process:
+        _, out = pipes(process)
+        assert await out.readexactly(1) == b"x"
+    assert out.at_eof()
+
+
+@pytest.mark.engine
 async def test_a_child_whose_parent_is_gone_already_does_not_start() -> None:
     process = await asyncio.create_subprocess_exec(
         sys.executable, "-m", "openrois_avatar.launch", str(os.getppid()), "this", stdout=PIPE, stderr=PIPE
