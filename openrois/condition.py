@@ -7,7 +7,7 @@ property may stand in double quotes. Parsing and matching take time linear in th
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import Final
 
@@ -40,10 +40,14 @@ class Comparison:
     property: str
     pattern: bool
     text: str
+    _like: re.Pattern[str] | None = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "_like", _compiled(self.text) if self.pattern else None)
 
     def matches(self, value: str) -> bool:
         """Tell whether `value` satisfies it."""
-        return _like(self.text, value) if self.pattern else value == self.text
+        return value == self.text if self._like is None else self._like.fullmatch(value) is not None
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,22 +138,21 @@ def _comparison(tokens: _Tokens, properties: frozenset[str]) -> Comparison:
     return Comparison(name, pattern, text)
 
 
-def _like(pattern: str, value: str) -> bool:
-    """Match by the greedy two-pointer walk: after a failure only the last `%` is tried one character further."""
-    items = _pattern_items(pattern)
-    at, item = 0, 0
-    star, star_at = -1, 0
-    while at < len(value):
-        if item < len(items) and items[item] == "%":
-            star, star_at, item = item, at, item + 1
-        elif item < len(items) and (items[item] == "_" or items[item] == "\\" + value[at]):
-            at, item = at + 1, item + 1
-        elif star >= 0:
-            star_at += 1
-            at, item = star_at, star + 1
+def _compiled(pattern: str) -> re.Pattern[str]:
+    """Return what matches whole texts as LIKE does: what a `%` has taken, up to the next text, it does not give back.
+
+    It is made once for a condition; walking through each pattern again and again, for each component, took a whole
+    gateway's time.
+    """
+    parts: list[str] = [""]
+    for item in _pattern_items(pattern):
+        if item == "%":
+            parts.append("")
         else:
-            return False
-    return all(rest == "%" for rest in items[item:])
+            parts[-1] += "." if item == "_" else re.escape(item[1:])
+    first, *more = parts
+    middle = "".join(f"(?>.*?{part})" for part in more[:-1] if part)
+    return re.compile(first + middle + (f".*{more[-1]}" if more else ""), re.DOTALL)
 
 
 def _pattern_items(pattern: str) -> list[str]:

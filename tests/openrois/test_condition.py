@@ -4,6 +4,8 @@ import re
 from collections.abc import Callable
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from openrois import condition
 from openrois.condition import Comparison, Condition, parse_condition
@@ -131,6 +133,31 @@ def test_quotes_are_doubled() -> None:
 )
 def test_like(pattern: str, value: str, expected: bool) -> None:
     assert Comparison("p", True, pattern).matches(value) is expected
+
+
+def walked(pattern: str, value: str) -> bool:
+    """LIKE as it is defined, by trying everything."""
+    if not pattern:
+        return not value
+    if pattern[0] == "%":
+        return any(walked(pattern[1:], value[at:]) for at in range(len(value) + 1))
+    if pattern[0] == "\\":
+        literal, rest = (pattern[1], pattern[2:]) if len(pattern) > 1 else ("\\", "")
+        return value[:1] == literal and walked(rest, value[1:])
+    return bool(value) and pattern[0] in ("_", value[0]) and walked(pattern[1:], value[1:])
+
+
+@given(pattern=st.text("%_\\ab.\n", max_size=8), value=st.text("ab.%_\\\n", max_size=8))
+@settings(max_examples=500)
+def test_like_is_what_it_is_defined_to_be(pattern: str, value: str) -> None:
+    assert Comparison("p", True, pattern).matches(value) is walked(pattern, value)
+
+
+def test_a_pattern_is_read_once_however_many_components_there_are() -> None:
+    """A viewer's conditions of 4 KiB took 16 ms each with seventeen components, and a second with a thousand."""
+    read = parse_condition(" AND ".join(["component_ref LIKE '%r_b%'"] * 100), PROPERTIES)
+    lines = lines_run(lambda: read.matches(LAMP), condition)
+    assert lines <= 10 * 100
 
 
 def refused(text: str) -> None:
