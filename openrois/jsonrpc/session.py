@@ -19,6 +19,7 @@ from pydantic import ValidationError
 from openrois import correlation
 from openrois.jsonrpc import protocol
 from openrois.jsonrpc.calls import Calls, RpcError, SessionClosed
+from openrois.jsonrpc.fairness import take_fairly
 from openrois.jsonrpc.handler import MAX_PROBLEMS, Handler, InvalidParams, NotificationHandler, Reply, method
 from openrois.jsonrpc.intake import MAX_RUNNING_REQUESTS, Intake, IntakeRules
 from openrois.jsonrpc.latencies import Latencies
@@ -48,9 +49,6 @@ STOOD_STILL: Final = 0.5
 
 CALL_TIMEOUT: Final = 10.0
 """Seconds that a call of ours waits for its answer."""
-
-FAIR_SHARE: Final = 64
-"""Messages of one connection that are taken in a row; then others have their turn."""
 
 _FLUSH_TIMEOUT: Final = 1.0
 
@@ -182,10 +180,7 @@ class RpcSession:
         """Take messages until the connection ends, or `end` ends it."""
         try:
             async with asyncio.timeout(None) as self._reading:
-                while True:
-                    for _ in range(FAIR_SHARE):
-                        self._take(await self.stream.receive())
-                    await asyncio.sleep(0)
+                await take_fairly(self.stream.receive, self._take)
         except TimeoutError:
             if self._closed is None:
                 raise
