@@ -46,6 +46,7 @@ class EmbeddedEngine(LinkedEngine):
         on_lost: called with the reason when the engine has gone.
         on_back: called with its HELLO when it is there again.
         clock: the media clock; the machine's if not given.
+        start_timeout: seconds that it has for its HELLO.
 
     Raises:
         LinkError: on entering, if the engine ended, or did not greet in time; the text has what it printed last.
@@ -61,12 +62,14 @@ class EmbeddedEngine(LinkedEngine):
         on_lost: Callable[[str], None] | None = None,
         on_back: Callable[[Hello], None] | None = None,
         clock: MediaClock | None = None,
+        start_timeout: float = START_TIMEOUT,
     ) -> None:
         super().__init__(address, None, on_audio=on_audio, on_event=on_event, clock=clock or SystemClock())
         self._module = module
         self._arguments = arguments
         self._on_lost = on_lost
         self._on_back = on_back
+        self._start_timeout = start_timeout
         self._ready = asyncio.Event()
 
     async def __aenter__(self) -> Self:
@@ -108,7 +111,7 @@ class EmbeddedEngine(LinkedEngine):
 
     async def _greeting(self, process: Process) -> EngineConnection | None:
         """The engine's connection, None if it does not come in time or ends before."""
-        arrival = asyncio.create_task(self._server.accept(START_TIMEOUT))
+        arrival = asyncio.create_task(self._server.accept(self._start_timeout))
         try:
             await _first(arrival, process.wait())
             return arrival.result() if arrival.done() else None
@@ -128,7 +131,7 @@ class EmbeddedEngine(LinkedEngine):
         tell(self._on_lost, await connection.closed())
 
     async def _hang(self) -> None:
-        await self._stall(START_TIMEOUT)
+        await self._stall(self._start_timeout)
         _log.warning("%s has sent no picture for a while", self._module)
 
 

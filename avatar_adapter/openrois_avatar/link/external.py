@@ -10,6 +10,7 @@ from types import TracebackType
 from typing import Final, Self
 
 from openrois_streaming.clock import MediaClock, SystemClock
+from openrois_streaming.source import RawAudio
 
 from openrois.tasks import TaskScope
 from openrois_avatar.link.linked import LinkedEngine
@@ -31,6 +32,7 @@ class ExternalEngine(LinkedEngine):
     Args:
         address: where it listens, see `LinkServer.listen`.
         secret: what an engine must know; empty: any will do.
+        on_audio: gets its blocks of sound.
         on_event: gets its events.
         on_lost: called with the reason when the engine has gone.
         on_back: called with its HELLO when it is there.
@@ -45,6 +47,7 @@ class ExternalEngine(LinkedEngine):
         address: str,
         secret: str = "",
         *,
+        on_audio: Callable[[RawAudio], None] | None = None,
         on_event: Callable[[Event], None] | None = None,
         on_lost: Callable[[str], None] | None = None,
         on_back: Callable[[Hello], None] | None = None,
@@ -53,7 +56,7 @@ class ExternalEngine(LinkedEngine):
         super().__init__(
             address,
             secret,
-            on_audio=None,
+            on_audio=on_audio,
             on_event=on_event,
             on_hello=on_back,
             on_gone=self._went,
