@@ -28,7 +28,9 @@ MOST: Final = 8.0
 """Seconds over which they are spread at most."""
 
 _ADAPTERS: Final = 0.25, 0.75
-_APPLICATIONS: Final = 1.0
+_APPLICATIONS: Final = 2.0
+"""Seconds: a gateway takes one to be there again, and its adapters at most another to find it."""
+
 _LOOK: Final = 0.05
 _LAST_WORDS: Final = 1.0
 

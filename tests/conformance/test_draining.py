@@ -64,7 +64,7 @@ async def test_what_runs_ends_and_nobody_new_comes_meanwhile(
     assert await busy.completed("running") == {"running": "OK"}
     code, reason = await closed(busy)
     assert code == 1012
-    assert re.fullmatch(r"retry_after=1\.\d\d", reason)
+    assert re.fullmatch(r"retry_after=2\.\d\d", reason)
     await draining
     assert adapter.dialling is not None
 
@@ -106,7 +106,7 @@ async def test_an_idle_gateway_stops_at_once_and_adapters_are_asked_back_first(
         for each in (app, other):
             code, reason = await closed(each)
             assert code == 1012
-            assert 1 <= float(reason.removeprefix("retry_after=")) <= 1.01
+            assert 2 <= float(reason.removeprefix("retry_after=")) <= 2.01
         assert adapter.dialling is not None
         await deployment.until(gateway.engine, lambda ids: "robot" not in ids)
         while "the gateway is gone" not in caplog.text:
