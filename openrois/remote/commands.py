@@ -24,28 +24,14 @@ class RemoteCommand:
     Attributes:
         ended: how it ended; None where the engine went away first.
         reason: why it did not end OK, where the other side has said so.
+        is_stopped: its component was told to stop before it was sent.
     """
 
     def __init__(self, component_ref: str) -> None:
         self.component_ref = component_ref
         self.ended: asyncio.Future[CompletedStatus | None] = asyncio.get_running_loop().create_future()
         self.reason = ""
-        self._is_sent = False
-        self._is_stopped = False
-
-    def send(self) -> None:
-        """Note that it is sent now.
-
-        Raises:
-            Aborted: its component was told to stop while it waited for that, and must not begin behind the stop.
-        """
-        if self._is_stopped:
-            raise Aborted(f"{self.component_ref} was stopped before the command could be sent")
-        self._is_sent = True
-
-    def stop(self) -> None:
-        """Keep it from being sent, if it has not been."""
-        self._is_stopped = not self._is_sent
+        self.is_stopped = False
 
     def end(self, status: CompletedStatus | None) -> None:
         """Note how it ended; only the first time counts."""
@@ -63,6 +49,7 @@ class RemoteCommands:
     def __init__(self) -> None:
         self.strays = Tally(_log, "ends of commands that nobody waits for")
         self._running: dict[str, RemoteCommand] = {}
+        self._unsent: set[RemoteCommand] = set()
 
     def __contains__(self, command_id: str) -> bool:
         return command_id in self._running
@@ -74,15 +61,30 @@ class RemoteCommands:
         """Note a command before its end can be told."""
         self._running[command_id] = command
 
+    def wait(self, command: RemoteCommand) -> None:
+        """Note a command that is to be sent as soon as there is room."""
+        self._unsent.add(command)
+
+    def send(self, command: RemoteCommand) -> None:
+        """Note that a command is sent now.
+
+        Raises:
+            Aborted: its component was told to stop while it waited for that, and must not begin behind the stop.
+        """
+        self._unsent.discard(command)
+        if command.is_stopped:
+            raise Aborted(f"{command.component_ref} was stopped before the command could be sent")
+
     def stop(self, component_ref: str) -> None:
         """Keep the commands of a component from being sent that still wait for that."""
-        for command in self._running.values():
+        for command in self._unsent:
             if command.component_ref == component_ref:
-                command.stop()
+                command.is_stopped = True
 
-    def forget(self, command_id: str) -> None:
+    def forget(self, command_id: str, command: RemoteCommand) -> None:
         """Forget a command that nobody waits for any more."""
         self._running.pop(command_id, None)
+        self._unsent.discard(command)
 
     def take_completed(self, params: dict[str, Any]) -> None:
         """Take how a command ended; one that nobody waits for is passed over."""

@@ -4,6 +4,7 @@ import asyncio
 import logging
 import secrets
 from collections.abc import Callable
+from functools import partial
 from typing import Any, Final
 
 from pydantic import ConfigDict
@@ -183,6 +184,7 @@ class RemoteProxy:
         stops = is_stop(command_type)
         if stops:
             self._commands.stop(component_ref)
+        self._commands.wait(command)
         try:
             if command_type == "set_parameter":
                 command_id = await self._set_parameter(component_ref, arguments, command)
@@ -199,7 +201,7 @@ class RemoteProxy:
                     ExecuteParams(command_unit_list=(unit,)),
                     ReturnResult,
                     urgent=stops,
-                    before=command.send,
+                    before=partial(self._commands.send, command),
                 )
             # The component's own engine ends it in time, and can say more about it; some do not.
             promised = self._claims.seconds_for(component_ref, command_type)
@@ -208,7 +210,7 @@ class RemoteProxy:
         except TimeoutError:
             raise NotResponding(f"{command_type} of {component_ref} did not end in time") from None
         finally:
-            self._commands.forget(command_id)
+            self._commands.forget(command_id, command)
         if status is None:
             raise EngineUnreachable(f"the engine went away during {command_type} of {component_ref}")
         if status is not CompletedStatus.OK:
@@ -227,7 +229,10 @@ class RemoteProxy:
             "component_ref": component_ref,
             "parameters": [argument.model_dump(mode="json") for argument in arguments],
         }
-        result = await self._asking.ask("rois.command.set_parameter", params, SetParameterResult, accepted)
+        before = partial(self._commands.send, command)
+        result = await self._asking.ask(
+            "rois.command.set_parameter", params, SetParameterResult, accepted, before=before
+        )
         return result.command_id
 
     async def _command_results(self, component_ref: str, command_type: str, command_id: str) -> tuple[Result, ...]:

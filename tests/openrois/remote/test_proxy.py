@@ -277,6 +277,7 @@ class TestInvoke:
         for _ in range(CONTROL_LIMIT // 2 + 100):
             far.session.notify("filler", {})
         starting = [asyncio.ensure_future(far.proxy.invoke(ref, "start")) for ref in (TOY, "plain/other")]
+        setting = asyncio.ensure_future(far.proxy.invoke(TOY, "set_parameter"))
         await asyncio.sleep(0)
         assert not far.session.outbox.is_roomy
         stopping = asyncio.ensure_future(far.proxy.invoke(TOY, "stop"))
@@ -292,6 +293,8 @@ class TestInvoke:
         await asyncio.gather(stopping, starting[1])
         with pytest.raises(Aborted, match="was stopped before the command could be sent"):
             await starting[0]
+        with pytest.raises(Aborted, match="was stopped before the command could be sent"):
+            await setting
 
     async def test_results_are_asked_for_where_there_are_some(self, far: Far) -> None:
         await far.introduce()
