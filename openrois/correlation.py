@@ -5,7 +5,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Final
 
-__all__ = ["connection", "correlation", "request"]
+__all__ = ["connection", "correlation", "request", "serve"]
 
 _LONGEST: Final = 40
 """Characters of a request's id that are shown; the other side chose it."""
@@ -24,6 +24,11 @@ def connection(name: str) -> Iterator[None]:
         yield
     finally:
         _connection.reset(before)
+
+
+def serve(request_id: str | float | None) -> None:
+    """Let the task work for a request. Of a long id no more is kept than is shown: what it starts may run for days."""
+    request.set(request_id[:_LONGEST] if isinstance(request_id, str) else request_id)
 
 
 def correlation() -> str:

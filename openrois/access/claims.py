@@ -108,10 +108,12 @@ def _time(value: object) -> float:
 
 
 def _text(value: object, longest: int = MAX_NAME) -> str:
-    # It stands in logs: a line break in it would look like a line of its own.
-    if not isinstance(value, str) or not 0 < len(value) <= longest or not value.isprintable():
+    # It stands in logs: a line break in it would look like a line of its own. In a list of who is revoked blanks at its
+    # ends mean nothing: whoever had some could not be revoked.
+    is_name = isinstance(value, str) and 0 < len(value) <= longest and value.isprintable() and value == value.strip()
+    if not is_name:
         raise TokenRefused(Refusal.CLAIM)
-    return value
+    return str(value)
 
 
 def _roles(value: object) -> frozenset[Role]:

@@ -3,7 +3,8 @@
 from typing import Any, Final
 
 from openrois.application import ApplicationSession
-from openrois.errors import BadParameter, RoISError, Unsupported
+from openrois.errors import BadParameter, OutOfResources, RoISError, Unsupported
+from openrois.interfaces import command
 from openrois.interfaces.operation import operation
 from openrois.jsonrpc.session import Handler, Reply
 from openrois.leases.model import Replayed
@@ -67,8 +68,15 @@ class _Leases:
         self._keeper.telling.watch(params.component_ref, self._app)
         return LeaseResult(lease=self._keeper.telling.status(params.component_ref, self._app))
 
+    def _require_room(self, component_ref: str) -> None:
+        """Raise `OutOfResources` where the application would have, or wait for, more components than it may bind."""
+        chosen = self._app.bound.union(self._keeper.waited_for(self._app))
+        if len(chosen) >= command.MAX_BOUND and component_ref not in chosen:
+            raise OutOfResources(f"one application has at most {command.MAX_BOUND} components bound")
+
     async def request(self, params: LeaseParams) -> LeaseRequestResult:
         self._require_leased(params.component_ref)
+        self._require_room(params.component_ref)
         self._keeper.telling.watch(params.component_ref, self._app)
         request_id = self._keeper.request(params.component_ref, self._app)
         self._acted("openrois.lease.request", params.component_ref)
@@ -93,6 +101,7 @@ class _Leases:
         self._require_leased(params.component_ref)
         if not self._app.principal.is_administrator:
             raise Unsupported("only an administrator takes what another one holds")
+        self._require_room(params.component_ref)
         self._app.host.audit.require()
         self._acted("openrois.lease.take", params.component_ref)
         await self._keeper.take(params.component_ref, self._app)

@@ -219,7 +219,7 @@ class RpcSession:
             self.explain(request.id, reason)
 
     async def _serve(self, request: protocol.Request, over: Callable[[], None]) -> None:
-        correlation.request.set(request.id)
+        correlation.serve(request.id)
         if _log.isEnabledFor(logging.DEBUG):
             _log.debug("asked for %.80s", request.method)
         started = perf_counter()

@@ -28,7 +28,7 @@ from openrois.registry import LocalRegistry
 from openrois.transport import websocket
 from openrois.types import access, messages, reasons, references, streams, values
 from tests.support import deployment, wire
-from tests.support.components import Bell
+from tests.support.components import Bell, Lamp
 from tests.support.deployment import Door
 from tests.support.session import settle
 
@@ -433,6 +433,25 @@ class TestCommands:
             assert (await app.ask("rois.command.bind", component_ref=ref))["return_code"] == code
         assert (await app.ask("rois.command.release", component_ref=DOOR))["return_code"] == "OK"
         assert (await app.ask("rois.command.bind", component_ref="robot/bell"))["return_code"] == "OK"
+
+    async def test_who_asks_for_components_has_no_more_of_them(
+        self, monkeypatch: pytest.MonkeyPatch, stack: AsyncExitStack
+    ) -> None:
+        monkeypatch.setattr(command, "MAX_BOUND", 1)
+        gateway = await stack.enter_async_context(deployment.gateway())
+        await stack.enter_async_context(deployment.adapter(gateway, Lamp(), Lamp("other"), Lamp("third")))
+        ann = await stack.enter_async_context(deployment.application(gateway))
+        bob = await stack.enter_async_context(deployment.application(gateway))
+        assert await bob.code("rois.command.bind", component_ref="robot/third") == "OK"
+        for way in ("openrois.lease.request", "openrois.lease.take"):
+            assert await ann.code(way, component_ref="robot/lamp") == "OK"
+            assert await ann.code(way, component_ref="robot/lamp") == "OK"
+            for ref in ("robot/other", "robot/third"):
+                assert await ann.code(way, component_ref=ref) == "OUT_OF_RESOURCES"
+            assert await ann.code("rois.command.release", component_ref="robot/lamp") == "OK"
+        # Who waits for one has it sooner or later.
+        assert await ann.code("openrois.lease.request", component_ref="robot/third") == "OK"
+        assert await ann.code("openrois.lease.request", component_ref="robot/lamp") == "OUT_OF_RESOURCES"
 
     async def test_characters_of_a_command_id(self, app: wire.Application) -> None:
         for length, code in ((command_log.MAX_ID, "OK"), (command_log.MAX_ID + 1, "BAD_PARAMETER")):
