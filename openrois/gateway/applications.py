@@ -44,6 +44,9 @@ RESUMED: Final = 4409
 _TO_APPLICATION: Final = {message.method: message for message in (Offer, Candidate, Bye)}
 
 
+MAX_ENDING: Final = 2 * PEERS_PER_OWNER
+"""Peer connections of one application that engines are asked to end at a time; more are left to end by themselves."""
+
 REQUESTS_PER_SECOND: Final = 5000
 """Requests of one application in the long run; half of what a gateway can do. What is urgent does not count."""
 
@@ -109,6 +112,8 @@ class _Signaling:
         self._relay: Relay[str, str] = Relay(self._forward, time.monotonic)
         self._peers: set[str] = set()
         self._malformed = Tally(_log, "malformed messages of signaling from an engine")
+        self._ending = 0
+        self._unended = Tally(_log, "peer connections that an application cannot have, too many to be ended")
 
     def passes(self, method: str, params: Mapping[str, Any]) -> bool:
         """Note which peers an engine opens and ends; a peer that the application can't have is ended at once."""
@@ -134,6 +139,11 @@ class _Signaling:
 
     def _end(self, peer_id: str, reason: str) -> None:
         """Have the engine end a peer, so that neither side waits for what can't come; it tells the application."""
+        if self._ending >= MAX_ENDING:
+            # An engine offers without an end, and may not even answer.
+            self._unended.note(engine_of(peer_id))
+            return
+        self._ending += 1
         self._host.tasks.start(self._say_bye(Bye(peer_id=peer_id, reason=reason), self.app.client))
 
     async def _say_bye(self, bye: Bye, client: Client) -> None:
@@ -141,6 +151,8 @@ class _Signaling:
             await self._host.engine.extension.call(bye.method, bye.wire(), client)
         except RoISError as error:
             _log.info("the engine does not end a peer connection that its application cannot have: %s", error)
+        finally:
+            self._ending -= 1
 
     def forget_peers(self) -> None:
         """Forget every peer: the application has left."""
