@@ -71,7 +71,7 @@ async def serve(
     token_file: Path | str | None = None,
     ca_file: Path | str | None = None,
 ) -> AsyncIterator[EngineHost]:
-    """Serve components to a gateway while the block runs; a connection that ends is made again.
+    """Serve components to a gateway while the block runs, and yield their engine; a connection that ends is made again.
 
     Args:
         components: each with a name of its own.

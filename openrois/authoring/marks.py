@@ -133,7 +133,14 @@ def event(function: _Sync | None = None, /, *, name: str = "") -> _Sync | Callab
 
 
 def optional(function: _Any) -> _Any:
-    """Make a decorated message one that a subclass may implement: until then it is in no profile."""
+    """Make a decorated message one that a subclass may implement: until then it is in no profile.
+
+    Args:
+        function: a method that `command` or `query` has marked already: `@optional` stands above them.
+
+    Raises:
+        TypeError: it is no message.
+    """
     mark = mark_of(function)
     if mark is None:
         raise TypeError(f"{function.__qualname__} is no message: write `@command` or `@query` below `@optional`")

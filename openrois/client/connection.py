@@ -118,6 +118,10 @@ class Connection:
         self._supervising = asyncio.ensure_future(self._supervise(opened))
         try:
             await opened
+        except ConnectionFailed as failure:
+            await self.close()
+            # The sentence says what to do; how far below that was noticed would only hide it.
+            raise failure.with_traceback(None) from failure.__cause__
         except BaseException:
             await self.close()
             raise
