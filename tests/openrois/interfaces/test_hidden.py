@@ -1,11 +1,13 @@
 """What is out of scope looks like what does not exist: byte for byte, in every answer and in every silence."""
 
+import asyncio
 import json
 import random
 import re
 import string
 from collections.abc import AsyncIterator, Callable
 from contextlib import AsyncExitStack, asynccontextmanager
+from functools import partial
 from typing import Any, Final
 
 import pytest
@@ -14,6 +16,7 @@ from aiohttp import web
 from openrois.access.principal import Principal, Role
 from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.gateway.applications import serve_application
+from openrois.gateway.http_connection import HttpConnection
 from openrois.gateway.socket import APPLICATION, ServerSocket
 from openrois.gateway.tenure import Tenure
 from openrois.transport.websocket import dial
@@ -166,8 +169,11 @@ async def listening(where: Place, who: Principal) -> AsyncIterator[str]:
         runner = web.AppRunner(app)
         await runner.setup()
         stack.push_async_callback(runner.cleanup)
-        await web.TCPSite(runner, "127.0.0.1", 0).start()
-        yield f"ws://127.0.0.1:{runner.addresses[0][1]}/"
+        assert runner.server is not None
+        loop = asyncio.get_running_loop()
+        server = await loop.create_server(partial(HttpConnection, runner.server, loop=loop), "127.0.0.1", 0)
+        stack.callback(server.close)
+        yield f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}/"
 
 
 async def test_over_two_sockets() -> None:
