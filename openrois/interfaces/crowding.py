@@ -14,10 +14,13 @@ from openrois.types.codes import ReturnCode
 from openrois.types.messages import ReturnResult
 from openrois.types.methods import METHODS
 
-__all__ = ["intake_rules", "is_stop", "is_urgent", "overtakes", "refusal"]
+__all__ = ["intake_rules", "is_stop", "is_urgent", "meant", "named", "refusal"]
 
 MAX_UNITS: Final = 64
 """Commands of a sequence that may pass others, if all of them are `stop`."""
+
+MOST_UNITS: Final = 1024
+"""Commands of a request that are looked at; one with more may be about anything."""
 
 _EXECUTE: Final = "rois.command.execute"
 _URGENT: Final = frozenset({"rois.command.release", "rois.system.disconnect", "openrois.stop_all"})
@@ -27,7 +30,7 @@ _RESULTS: Final = {method.name: method.result for method in METHODS}
 
 def intake_rules(rate: RateLimit | None = None) -> IntakeRules:
     """Return the rules of a connection that speaks RoIS."""
-    return IntakeRules(is_urgent, overtakes, refusal, rate)
+    return IntakeRules(is_urgent, meant, named, refusal, rate)
 
 
 def refusal(method: str) -> ReturnResult | None:
@@ -49,19 +52,19 @@ def is_urgent(request: Request) -> bool:
     return 0 < len(units) <= MAX_UNITS and all(is_stop(str(unit.get("command_type"))) for unit in units)
 
 
-def overtakes(urgent: Request, waiting: Request) -> bool:
-    """Tell whether a request that acts names a component that an urgent one, which passes it, is about."""
-    if waiting.method not in _ACTING:
-        return False
-    meant, named = _components(urgent), _components(waiting)
-    return not meant or not named or not meant.isdisjoint(named)
-
-
-def _components(request: Request) -> set[str]:
-    """Return the components that a request names; empty where it names none, and may mean any."""
+def meant(request: Request) -> frozenset[str]:
+    """Return the components that an urgent request is about; nothing where it names none, and may mean any."""
     params = request.params
     named = (params.get("component_ref"),) if isinstance(params, dict) else ()
-    return {ref for ref in (*named, *(unit.get("component_ref") for unit in _units(params))) if isinstance(ref, str)}
+    units = list(islice(_units(params), MOST_UNITS + 1))
+    if len(units) > MOST_UNITS:
+        return frozenset()
+    return frozenset(ref for ref in (*named, *(unit.get("component_ref") for unit in units)) if isinstance(ref, str))
+
+
+def named(request: Request) -> frozenset[str] | None:
+    """Return the components that a request would act on, as `meant` does; None where it does not act."""
+    return meant(request) if request.method in _ACTING else None
 
 
 def _units(params: Any) -> Iterator[dict[str, Any]]:

@@ -2,6 +2,7 @@
 
 from collections import deque
 from collections.abc import Callable
+from collections.abc import Set as AbstractSet
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -29,15 +30,30 @@ class IntakeRules:
 
     Attributes:
         is_urgent: whether a request passes all that wait and counts against no limit.
-        overtakes: whether a request that waits, the second one, may not begin any more behind an urgent one.
+        meant: what an urgent request is about; nothing for anything.
+        named: what a request that waits would act on, nothing for anything; None where it does not act. Behind an
+            urgent one that is about the same it may not begin any more.
         refusal: returns the result of a method whose request is refused because there are too many; None for an error.
         rate: how often there may be one that is not urgent; None for as often as they like.
     """
 
     is_urgent: Callable[[Request], bool] = lambda _request: False
-    overtakes: Callable[[Request, Request], bool] = lambda _urgent, _waiting: False
+    meant: Callable[[Request], AbstractSet[str]] = lambda _urgent: frozenset()
+    named: Callable[[Request], AbstractSet[str] | None] = lambda _waiting: None
     refusal: Callable[[str], Any] = lambda _method: None
     rate: RateLimit | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class _Waiting:
+    """A request that waits. What it names is read once: urgent ones, which may be many, look at all that wait."""
+
+    request: Request
+    length: int
+    named: AbstractSet[str] | None
+
+    def would_act_on(self, meant: AbstractSet[str]) -> bool:
+        return self.named is not None and (not meant or not self.named or not self.named.isdisjoint(meant))
 
 
 class Intake:
@@ -64,7 +80,7 @@ class Intake:
         self._rules = rules
         self._running = 0
         self._running_urgent = 0
-        self._waiting: deque[tuple[Request, int]] = deque()
+        self._waiting: deque[_Waiting] = deque()
         self._text = 0
         self.refused = 0
         self.urgent = 0
@@ -82,7 +98,7 @@ class Intake:
             self._running += 1
             self._start(request, self._ran)
         elif len(self._waiting) < MAX_WAITING_REQUESTS and self._text + length <= MAX_WAITING_TEXT:
-            self._waiting.append((request, length))
+            self._waiting.append(_Waiting(request, length, self._rules.named(request)))
             self._text += length
         else:
             self._turn_away(request, f"{len(self._waiting)} requests wait already; retry_after=1")
@@ -93,16 +109,17 @@ class Intake:
         self._text = 0
 
     def _pass_all(self, request: Request) -> None:
-        overtaken = [each for each in self._waiting if self._rules.overtakes(request, each[0])]
+        meant = self._rules.meant(request)
+        overtaken = [each for each in self._waiting if each.would_act_on(meant)]
         if overtaken:
             # What was asked before a stop may not begin behind it.
-            self._waiting = deque(each for each in self._waiting if not self._rules.overtakes(request, each[0]))
-            self._text = sum(length for _, length in self._waiting)
+            self._waiting = deque(each for each in self._waiting if not each.would_act_on(meant))
+            self._text = sum(each.length for each in self._waiting)
         self.urgent += 1
         self._running_urgent += 1
         self._start(request, self._urgent_ran)
-        for waiting, _ in overtaken:
-            self._turn_away(waiting, f"it waited when {request.method} came")
+        for waiting in overtaken:
+            self._turn_away(waiting.request, f"it waited when {request.method} came")
 
     def _turn_away(self, request: Request, reason: str) -> None:
         self.refused += 1
@@ -115,6 +132,6 @@ class Intake:
         if not self._waiting:
             self._running -= 1
             return
-        request, length = self._waiting.popleft()
-        self._text -= length
-        self._start(request, self._ran)
+        waiting = self._waiting.popleft()
+        self._text -= waiting.length
+        self._start(waiting.request, self._ran)

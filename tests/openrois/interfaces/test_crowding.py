@@ -6,7 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from openrois.interfaces.crowding import MAX_UNITS, is_urgent, overtakes, refusal
+from openrois.interfaces.crowding import MAX_UNITS, MOST_UNITS, intake_rules, is_urgent, meant, named, refusal
+from openrois.jsonrpc import intake
 from openrois.jsonrpc.protocol import Request
 from openrois.types.messages import ResultsResult
 
@@ -60,8 +61,18 @@ def test_what_is_urgent(request_: Request, urgent: bool) -> None:
         (Request(1, "rois.command.release", {"component_ref": "x/y"}), execute(STOP), False),
     ],
 )
-def test_what_it_overtakes(urgent: Request, waiting: Request, overtaken: bool) -> None:
-    assert overtakes(urgent, waiting) is overtaken
+def test_what_it_overtakes(urgent: Request, waiting: Request, overtaken: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(intake, "MAX_RUNNING_REQUESTS", 0)
+    refused: list[Request] = []
+    waits = intake.Intake(lambda *_started: None, lambda request, _reason: refused.append(request), intake_rules())
+    waits.take(waiting, 1)
+    waits.take(urgent, 1)
+    assert refused == [waiting] * overtaken
+
+
+def test_a_request_of_very_many_commands_may_be_about_anything() -> None:
+    assert meant(execute(*[STOP] * MOST_UNITS)) == {"robot/base"}
+    assert meant(execute(*[STOP] * (MOST_UNITS + 1))) == frozenset()
 
 
 json = st.recursive(
@@ -81,7 +92,8 @@ def test_params_of_any_kind_are_looked_at(one: Any, other: Any) -> None:
     for method in ("rois.command.execute", "rois.command.release"):
         request = Request(1, method, one)
         assert is_urgent(request) in (True, False)
-        assert overtakes(request, Request(2, "rois.command.execute", other)) in (True, False)
+        assert isinstance(meant(request), frozenset)
+        assert isinstance(named(Request(2, "rois.command.execute", other)), frozenset)
 
 
 def test_the_answer_is_that_of_the_method() -> None:

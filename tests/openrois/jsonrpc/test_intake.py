@@ -18,12 +18,18 @@ class Door:
         self.started: list[str] = []
         self.over: dict[str, Callable[[], None]] = {}
         self.refused: dict[str, str] = {}
+        self.read: list[str] = []
         rules = IntakeRules(
             lambda request: request.method == "stop",
-            lambda urgent, waiting: urgent.params == waiting.params,
+            lambda urgent: {urgent.params},
+            lambda waiting: self._read(waiting),
             rate=rate,
         )
         self.intake = Intake(self._start, self._refuse, rules)
+
+    def _read(self, waiting: Request) -> set[str]:
+        self.read.append(str(waiting.id))
+        return {waiting.params}
 
     def _start(self, request: Request, over: Callable[[], None]) -> None:
         self.started.append(str(request.id))
@@ -93,6 +99,16 @@ def test_what_is_urgent_passes_all_and_is_the_last_word_on_what_it_is_about() ->
     assert door.started[-1] == "d"
 
 
+def test_what_waits_is_read_once_however_many_urgent_ones_pass() -> None:
+    """They count against no limit, and to read 16,384 requests again for each took a second."""
+    door = Door()
+    door.ask("a", "b", "c", "d", "e")
+    for name in "stuvw":
+        door.ask(name, method="stop", about="door")
+        door.over[name]()
+    assert door.read == ["c", "d", "e"]
+
+
 def test_urgent_ones_do_not_count_until_there_are_too_many_of_them() -> None:
     door = Door()
     door.ask("a")
@@ -124,5 +140,6 @@ def test_without_rules_nothing_is_urgent() -> None:
     for number in range(4):
         intake.take(Request(number, "stop", {}), 1)
     assert ([request.id for request in started], len(intake), intake.urgent) == ([0, 1], 2, 0)
-    assert not IntakeRules().overtakes(started[0], started[1])
+    assert not IntakeRules().meant(started[0])
+    assert IntakeRules().named(started[0]) is None
     assert IntakeRules().refusal("stop") is None
