@@ -5,14 +5,16 @@ import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import pytest
 from websockets.asyncio.client import ClientConnection
 from websockets.exceptions import ConnectionClosed
 
 from openrois.access.principal import Principal, Role
+from openrois.access.tokens import TokenVerifier
 from openrois.audit import Audit
+from openrois.gateway.renewal import REFRESH, Renewal
 from openrois.gateway.tenure import TOKEN_ENDED, Tenure, Tenures
 from openrois.tasks import TaskScope
 from openrois.types.access import MAX_TOKEN
@@ -210,6 +212,31 @@ async def test_who_is_revoked_is_out_and_stays_out(tmp_path: Path) -> None:
 async def refresh(connection: ClientConnection, token: str) -> dict[str, Any]:
     result: dict[str, Any] = (await ask(connection, "openrois.auth.refresh", token=token))["result"]
     return result
+
+
+async def test_a_connection_that_has_ended_is_not_made_longer_by_a_token_that_was_on_its_way() -> None:
+    """Keys may have to be fetched, which takes seconds; meanwhile the present token ends, or is revoked."""
+    asked, known = asyncio.Event(), asyncio.Event()
+
+    class Slow:
+        async def verify(self, _token: str) -> Principal:
+            asked.set()
+            await known.wait()
+            return principal(9999)
+
+    async with watched() as here:
+        seen: list[Principal] = []
+        tenure = Tenure(principal(1100), seen.append)
+        renewal = Renewal(cast(TokenVerifier, Slow()), here.clock, here.audit)
+        handler = renewal.method(tenure, lambda _principal: True, lambda _reason: None)[REFRESH]
+        with here.tenures.holding(tenure, Connection()):
+            renewing = asyncio.ensure_future(handler({"token": "x.y.z"}))
+            await asked.wait()
+            here.at(1100)
+            known.set()
+            assert (await renewing).result.return_code == "BAD_PARAMETER"
+    assert [(p.subject, p.roles) for p in seen] == [("alice", frozenset())]
+    assert tenure.principal.roles == frozenset()
 
 
 async def test_a_new_token_on_the_same_connection(tmp_path: Path) -> None:
