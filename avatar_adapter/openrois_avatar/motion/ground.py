@@ -95,7 +95,8 @@ class Ground:
         across = way[:, :1] * corners[:, 1] - way[:, 1:] * corners[:, 0]
         along = way @ corners.T
         near = (np.abs(across) < self.radius) & (along > 0) & (along < length)
-        return ~np.asarray((near | self._crossed(across, start, ends)).any(axis=1))
+        # Where there is no way to go nothing can stand in it, whatever such small numbers say.
+        return ~np.asarray((near | self._crossed(across, start, ends)).any(axis=1)) | (length[:, 0] < _SAME)
 
     def sees(self, start: Numbers, ends: Numbers) -> Truths:
         """Tell from a point (2,) to which points (n, 2) no edge is in between, however near."""

@@ -70,6 +70,12 @@ def test_odd_obstacles_are_passed_round(obstacle: tuple[Point, ...]) -> None:
     assert len(ground.bends) >= 6
 
 
+def test_a_way_of_no_length_is_open() -> None:
+    least = 2.0788208382018698e-64
+    start, end = array((0, least), (least, 0))
+    assert Ground(Floor(SQUARE, ()), RADIUS).open(start, end[None])[0]
+
+
 @given(floors(), points(), points())
 @settings(max_examples=80, deadline=None)
 def test_what_is_open_has_room_all_along(floor: Floor, start: Point, end: Point) -> None:
