@@ -1,0 +1,48 @@
+"""What was told before a new token showed less: nobody may ask about it any more."""
+
+import asyncio
+import json
+from typing import Any
+
+from openrois.application import EngineHost
+from openrois.engine import Engine
+from openrois.gateway.tenure import Tenure
+from openrois.registry import LocalRegistry
+from openrois.tasks import TaskScope
+from tests.support.authorization import Place, principal
+from tests.support.components import Lamp
+
+LAMP = "robot/lamp"
+
+
+async def test_events_errors_and_results_are_of_those_that_are_shown() -> None:
+    engine, tenure = Engine("gateway"), Tenure(principal("operator", "*"))
+    await engine.attach(LocalRegistry("robot", (Lamp(), Lamp("other"))))
+    async with TaskScope() as tasks, Place(EngineHost(engine, tasks), {}).application(tenure) as app:
+
+        async def run(command_type: str, told: str) -> dict[str, Any]:
+            """Run a command to its end, and return what is told meanwhile, whichever comes first."""
+            unit = {"component_ref": LAMP, "command_type": command_type, "command_id": command_type}
+            assert await app.code("rois.command.execute", {"command_unit_list": [unit]}) == "OK"
+            heard: dict[str, dict[str, Any]] = {}
+            async with asyncio.timeout(30):
+                while not {told, "rois.command.completed"} <= heard.keys():
+                    frame = json.loads(app.frames.pop(0) if app.frames else await app.stream.receive())
+                    heard[frame["method"]] = frame["params"]
+            return heard[told]
+
+        assert await app.code("rois.command.bind", {"component_ref": LAMP}) == "OK"
+        subscribed = {"event_type": "switched", "condition": f"component_ref = '{LAMP}'"}
+        assert await app.code("rois.event.subscribe", subscribed) == "OK"
+        event = await run("switch", "rois.event.notify_event")
+        error = await run("crash", "rois.system.notify_error")
+        asked = [
+            ("rois.event.get_event_detail", {"event_id": event["event_id"]}),
+            ("rois.system.get_error_detail", {"error_id": error["error_id"]}),
+            ("rois.command.get_command_result", {"command_id": "switch"}),
+        ]
+        assert [await app.code(*call) for call in asked] == ["OK"] * 3
+        tenure.replace(principal("operator", "robot/other"))
+        assert [await app.code(*call) for call in asked] == ["BAD_PARAMETER"] * 3
+        tenure.replace(principal("operator", "robot/l*"))
+        assert [await app.code(*call) for call in asked] == ["OK"] * 3
