@@ -46,3 +46,26 @@ async def test_events_errors_and_results_are_of_those_that_are_shown() -> None:
         assert [await app.code(*call) for call in asked] == ["BAD_PARAMETER"] * 3
         tenure.replace(principal("operator", "robot/l*"))
         assert [await app.code(*call) for call in asked] == ["OK"] * 3
+
+
+async def test_what_waits_for_its_turn_is_not_run_for_a_successor_that_is_shown_less() -> None:
+    engine, lamp, turn = Engine("gateway"), Lamp(), asyncio.Event()
+
+    async def sleep(_seconds: float) -> None:
+        await turn.wait()
+
+    await engine.attach(LocalRegistry("robot", (lamp, Lamp("other"))))
+    async with TaskScope() as tasks:
+        here = Place(EngineHost(engine, tasks, sleep=sleep), {})
+        async with here.application(principal("operator", "*")) as former:
+            token = (await former.result("openrois.lease.token", {}))["token"]
+            assert await former.code("rois.command.bind", {"component_ref": LAMP}) == "OK"
+            unit = {"component_ref": LAMP, "command_type": "switch", "command_id": "c", "delay_time": 5}
+            assert await former.code("rois.command.execute", {"command_unit_list": [unit]}) == "OK"
+            await former.stream.close(1006)
+        async with here.application(principal("operator", "robot/other")) as successor:
+            resumed = {"token": token, "command_ids": ["c"]}
+            assert await successor.code("openrois.lease.resume", resumed) == "OK"
+            turn.set()
+            assert await successor.completed("c") == "ERROR"
+    assert lamp.total == 0
