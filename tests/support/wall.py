@@ -50,7 +50,7 @@ def _with_default() -> list[FunctionType]:
     return [
         each
         for each in gc.get_objects()
-        if isinstance(each, FunctionType)
+        if type(each) is FunctionType  # `isinstance` asks a weak proxy, which may be of something that is gone
         and (each.__module__ or "").startswith(_OURS)
         and each.__module__ in sys.modules
         and _REAL in (*(each.__defaults__ or ()), *(each.__kwdefaults__ or {}).values())
