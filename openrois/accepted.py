@@ -48,9 +48,14 @@ class AcceptedCommand:
 
 
 class AcceptedCommands:
-    """The commands of one engine."""
+    """The commands of one engine.
+
+    Attributes:
+        stops: how the stops will end that are to begin, by their component.
+    """
 
     def __init__(self) -> None:
+        self.stops: dict[str, asyncio.Future[str]] = {}
         self._by_component: dict[str, set[AcceptedCommand]] = {}
         self._sequences = 0
 

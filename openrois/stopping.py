@@ -3,11 +3,13 @@
 import asyncio
 import logging
 from collections.abc import Iterable
+from functools import partial
 from typing import Final
 
 from openrois.accepted import AcceptedCommands
 from openrois.engine import Engine
 from openrois.errors import RoISError
+from openrois.tasks import TaskScope
 
 __all__ = ["STOP_TIMEOUT", "stop_components"]
 
@@ -18,25 +20,38 @@ STOP_TIMEOUT: Final = 1.0
 
 
 async def stop_components(
-    engine: Engine, accepted: AcceptedCommands, component_refs: Iterable[str], reason: str
+    engine: Engine, accepted: AcceptedCommands, tasks: TaskScope, component_refs: Iterable[str], reason: str
 ) -> dict[str, str]:
-    """Stop components side by side.
+    """Stop components side by side; what is asked for several times before it has begun is done once.
 
     Args:
         engine: where they are.
         accepted: the commands that may run on them.
+        tasks: owns the stops, which go on when whoever asked for them is gone.
         component_refs: the components; what has no command `stop` has only its commands ended.
         reason: a sentence for whoever sent those commands.
 
     Returns:
         Why a component did not say that it has stopped, by its reference; empty text where it did.
     """
-    chosen = tuple(component_refs)
-    outcomes = await asyncio.gather(*(_stop(engine, accepted, ref, reason) for ref in chosen))
-    return dict(zip(chosen, outcomes, strict=True))
+    outcomes: dict[str, asyncio.Future[str]] = {}
+    for ref in component_refs:
+        if ref not in accepted.stops:
+            outcome = asyncio.get_running_loop().create_future()
+            stopping = tasks.start(_stop(engine, accepted, ref, reason, outcome))
+            stopping.add_done_callback(partial(_give_up, outcome))
+            accepted.stops[ref] = outcome
+        outcomes[ref] = accepted.stops[ref]
+    if outcomes:
+        await asyncio.wait(outcomes.values())
+    return {ref: outcome.result() for ref, outcome in outcomes.items()}
 
 
-async def _stop(engine: Engine, accepted: AcceptedCommands, component_ref: str, reason: str) -> str:
+async def _stop(
+    engine: Engine, accepted: AcceptedCommands, component_ref: str, reason: str, outcome: asyncio.Future[str]
+) -> None:
+    # Whoever asks from now on needs another one: a command may have begun meanwhile.
+    del accepted.stops[component_ref]
     failure = ""
     for command in accepted.of(component_ref):
         command.stopping = reason
@@ -52,6 +67,12 @@ async def _stop(engine: Engine, accepted: AcceptedCommands, component_ref: str, 
     finally:
         for command in accepted.of(component_ref):
             command.abort(reason)
+    outcome.set_result(failure)
     if failure:
         _log.warning("%s did not confirm that it has stopped: %s", component_ref, failure)
-    return failure
+
+
+def _give_up(outcome: asyncio.Future[str], _task: asyncio.Task[None]) -> None:
+    """Let nobody wait for what failed, or was cancelled."""
+    if not outcome.done():
+        outcome.set_result("the engine could not stop it")

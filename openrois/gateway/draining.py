@@ -76,7 +76,7 @@ class Drain:
             for command in (command for ref in busy for command in host.accepted.of(ref)):
                 # Before the component says that it was stopped: why it was is worth more.
                 command.abort(RESTARTS)
-            await stop_components(host.engine, host.accepted, busy, RESTARTS)
+            await stop_components(host.engine, host.accepted, host.tasks, busy, RESTARTS)
             await self._until_idle(_LAST_WORDS)
         applications = host.traffic.sessions("application")
         spread = min(len(applications) / PER_SECOND, MOST)

@@ -1,6 +1,5 @@
 """`openrois.stop_all`: everything that acts on an engine stops, for whoever controls a part of it."""
 
-import asyncio
 from typing import Final
 
 from openrois.application import ApplicationSession
@@ -25,13 +24,7 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
         for engine_id in sorted({engine_of(ref) for ref in refs}):
             app.host.audit.acted(app.principal, _METHOD, engine_id)
         reason = f"everything was stopped by {app.principal.subject}"
-        failures: dict[str, str] = {}
-
-        async def stop() -> None:
-            failures.update(await stop_components(app.host.engine, app.host.accepted, refs, reason))
-
-        # It goes on when whoever asked for it is gone meanwhile.
-        await asyncio.wait({app.host.tasks.start(stop())})
+        failures = await stop_components(app.host.engine, app.host.accepted, app.host.tasks, refs, reason)
         shown = [ref for ref in refs if app.engine.sees(ref)]
         failed = {ref: failures[ref] for ref in shown if failures[ref]}
         stopped = tuple(ref for ref in shown if ref not in failed)

@@ -229,7 +229,7 @@ class LeaseKeeper:
             if before is not None:
                 await asyncio.wait({before})
             reason = f"{component_ref} is {holder.principal.subject}'s now: {SENTENCES[why]}"
-            await stop_components(self._engine, self._accepted, (component_ref,), reason)
+            await stop_components(self._engine, self._accepted, self._tasks, (component_ref,), reason)
         finally:
             if self._clearing.get(component_ref) is asyncio.current_task():
                 del self._clearing[component_ref]

@@ -52,7 +52,7 @@ class RemoteExtension:
         ask: asks the other side and returns the result as it came; one that comes after the asking was given up goes to
             its third argument.
         post: asks the other side and drops the answer.
-        notify: tells the other side.
+        notify: tells the other side; `dispensable` what it has been told already, and need not be told in a crowd.
         is_theirs: tells whether a reference or id belongs to an engine of the other side.
     """
 
@@ -60,7 +60,7 @@ class RemoteExtension:
         self,
         ask: Callable[[str, Mapping[str, Any], Callable[[Any], None]], Awaitable[Any]],
         post: Callable[[str, Mapping[str, Any]], None],
-        notify: Callable[[str, Mapping[str, Any]], None],
+        notify: Callable[..., None],
         is_theirs: Callable[[str], bool],
     ) -> None:
         self._ask = ask
@@ -70,6 +70,7 @@ class RemoteExtension:
         self._engines: frozenset[str] = frozenset()
         self._clients: dict[str, Client] = {}
         self._ids: dict[Client, str] = {}
+        self._holders: dict[str, Mapping[str, Any]] = {}
         self._foreign = Tally(_log, "notifications that name a reference or id of another engine")
 
     def engines(self) -> frozenset[str]:
@@ -104,8 +105,13 @@ class RemoteExtension:
         if client_id is None and params["holds"]:
             client_id = self._free_id(client)
             self._note(client, client_id)
-        if client_id is not None:
-            self._notify(HolderNotification.method, {**params, "client_id": client_id})
+        if client_id is None:
+            return
+        told = {**params, "client_id": client_id}
+        repeated = self._holders.pop(params["component_ref"], None) == told
+        if params["holds"]:
+            self._holders[params["component_ref"]] = told
+        self._notify(HolderNotification.method, told, dispensable=repeated)
 
     def _note(self, client: Client, client_id: str) -> None:
         self._clients[client_id] = client
@@ -124,6 +130,7 @@ class RemoteExtension:
         client_id = self._ids.pop(client, None)
         if client_id is not None:
             del self._clients[client_id]
+            self._holders = {ref: told for ref, told in self._holders.items() if told["client_id"] != client_id}
             self._notify(CLIENT_GONE, {"client_id": client_id})
 
     def notifications(self) -> dict[str, NotificationHandler]:
@@ -147,3 +154,4 @@ class RemoteExtension:
         """Forget the applications: the other side is gone."""
         self._clients.clear()
         self._ids.clear()
+        self._holders.clear()

@@ -29,6 +29,7 @@ from openrois.remote.claims import Claims
 from openrois.remote.commands import RemoteCommand, RemoteCommands
 from openrois.remote.extension import RemoteExtension
 from openrois.remote.faults import RemoteFaults
+from openrois.remote.stops import SharedStops
 from openrois.remote.subscriptions import SharedSubscriptions
 from openrois.tasks import TaskScope
 from openrois.types.codes import CompletedStatus
@@ -76,7 +77,7 @@ class RemoteProxy:
     Args:
         session: the connection. Its `notifications` have to hold this proxy's `notifications()`.
         profile_changed: called when the other side says that its tree changed; must not block.
-        tasks: owns the questions that follow from what the other side tells.
+        tasks: owns the questions that follow from what the other side tells, and stops that several wait for.
 
     Attributes:
         accepts: raises `BadParameter` where the other side may not offer what it does.
@@ -92,8 +93,9 @@ class RemoteProxy:
         self._remote_extension = RemoteExtension(
             self._asking.ask_unread, session.post, session.notify, self._claims.is_own
         )
-        self._faults = RemoteFaults(self._error_details, self._claims, tasks)
+        self._faults = RemoteFaults(partial(_error_details, self._asking), self._claims, tasks)
         self._commands = RemoteCommands()
+        self._stops = SharedStops(lambda ref, accepted: self._run(ref, "stop", (), accepted), tasks)
         self._subscriptions = SharedSubscriptions(self._subscribe, self._unsubscribe, self._drop_subscription)
         self._strays = Tally(_log, "events that do not fit their subscription")
         self._plain = False
@@ -119,10 +121,6 @@ class RemoteProxy:
     @on_fault.setter
     def on_fault(self, on_fault: OnFault) -> None:
         self._faults.on_fault = on_fault
-
-    async def _error_details(self, error_id: str) -> ResultsResult:
-        params = {"error_id": error_id, "condition": ""}
-        return await self._asking.ask("rois.system.get_error_detail", params, ResultsResult)
 
     @property
     def engine_ids(self) -> tuple[str, ...]:
@@ -178,14 +176,29 @@ class RemoteProxy:
     async def invoke(
         self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = ()
     ) -> tuple[Result, ...]:
-        """Run a command and wait until the other side says that it has ended."""
+        """Run a command and wait until the other side says that it has ended; a `stop` may be shared with others."""
+        if not is_stop(command_type):
+            return await self._run(component_ref, command_type, arguments)
+        self._commands.stop(component_ref)
+        if arguments:
+            # Not everybody's: it waits for room as any other.
+            return await self._run(component_ref, command_type, arguments)
+        return await self._stops.join(component_ref)
+
+    async def _run(
+        self,
+        component_ref: str,
+        command_type: str,
+        arguments: tuple[Argument, ...],
+        accepted: Callable[[], None] | None = None,
+    ) -> tuple[Result, ...]:
+        """Run a command; one whose acceptance somebody wants to hear of is urgent."""
         command = RemoteCommand(component_ref)
         command_id = secrets.token_hex(16)
-        stops = is_stop(command_type)
-        if stops:
-            self._commands.stop(component_ref)
         self._commands.wait(command)
         try:
+            if accepted is None:
+                await self._stops.sent(component_ref)
             if command_type == "set_parameter":
                 command_id = await self._set_parameter(component_ref, arguments, command)
             else:
@@ -200,9 +213,11 @@ class RemoteProxy:
                     "rois.command.execute",
                     ExecuteParams(command_unit_list=(unit,)),
                     ReturnResult,
-                    urgent=stops,
+                    urgent=accepted is not None,
                     before=partial(self._commands.send, command),
                 )
+            if accepted is not None:
+                accepted()
             # The component's own engine ends it in time, and can say more about it; some do not.
             promised = self._claims.seconds_for(component_ref, command_type)
             async with asyncio.timeout(None if promised is None else promised + self._session.call_timeout):
@@ -306,6 +321,11 @@ class RemoteProxy:
         self._claims.note(component_ref, "event", event_type, told.results)
         event = Event(told.event_id, event_type, component_ref, told.expire, told.results)
         self._subscriptions.emit(key, event)
+
+
+async def _error_details(asking: Asking, error_id: str) -> ResultsResult:
+    params = {"error_id": error_id, "condition": ""}
+    return await asking.ask("rois.system.get_error_detail", params, ResultsResult)
 
 
 def _failure(status: CompletedStatus, message: str) -> RoISError:

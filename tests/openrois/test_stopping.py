@@ -11,6 +11,7 @@ from openrois.component import Component
 from openrois.engine import Engine
 from openrois.registry import LocalRegistry
 from openrois.stopping import STOP_TIMEOUT, stop_components
+from openrois.tasks import TaskScope
 
 
 class Deaf(Component, authority="Test", function="actuation"):
@@ -27,5 +28,33 @@ async def test_what_does_not_answer_is_not_waited_for(monkeypatch: pytest.Monkey
     engine = Engine("robot")
     await engine.attach(LocalRegistry("robot", [Deaf("arm"), Deaf("leg")]))
     refs = ("robot/arm", "robot/leg", "robot/none")
-    failures = await stop_components(engine, AcceptedCommands(), refs, "everything stops")
+    async with TaskScope() as tasks:
+        failures = await stop_components(engine, AcceptedCommands(), tasks, refs, "everything stops")
     assert failures == {**dict.fromkeys(refs[:2], "no answer within 0.001 s"), "robot/none": ""}
+
+
+async def test_what_several_ask_for_before_it_has_begun_is_done_once_and_goes_on_without_them() -> None:
+    engine, begun = Engine("robot"), asyncio.Semaphore(0)
+
+    class Arm(Component, authority="Test", function="actuation"):
+        @command
+        async def stop(self) -> None:
+            begun.release()
+
+    await engine.attach(LocalRegistry("robot", [Arm("arm")]))
+    async with TaskScope() as tasks:
+        accepted = AcceptedCommands()
+
+        def ask() -> asyncio.Future[dict[str, str]]:
+            return asyncio.ensure_future(stop_components(engine, accepted, tasks, ("robot/arm",), "everything stops"))
+
+        assert await asyncio.gather(*(ask() for _ in range(3))) == [{"robot/arm": ""}] * 3
+        await begun.acquire()
+        assert begun.locked()
+        gone = ask()
+        await asyncio.sleep(0)
+        gone.cancel()
+        assert await ask() == {"robot/arm": ""}
+        await begun.acquire()
+        assert not accepted.stops
+        assert await stop_components(engine, accepted, tasks, (), "nothing stops") == {}

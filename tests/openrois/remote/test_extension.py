@@ -19,14 +19,19 @@ class OtherSide:
         self.asked: list[tuple[str, dict[str, Any]]] = []
         self.posted: list[tuple[str, dict[str, Any]]] = []
         self.told: list[tuple[str, dict[str, Any]]] = []
+        self.dispensable: list[bool] = []
         self.answer: Any = {"return_code": "OK"}
         self.too_late: Callable[[Any], None] = lambda _result: None
         self.extension = RemoteExtension(
             self._ask,
             lambda name, params: self.posted.append((name, dict(params))),
-            lambda name, params: self.told.append((name, dict(params))),
+            self._notify,
             lambda reference: reference.startswith("robot/"),
         )
+
+    def _notify(self, name: str, params: Mapping[str, Any], *, dispensable: bool = False) -> None:
+        self.told.append((name, dict(params)))
+        self.dispensable.append(dispensable)
 
     async def _ask(self, name: str, params: Mapping[str, Any], too_late: Callable[[Any], None]) -> Any:
         self.asked.append((name, dict(params)))
@@ -166,3 +171,22 @@ async def test_who_holds_a_component_is_told_and_named_again_in_the_end(other: O
         ("openrois.holder", {**held, "holds": False, "client_id": "ann"}),
         ("openrois.client_gone", {"client_id": "ann"}),
     ]
+
+
+async def test_only_what_was_told_already_need_not_be_told_in_a_crowd(other: OtherSide) -> None:
+    ann, bob = Heard().client("ann"), Heard().client("bob")
+
+    async def tell(client: Client, epoch: int, *, holds: bool = True) -> bool:
+        held = {"component_ref": "robot/lamp", "holds": holds, "epoch": epoch}
+        await other.extension.call("openrois.holder", held, client)
+        return other.dispensable[-1]
+
+    assert [await tell(ann, 1) for _ in range(3)] == [False, True, True]
+    assert not await tell(bob, 2)
+    assert await tell(bob, 2)
+    assert not await tell(bob, 2, holds=False)
+    assert not await tell(bob, 2)
+    await other.extension.forget(bob)
+    assert not await tell(bob, 2)
+    other.extension.lost()
+    assert not await tell(bob, 2)
