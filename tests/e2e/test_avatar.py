@@ -111,6 +111,7 @@ async def test_it_looks_where_the_picture_is_clicked(guest: Visit) -> None:
     assert await guest.until(f"probe.watched.eyes.filter(({{ away }}) => away > {_MOVED}).length > 10")
 
 
+@pytest.mark.long
 async def test_a_crashed_game_engine_leaves_its_picture_and_comes_back(guest: Visit, avatar: Demo) -> None:
     await guest.status("video", "RUNNING")
     stream_id = await guest.stream_id("video")

@@ -74,6 +74,7 @@ async def test_every_component_does_what_it_is_for(browser: Browser, avatar: Dem
         await _drive(visit)
 
 
+@pytest.mark.long
 async def test_a_page_that_is_reloaded_in_the_middle_goes_on_with_a_new_life(browser: Browser, avatar: Demo) -> None:
     async with visiting(browser, avatar.page) as visit:
         await meet(visit)

@@ -75,6 +75,7 @@ async def test_the_tab_key_goes_everywhere_in_the_order_in_which_one_reads(guest
     assert await _tab(guest.page, len(order)) == order
 
 
+@pytest.mark.long
 async def test_all_is_done_without_a_mouse(guest: Visit) -> None:
     keyboard = guest.page.keyboard
     await keyboard.press("Tab")
@@ -137,6 +138,7 @@ async def test_light_and_dark_are_remembered(guest: Visit) -> None:
     assert await guest.read(background) != light
 
 
+@pytest.mark.long
 async def test_the_puppet_lives_too(guest: Visit) -> None:
     await guest.watch("picture", 0.0, 0.0, 1.0, 0.94)
     speech = await speak(guest, "Hello, I am the puppet.")

@@ -56,6 +56,7 @@ async def test_a_killed_gateway_is_named_and_found_again(visit: Visit, demo: Dem
     assert await visit.longest_gap() < 1500
 
 
+@pytest.mark.long
 async def test_a_suspended_picture_comes_back_suspended(visit: Visit, demo: Demo) -> None:
     await visit.plays()
     await visit.status("video", "RUNNING")

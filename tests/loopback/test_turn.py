@@ -98,6 +98,7 @@ async def test_a_server_that_dies_ends_the_peer_connection_with_a_reason(turn: T
 
 
 @pytest.mark.browser
+@pytest.mark.long
 async def test_a_browser_and_the_engine_meet_at_their_relays(turn: Turn, chromium: Path) -> None:
     servers = [turn.server(time.time() + 60)]
     async with (
