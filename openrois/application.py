@@ -15,7 +15,8 @@ from typing import Any, Final, cast
 from openrois.accepted import AcceptedCommands
 from openrois.access.principal import LOCAL, Principal
 from openrois.audit import Audit
-from openrois.command_log import MAX_RUNNING, MAX_UNFINISHED, CommandBudget, CommandLog
+from openrois.command_budget import MAX_UNFINISHED, MAX_UNFINISHED_TEXT, CommandBudget
+from openrois.command_log import MAX_RUNNING, MAX_RUNNING_TEXT, CommandLog
 from openrois.contract import Client, Fault
 from openrois.engine import Engine
 from openrois.error_log import ErrorLog
@@ -63,7 +64,7 @@ class EngineHost:
         tasks: owns the commands; they go on when the application that started them is gone.
         leases: who holds which component.
         shown: what applications are shown of the engine.
-        commands: how many commands are accepted and not finished.
+        commands: what the commands take that are accepted and not finished.
         sleep: waits for some seconds, between the commands of a sequence.
         wall_clock: epoch seconds.
         ice_servers: what an end of a stream may use, as the W3C's RTCIceServer objects; given who it is for.
@@ -156,7 +157,8 @@ class ApplicationSession:
         self.engine = VisibleEngine(host.engine, principal, host.shown)
         self.trusted = trusted
         # A parent speaks for many applications: the share of one is kept where they are known apart.
-        self.commands = CommandLog(time.monotonic, host.commands, MAX_UNFINISHED if trusted else MAX_RUNNING)
+        own = (MAX_UNFINISHED, MAX_UNFINISHED_TEXT) if trusted else (MAX_RUNNING, MAX_RUNNING_TEXT)
+        self.commands = CommandLog(time.monotonic, host.commands, *own)
         self.events = EventLog(host.engine, notify, wall_clock=host.wall_clock)
         self.errors = ErrorLog()
         self.bound: set[str] = set()
@@ -202,6 +204,11 @@ class ApplicationSession:
         if streams:
             self.host.tasks.start(end_streams(self.host.engine, streams, self.client))
         self.host.tasks.start(self.events.drop(claims.loses_subscription))
+
+    @property
+    def sharer(self) -> str | None:
+        """Against whose share commands count; None for a parent, and where nobody has to prove who it is."""
+        return None if self.trusted or self.principal is LOCAL else self.principal.subject
 
     def may_operate(self, component_ref: str) -> bool:
         """Tell whether this session may change what the component does."""

@@ -4,21 +4,22 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from openrois.errors import BadParameter, OutOfResources
+from openrois.command_budget import AcceptedTogether, Allowance, CommandBudget
+from openrois.errors import BadParameter
 from openrois.remembered import Remembered
 from openrois.types.codes import CompletedStatus
 from openrois.types.messages import Result
 
-__all__ = ["MAX_ID", "MAX_RUNNING", "MAX_UNFINISHED", "STOP_RESERVE", "CommandBudget", "CommandLog"]
+__all__ = ["MAX_ID", "MAX_RUNNING", "MAX_RUNNING_TEXT", "STOP_RESERVE", "CommandLog"]
 
 MAX_FINISHED: Final = 4096
 MAX_RUNNING: Final = 1024
+MAX_RUNNING_TEXT: Final = 8 * 1024 * 1024
+"""Bytes that are kept of the commands of one application that have not finished."""
 MAX_ID: Final = 1024
 """Characters of an id: those of unfinished commands are kept, however many applications choose them."""
-MAX_UNFINISHED: Final = 16_384
-"""Commands of all applications, those that are gone included: what they started goes on, however long that takes."""
 STOP_RESERVE: Final = 64
-"""Commands `stop` of one application that may run beyond both limits: a flood must not keep what it started going."""
+"""Commands `stop` of one application that may run beyond all limits: a flood must not keep what it started going."""
 RECENT: Final = 10.0
 """Seconds for which a command counts as being on its component after its end: news of what went wrong takes time."""
 
@@ -32,33 +33,6 @@ class _Finished:
     reason: str
 
 
-class CommandBudget:
-    """How many commands of an engine are accepted and not finished yet, whoever started them."""
-
-    def __init__(self, most: int = MAX_UNFINISHED) -> None:
-        self.most = most
-        self._left = most
-
-    @property
-    def taken(self) -> int:
-        """How many are accepted and not finished."""
-        return self.most - self._left
-
-    def take(self, count: int, beyond: int = 0) -> None:
-        """Count commands that are accepted, where there are enough left or `beyond` so many.
-
-        Raises:
-            OutOfResources: they are too many.
-        """
-        if count > self._left + beyond:
-            raise OutOfResources("the engine has as many unfinished commands as it takes")
-        self._left -= count
-
-    def give_back(self) -> None:
-        """Count one that is finished."""
-        self._left += 1
-
-
 class CommandLog:
     """Command ids belong to the application that chose them: two applications may use the same one.
 
@@ -66,32 +40,43 @@ class CommandLog:
         clock: monotonic seconds.
         budget: shared by all applications of the engine.
         most_running: how many of it this one may use; so many results are remembered, too, as all may end at once.
+        most_text: bytes of it that may be kept of this one's commands.
     """
 
-    def __init__(self, clock: Callable[[], float], budget: CommandBudget, most_running: int = MAX_RUNNING) -> None:
+    def __init__(
+        self,
+        clock: Callable[[], float],
+        budget: CommandBudget,
+        most_running: int = MAX_RUNNING,
+        most_text: int = MAX_RUNNING_TEXT,
+    ) -> None:
         self._clock = clock
         self._budget = budget
-        self._most_running = most_running
+        self._own = Allowance("one application", most_running, most_text)
         self._running: dict[str, str] = {}
+        self._together: dict[str, AcceptedTogether] = {}
         self._finished: Remembered[_Finished] = Remembered(max(MAX_FINISHED, most_running))
 
     def __contains__(self, command_id: str) -> bool:
         return command_id in self._running or command_id in self._finished
 
-    def accept(self, commands: Mapping[str, str], beyond: int = 0) -> None:
+    def accept(
+        self, commands: Mapping[str, str], beyond: int = 0, *, text: int = 0, subject: str | None = None
+    ) -> None:
         """Note commands as running, all or none.
 
         Args:
             commands: the component_ref of each, by command_id.
             beyond: how many more than usual may run: for what ends others.
+            text: bytes that are kept until the last of them has finished.
+            subject: whose share they count against; None for somebody who may take all there is.
 
         Raises:
-            OutOfResources: more commands would run than are allowed.
+            OutOfResources: more commands would run than are allowed, or more would be kept of them.
         """
-        if len(self._running) + len(commands) > self._most_running + beyond:
-            raise OutOfResources(f"at most {self._most_running} commands of one application run at a time")
-        self._budget.take(len(commands), beyond)
+        together = self._budget.take(self._own, len(commands), text, subject, beyond)
         self._running.update(commands)
+        self._together.update(dict.fromkeys(commands, together))
 
     def finish(
         self,
@@ -102,7 +87,7 @@ class CommandLog:
     ) -> None:
         """Note how a running command has finished; the oldest of too many finished ones is forgotten."""
         component_ref = self._running.pop(command_id)
-        self._budget.give_back()
+        self._together.pop(command_id).end_one()
         self._finished.put(command_id, _Finished(component_ref, self._clock(), results, status, reason), results)
 
     def results(self, command_id: str, sees: Callable[[str], bool] = lambda _component_ref: True) -> tuple[Result, ...]:

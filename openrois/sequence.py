@@ -1,13 +1,17 @@
 """Running a command unit sequence: one item after another, the commands of a concurrent item side by side."""
 
 import asyncio
+import sys
 from collections.abc import Awaitable, Callable, Sequence
 from typing import Final
 
 from openrois.types.codes import CompletedStatus
 from openrois.types.messages import CommandUnit, ConcurrentCommands, SequenceItem
 
-__all__ = ["commands_of", "run_sequence"]
+__all__ = ["OVERHEAD", "commands_of", "run_sequence", "size_of"]
+
+OVERHEAD: Final = 512
+"""Bytes that an item, a command or an argument takes beside its texts: very many empty ones fill a memory, too."""
 
 _MILLISECOND: Final = 0.001
 
@@ -15,6 +19,17 @@ _MILLISECOND: Final = 0.001
 def commands_of(items: Sequence[SequenceItem]) -> list[CommandUnit]:
     """Return every command of a sequence, in order."""
     return [unit for item in items for unit in (item.command_list if isinstance(item, ConcurrentCommands) else (item,))]
+
+
+def size_of(items: Sequence[SequenceItem]) -> int:
+    """Return how many bytes a sequence takes as long as it is kept."""
+    size = OVERHEAD * len(items)
+    for unit in commands_of(items):
+        size += OVERHEAD * (1 + len(unit.arguments))
+        size += sum(map(sys.getsizeof, (unit.component_ref, unit.command_type, unit.command_id)))
+        for argument in unit.arguments:
+            size += sum(map(sys.getsizeof, (argument.name, argument.data_type_ref, argument.value)))
+    return size
 
 
 async def run_sequence(

@@ -106,6 +106,18 @@ GATEWAY: Final[tuple[Figure[EngineHost], ...]] = (
         lambda h: h.commands.most,
     ),
     Figure(
+        "openrois_gateway_unfinished_command_bytes",
+        "gauge",
+        "Bytes that are kept of unfinished commands.",
+        lambda h: h.commands.text,
+    ),
+    Figure(
+        "openrois_gateway_unfinished_command_bytes_limit",
+        "gauge",
+        "Bytes that may be kept of unfinished commands.",
+        lambda h: h.commands.most_text,
+    ),
+    Figure(
         "openrois_gateway_leases",
         "gauge",
         "Components that somebody holds.",

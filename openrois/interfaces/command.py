@@ -19,7 +19,7 @@ from openrois.interfaces.former_command import former_command
 from openrois.interfaces.operation import operation
 from openrois.interfaces.selection import COMPONENT_PROPERTIES, matching
 from openrois.jsonrpc.session import Handler, Reply
-from openrois.sequence import commands_of, run_sequence
+from openrois.sequence import commands_of, run_sequence, size_of
 from openrois.types.codes import CompletedStatus, ComponentFunction
 from openrois.types.messages import (
     Argument,
@@ -34,6 +34,7 @@ from openrois.types.messages import (
     ResultsResult,
     ReturnResult,
     SearchResult,
+    SequenceItem,
     SetParameterParams,
     SetParameterResult,
 )
@@ -136,7 +137,7 @@ class _Commands:
             arguments=tuple(Argument.model_validate(p.model_dump()) for p in params.parameters),
         )
         self._check_operable(unit)
-        await self._accept((unit,))
+        await self._accept((unit,), (unit,))
         return Reply(
             SetParameterResult(command_id=unit.command_id),
             lambda: self._start(ExecuteParams(command_unit_list=(unit,))),
@@ -150,13 +151,14 @@ class _Commands:
         for unit in units:
             self._check_operable(unit)
             self._check_id(unit.command_id, seen)
-        await self._accept(units)
+        await self._accept(params.command_unit_list, units)
         return Reply(ReturnResult(), lambda: self._start(params))
 
-    async def _accept(self, units: Sequence[CommandUnit]) -> None:
+    async def _accept(self, items: Sequence[SequenceItem], units: Sequence[CommandUnit]) -> None:
         app = self._app
         commands = {unit.command_id: unit.component_ref for unit in units}
-        app.commands.accept(commands, STOP_RESERVE if all(is_stop(unit.command_type) for unit in units) else 0)
+        beyond = STOP_RESERVE if all(is_stop(unit.command_type) for unit in units) else 0
+        app.commands.accept(commands, beyond, text=size_of(items), subject=app.sharer)
         sequence = app.host.accepted.next_sequence()
         self._sequences |= dict.fromkeys(commands, _Sequence(len(units)))
         for unit in units:

@@ -15,7 +15,7 @@ from openrois_streaming.input import reader
 from openrois_streaming.input.messages import MESSAGE_LIMIT
 from openrois_streaming.sessions import SESSIONS_LIMIT
 
-from openrois import command_log, condition, engine, error_log, event_log, faults, registry, remembered
+from openrois import command_budget, command_log, condition, engine, error_log, event_log, faults, registry, remembered
 from openrois.access import claims, jwks, keys
 from openrois.application import EngineHost
 from openrois.errors import OutOfResources
@@ -42,6 +42,7 @@ TRANSPORT = "tests/conformance/test_transport.py"
 PLACES = "tests/openrois/gateway/test_places.py"
 HEADS = "tests/openrois/gateway/test_heads.py"
 FLOOD = "tests/conformance/test_flood.py"
+BUDGET = "tests/openrois/test_command_budget.py"
 INTAKE = "tests/openrois/jsonrpc/test_intake.py"
 
 LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
@@ -169,9 +170,25 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
         (f"{FLOOD}::test_a_stop_is_accepted_when_no_other_command_is",),
     ),
     "components that one application has bound": ((command.MAX_BOUND,), (f"{HERE}::test_bound_components",)),
-    "unfinished commands of all applications, those that are gone included": (
-        (command_log.MAX_UNFINISHED,),
-        (f"{HERE}::test_unfinished_commands_of_all", f"{HERE}::test_those_of_applications_that_are_gone_count"),
+    "unfinished commands of all applications, those that are gone included / of one subject": (
+        (command_budget.MAX_UNFINISHED, command_budget.MAX_OF_SUBJECT),
+        (
+            f"{HERE}::test_unfinished_commands_of_all",
+            f"{HERE}::test_those_of_applications_that_are_gone_count",
+            f"{BUDGET}::test_one_subject_has_a_share",
+        ),
+    ),
+    "what is kept of unfinished commands: of one application / of one subject / of all": (
+        (
+            command_log.MAX_RUNNING_TEXT / MIB,
+            command_budget.MAX_TEXT_OF_SUBJECT / MIB,
+            command_budget.MAX_UNFINISHED_TEXT / MIB,
+        ),
+        (
+            f"{HERE}::test_text_of_commands_that_run",
+            f"{BUDGET}::test_one_subject_has_a_share",
+            f"{HERE}::test_text_of_unfinished_commands_of_all",
+        ),
     ),
     "subscriptions of one application; remembered events": (
         (event_log.MAX_SUBSCRIPTIONS, event_log.MAX_DETAILS, event_log.DETAIL_LIFETIME),
@@ -399,16 +416,41 @@ class TestCommands:
             assert (command_id, answer["return_code"]) == (command_id, code)
 
     async def test_unfinished_commands_of_all(self) -> None:
-        budget = command_log.CommandBudget()
-        budget.take(command_log.MAX_UNFINISHED)
-        with pytest.raises(OutOfResources):
-            budget.take(1)
-        budget.give_back()
-        budget.take(1)
+        budget, own = command_budget.CommandBudget(), command_budget.Allowance("one application", 100_000, 0)
+        taken = budget.take(own, command_budget.MAX_UNFINISHED)
+        with pytest.raises(OutOfResources, match="the engine has at most 16384 unfinished commands"):
+            budget.take(own, 1)
+        taken.end_one()
+        budget.take(own, 1)
+
+    async def test_text_of_unfinished_commands_of_all(self) -> None:
+        most = command_budget.MAX_UNFINISHED_TEXT
+        budget, own = command_budget.CommandBudget(), command_budget.Allowance("one application", 10, 2 * most)
+        taken = budget.take(own, 2, most)
+        for _ in range(2):
+            with pytest.raises(OutOfResources, match=f"at most {most} bytes .* of the engine"):
+                budget.take(own, 1, 1)
+            taken.end_one()
+        budget.take(own, 1, most)
+
+    async def test_text_of_commands_that_run(self, app: wire.Application, host: EngineHost, door: Door) -> None:
+        door.may_answer.clear()
+        how = "x" * (MIB - 2 * KIB)
+        count = command_log.MAX_RUNNING_TEXT // MIB
+        for number in range(count):
+            assert await execute(app, sequence(number, 1, how)) == "OK"
+        assert await execute(app, sequence(count, 1, how)) == "OUT_OF_RESOURCES"
+        assert command_log.MAX_RUNNING_TEXT - MIB < host.commands.text <= command_log.MAX_RUNNING_TEXT
+        assert await execute(app, sequence(count, 1)) == "OK"
+        door.may_answer.set()
+        for _ in range(count + 1):
+            await app.next("rois.command.completed")
+        assert (host.commands.taken, host.commands.text) == (0, 0)
+        assert await execute(app, sequence(count + 1, 1, how)) == "OK"
 
     async def test_those_of_applications_that_are_gone_count(self, host: EngineHost, door: Door) -> None:
         """So nobody can pile up work by coming again and again."""
-        host.commands = command_log.CommandBudget(most=4)
+        host.commands = command_budget.CommandBudget(most=4)
         door.may_answer.clear()
         for _ in range(2):
             async with wire.application(host) as leaving:

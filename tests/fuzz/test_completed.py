@@ -13,7 +13,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from openrois.application import EngineHost
-from openrois.command_log import MAX_UNFINISHED
 from openrois.engine import Engine
 from openrois.gateway.adapters import serve_adapter
 from openrois.gateway.applications import serve_application
@@ -195,7 +194,7 @@ async def play(steps: list[tuple[str, Any]], hops: int) -> None:
         await settle()
         assert Counter(command_id for command_id, _ in app.completed) == Counter(app.accepted.keys())
         assert all(app.accepted[command_id] < at for command_id, at in app.completed)
-        assert gateway.commands._left == below.commands._left == MAX_UNFINISHED
+        assert [(host.commands.taken, host.commands.text) for host in (gateway, below)] == [(0, 0)] * 2
         far.abort()
         await asyncio.wait({serving, reading}, timeout=PATIENCE)
 

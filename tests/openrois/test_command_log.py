@@ -2,7 +2,8 @@
 
 import pytest
 
-from openrois.command_log import MAX_FINISHED, MAX_RUNNING, RECENT, CommandBudget, CommandLog
+from openrois.command_budget import CommandBudget
+from openrois.command_log import MAX_FINISHED, MAX_RUNNING, RECENT, CommandLog
 from openrois.errors import BadParameter, OutOfResources
 from openrois.types.codes import CompletedStatus
 from openrois.types.messages import Result
@@ -80,6 +81,18 @@ def test_the_commands_of_all_applications_are_bounded_all_or_none(clock: Clock) 
         one.accept(on("lamp", "c"))
     one.finish("a", ())
     one.accept(on("lamp", "c"))
+
+
+def test_what_is_kept_of_commands_is_bounded_and_given_back_with_the_last_of_them(clock: Clock) -> None:
+    budget = CommandBudget()
+    log = CommandLog(clock, budget, most_text=10)
+    log.accept(on("lamp", "a", "b"), text=10)
+    for command_id in ("a", "b"):
+        with pytest.raises(OutOfResources, match="at most 10 bytes are kept of the unfinished commands of one appl"):
+            log.accept(on("lamp", "c"), text=1)
+        log.finish(command_id, (), CompletedStatus.ABORT)
+    assert (budget.taken, budget.text) == (0, 0)
+    log.accept(on("lamp", "c"), text=10)
 
 
 def test_a_command_is_on_its_component_until_a_moment_after_its_end(log: CommandLog, clock: Clock) -> None:

@@ -3,9 +3,9 @@
 import asyncio
 from collections.abc import Sequence
 
-from openrois.sequence import commands_of, run_sequence
+from openrois.sequence import OVERHEAD, commands_of, run_sequence, size_of
 from openrois.types.codes import CompletedStatus
-from openrois.types.messages import CommandUnit, ConcurrentCommands, SequenceItem
+from openrois.types.messages import Argument, CommandUnit, ConcurrentCommands, SequenceItem
 
 
 def unit(name: str, delay: int | None = None) -> CommandUnit:
@@ -128,3 +128,18 @@ async def test_an_empty_item_takes_its_delay_and_no_more() -> None:
 def test_commands_in_order() -> None:
     items: Sequence[SequenceItem] = (unit("a"), at_once(unit("b"), unit("c")), at_once(), unit("d"))
     assert [command.command_id for command in commands_of(items)] == ["a", "b", "c", "d"]
+
+
+def test_what_is_kept_of_a_sequence() -> None:
+    """Everything in it counts, and wide characters count as what they take."""
+
+    def told(value: str) -> CommandUnit:
+        argument = Argument(name="how", data_type_ref="string", value=value)
+        return unit("a").model_copy(update={"arguments": (argument,)})
+
+    empty = size_of((told(""),))
+    assert empty > 3 * OVERHEAD
+    assert size_of((told("x" * 1000),)) == empty + 1000
+    assert size_of((told("\N{GRINNING FACE}" * 1000),)) >= empty + 4000
+    assert size_of((at_once(told(""), told("")),)) == 2 * empty - OVERHEAD
+    assert size_of((at_once(), at_once(), told(""))) == empty + 2 * OVERHEAD

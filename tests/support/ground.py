@@ -176,6 +176,7 @@ def _left(host: EngineHost) -> dict[str, object]:
     }
     left = {
         "commands": host.commands.taken,
+        "text of commands": host.commands.text,
         "accepted": host.accepted.components(),
         "leases": held,
         "engines": host.engine.directory.profile.engine_ids()[1:],

@@ -46,7 +46,7 @@ async def idle(host: EngineHost, app: Application) -> bool:
     """Tell whether nothing goes on behind the calls."""
     for _ in range(5):
         await app.ask("rois.system.connect")
-    return len(host.tasks) == 0 and host.commands.taken == 0
+    return len(host.tasks) == 0 and host.commands.taken == 0 and host.commands.text == 0
 
 
 async def test_delays_behind_the_last_command_are_not_waited_for(host: EngineHost, app: Application) -> None:

@@ -1,0 +1,121 @@
+"""What unfinished commands may take: how many they are, and bytes of what is kept of them until they end."""
+
+from collections.abc import Sequence
+from typing import Final
+from weakref import WeakValueDictionary
+
+from openrois.errors import OutOfResources
+
+__all__ = [
+    "MAX_OF_SUBJECT",
+    "MAX_TEXT_OF_SUBJECT",
+    "MAX_UNFINISHED",
+    "MAX_UNFINISHED_TEXT",
+    "STOP_TEXT",
+    "AcceptedTogether",
+    "Allowance",
+    "CommandBudget",
+]
+
+MAX_UNFINISHED: Final = 16_384
+"""Commands of all applications, those that are gone included: what they started goes on, however long that takes."""
+
+MAX_UNFINISHED_TEXT: Final = 64 * 1024 * 1024
+"""Bytes that are kept of them: a command may wait for a day, and its arguments with it."""
+
+MAX_OF_SUBJECT: Final = 4096
+"""Commands of all applications of one subject: whoever comes again and again leaves something to others."""
+
+MAX_TEXT_OF_SUBJECT: Final = 16 * 1024 * 1024
+"""Bytes that are kept of them."""
+
+STOP_TEXT: Final = 16 * 1024
+"""Bytes that may be kept beyond of each command that may be unfinished beyond: of a `stop`."""
+
+
+class Allowance:
+    """What somebody's unfinished commands take, and may take.
+
+    Args:
+        whose: who it is, for the reason of a refusal.
+        most: commands.
+        most_text: bytes that are kept of them.
+    """
+
+    def __init__(self, whose: str, most: int, most_text: int) -> None:
+        self.most = most
+        self.most_text = most_text
+        self.taken = 0
+        self.text = 0
+        self._whose = whose
+
+    def check(self, count: int, text: int, beyond: int = 0) -> None:
+        """Do nothing where so many more commands fit, or fit `beyond` so many.
+
+        Raises:
+            OutOfResources: they are too many, or too much would be kept of them.
+        """
+        if self.taken + count > self.most + beyond:
+            raise OutOfResources(f"{self._whose} has at most {self.most} unfinished commands")
+        if self.text + text > self.most_text + beyond * STOP_TEXT:
+            raise OutOfResources(f"at most {self.most_text} bytes are kept of the unfinished commands of {self._whose}")
+
+
+class AcceptedTogether:
+    """Commands of one request: each counts until it ends, and what is kept of all of them until the last one has."""
+
+    def __init__(self, count: int, text: int, allowances: Sequence[Allowance]) -> None:
+        self._left = count
+        self._text = text
+        self._allowances = allowances
+        for allowance in allowances:
+            allowance.taken += count
+            allowance.text += text
+
+    def end_one(self) -> None:
+        """Give back what one of them has taken; called once for each."""
+        self._left -= 1
+        for allowance in self._allowances:
+            allowance.taken -= 1
+            if not self._left:
+                allowance.text -= self._text
+
+
+class CommandBudget(Allowance):
+    """What the unfinished commands of an engine take, whoever started them, and the share of each subject.
+
+    Args:
+        most: commands.
+        most_text: bytes that are kept of them.
+    """
+
+    def __init__(self, most: int = MAX_UNFINISHED, most_text: int = MAX_UNFINISHED_TEXT) -> None:
+        super().__init__("the engine", most, most_text)
+        # The commands that count against a share are what keeps it.
+        self._shares: WeakValueDictionary[str, Allowance] = WeakValueDictionary()
+
+    def take(
+        self, own: Allowance, count: int, text: int = 0, subject: str | None = None, beyond: int = 0
+    ) -> AcceptedTogether:
+        """Count commands that are accepted, all or none.
+
+        Args:
+            own: what their application may take.
+            count: how many they are.
+            text: bytes that are kept of them.
+            subject: whose share they count against; None for somebody who may take all there is.
+            beyond: how many more than usual may be unfinished: for what ends others.
+
+        Raises:
+            OutOfResources: they do not fit; the reason names the limit.
+        """
+        allowances = [own, self] if subject is None else [own, self._share(subject), self]
+        for allowance in allowances:
+            allowance.check(count, text, beyond)
+        return AcceptedTogether(count, text, allowances)
+
+    def _share(self, subject: str) -> Allowance:
+        share = self._shares.get(subject)
+        if share is None:
+            share = self._shares[subject] = Allowance("one subject", MAX_OF_SUBJECT, MAX_TEXT_OF_SUBJECT)
+        return share

@@ -1,0 +1,58 @@
+"""Commands and what is kept of them: of an application, of a subject and of all, given back once."""
+
+import pytest
+
+from openrois.command_budget import MAX_OF_SUBJECT, MAX_TEXT_OF_SUBJECT, STOP_TEXT, Allowance, CommandBudget
+from openrois.errors import OutOfResources
+
+MANY = 1_000_000_000
+
+
+def somebody() -> Allowance:
+    return Allowance("one application", MANY, MANY)
+
+
+@pytest.mark.parametrize(
+    ("count", "text", "reason"),
+    [
+        (MAX_OF_SUBJECT, 0, f"one subject has at most {MAX_OF_SUBJECT} unfinished commands"),
+        (2, MAX_TEXT_OF_SUBJECT, f"at most {MAX_TEXT_OF_SUBJECT} bytes are kept .* of one subject"),
+    ],
+)
+def test_one_subject_has_a_share(count: int, text: int, reason: str) -> None:
+    budget = CommandBudget()
+    taken = budget.take(somebody(), count, text, "ann")
+    own = somebody()
+    with pytest.raises(OutOfResources, match=reason):
+        budget.take(own, 1, 1, "ann")
+    assert (own.taken, own.text, budget.taken, budget.text) == (0, 0, count, text)
+    budget.take(somebody(), count, text, "bob")
+    budget.take(somebody(), 1, 1, None)
+    for _ in range(count):
+        taken.end_one()
+    budget.take(own, count, text, "ann")
+
+
+def test_who_is_the_only_subject_has_the_whole() -> None:
+    budget = CommandBudget()
+    budget.take(somebody(), budget.most, budget.most_text)
+    with pytest.raises(OutOfResources, match="the engine has at most"):
+        budget.take(somebody(), 1)
+
+
+def test_shares_that_nobody_uses_are_forgotten() -> None:
+    budget = CommandBudget()
+    for number in range(100):
+        taken = budget.take(somebody(), 1, 1, f"subject {number}")
+        assert len(budget._shares) <= 2
+        taken.end_one()
+    del taken
+    assert len(budget._shares) == 0
+
+
+def test_a_stop_is_taken_when_nothing_else_is() -> None:
+    budget, own = CommandBudget(most=2, most_text=100), Allowance("one application", 2, 100)
+    budget.take(own, 2, 100, "ann")
+    budget.take(own, 1, STOP_TEXT, "ann", beyond=1)
+    with pytest.raises(OutOfResources):
+        budget.take(own, 1, 0, "ann", beyond=1)
