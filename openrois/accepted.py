@@ -52,10 +52,12 @@ class AcceptedCommands:
 
     Attributes:
         stops: how the stops will end that are to begin, by their component.
+        stopping: how those will end that have begun; the last one of each component.
     """
 
     def __init__(self) -> None:
         self.stops: dict[str, asyncio.Future[str]] = {}
+        self.stopping: dict[str, asyncio.Future[str]] = {}
         self._by_component: dict[str, set[AcceptedCommand]] = {}
         self._sequences = 0
 

@@ -11,12 +11,15 @@ from openrois.engine import Engine
 from openrois.errors import RoISError
 from openrois.tasks import TaskScope
 
-__all__ = ["STOP_TIMEOUT", "stop_components"]
+__all__ = ["PAUSE", "STOP_TIMEOUT", "stop_components"]
 
 _log = logging.getLogger(__name__)
 
 STOP_TIMEOUT: Final = 1.0
 """Seconds that a component has to say that it has stopped; its commands end with ABORT then in any case."""
+
+PAUSE: Final = 0.05
+"""Seconds after which a component that has not yet stopped for others is told again, for all who asked meanwhile."""
 
 
 async def stop_components(
@@ -50,21 +53,28 @@ async def stop_components(
 async def _stop(
     engine: Engine, accepted: AcceptedCommands, component_ref: str, reason: str, outcome: asyncio.Future[str]
 ) -> None:
-    # Whoever asks from now on needs another one: a command may have begun meanwhile.
-    del accepted.stops[component_ref]
     failure = ""
-    for command in accepted.of(component_ref):
-        command.stopping = reason
-    profile = engine.directory.component_profiles.get(component_ref)
     try:
-        if profile is not None and profile.command("stop") is not None:
-            async with asyncio.timeout(STOP_TIMEOUT):
+        async with asyncio.timeout(STOP_TIMEOUT):
+            before = accepted.stopping.get(component_ref)
+            if before is not None:
+                await asyncio.wait({before}, timeout=PAUSE)
+            # Whoever asks from now on needs another one: a command may have begun meanwhile.
+            del accepted.stops[component_ref]
+            accepted.stopping[component_ref] = outcome
+            for command in accepted.of(component_ref):
+                command.stopping = reason
+            profile = engine.directory.component_profiles.get(component_ref)
+            if profile is not None and profile.command("stop") is not None:
                 await engine.invoke(component_ref, "stop")
     except TimeoutError:
         failure = f"no answer within {STOP_TIMEOUT:g} s"
     except RoISError as error:
         failure = str(error)
     finally:
+        for stops in (accepted.stops, accepted.stopping):
+            if stops.get(component_ref) is outcome:
+                del stops[component_ref]
         for command in accepted.of(component_ref):
             command.abort(reason)
     outcome.set_result(failure)

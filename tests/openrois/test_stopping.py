@@ -10,7 +10,7 @@ from openrois.authoring.marks import command
 from openrois.component import Component
 from openrois.engine import Engine
 from openrois.registry import LocalRegistry
-from openrois.stopping import STOP_TIMEOUT, stop_components
+from openrois.stopping import PAUSE, STOP_TIMEOUT, stop_components
 from openrois.tasks import TaskScope
 
 
@@ -58,3 +58,47 @@ async def test_what_several_ask_for_before_it_has_begun_is_done_once_and_goes_on
         await begun.acquire()
         assert not accepted.stops
         assert await stop_components(engine, accepted, tasks, (), "nothing stops") == {}
+
+
+async def test_whoever_asks_while_it_stops_shares_the_next(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert PAUSE == 0.05
+    engine, told, may_end = Engine("robot"), asyncio.Queue[None](), asyncio.Event()
+
+    class Arm(Component, authority="Test", function="actuation"):
+        @command
+        async def stop(self) -> None:
+            told.put_nowait(None)
+            await may_end.wait()
+
+    await engine.attach(LocalRegistry("robot", [Arm("arm")]))
+    async with TaskScope() as tasks:
+        accepted = AcceptedCommands()
+
+        async def ask(count: int) -> list[asyncio.Task[dict[str, str]]]:
+            asked = [
+                asyncio.create_task(stop_components(engine, accepted, tasks, ("robot/arm",), "everything stops"))
+                for _ in range(count)
+            ]
+            await asyncio.sleep(0)
+            return asked
+
+        # One that has not ended keeps the next from beginning for the pause, and one that has does not.
+        monkeypatch.setattr(stopping, "PAUSE", 60.0)
+        monkeypatch.setattr(stopping, "STOP_TIMEOUT", 60.0)
+        asked = await ask(3)
+        await told.get()
+        for _ in range(3):
+            asked += await ask(2)
+        assert told.empty()
+        may_end.set()
+        assert await asyncio.gather(*asked) == [{"robot/arm": ""}] * 9
+        assert told.qsize() == 1
+        may_end.clear()
+        monkeypatch.setattr(stopping, "PAUSE", 0.0)
+        for _ in range(3):
+            asked = await ask(2)
+            await told.get()
+        may_end.set()
+        await asyncio.gather(*asked)
+        assert not accepted.stops
+        assert not accepted.stopping
