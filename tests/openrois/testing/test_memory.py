@@ -97,6 +97,6 @@ async def test_an_answer_that_does_not_come_is_not_waited_for() -> None:
             await asyncio.Event().wait()
             return ()
 
-    async with harness(Slow(), patience=0.1) as client:
+    async with harness(Slow(), patience=1.0) as client:
         with pytest.raises(TimeoutError):
             await client.component("robot/reaction").query("available_reactions")
