@@ -1,5 +1,6 @@
 """What dies in the middle of speech, navigation and streaming: each command ends once and truly, and all goes on."""
 
+import asyncio
 import json
 import signal
 import time
@@ -61,11 +62,12 @@ class Stage:
     async def usable(self, ref: str) -> None:
         """Wait until a component can be used, or is; it is asked at every picture anew."""
         condition = f"component_ref = '{ref}'"
-        while True:
-            asked = await self.app.ask("rois.query.query", query_type="component_status", condition=condition)
-            if asked["results"][0]["value"] in {"READY", "BUSY"}:
-                return
-            await self.app.pictures(self.video, 1)
+        async with asyncio.timeout(60):
+            while True:
+                asked = await self.app.ask("rois.query.query", query_type="component_status", condition=condition)
+                if asked["results"][0]["value"] in {"READY", "BUSY"}:
+                    return
+                await self.app.pictures(self.video, 1)
 
     async def start(self, ref: str, name: str, kind: str, value: Any) -> str:
         """Bind a component, set a parameter and start it; returns the id of the command."""
@@ -129,6 +131,7 @@ def engine(demo: Demo) -> psutil.Process:
     return next(each for each in demo.tree() if each.cmdline()[-1:] == ["openrois_avatar.engines.puppet"])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("harm", "fault", "patience"),
     [(signal.SIGKILL, "COMPONENT_INTERNAL_ERROR", 0), (signal.SIGSTOP, "COMPONENT_NOT_RESPONDING", 5)],
