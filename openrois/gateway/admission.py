@@ -13,10 +13,10 @@ from openrois.access.principal import LOCAL, Principal
 from openrois.access.refusal import Refusal, TokenRefused
 from openrois.access.tokens import TokenVerifier
 from openrois.audit import Audit
+from openrois.gateway.flood import Flood
 from openrois.gateway.origins import OriginRules, parse_origin
 from openrois.gateway.settings import GatewaySettings
 from openrois.logs import Tally
-from openrois.rate import RateLimit
 
 __all__ = ["SUBPROTOCOL", "Admission", "guard", "origin_rules"]
 
@@ -75,7 +75,7 @@ class Admission:
     def __post_init__(self) -> None:
         self._tally = Tally(_log, "refused connections")
         # Strangers, however many, do not hide who has a token, and nobody fills a disk.
-        self._told = {known: _Told(self.clock) for known in (False, True)}
+        self._floods = {known: Flood(REFUSED_AT_ONCE, REFUSED_PER_SECOND, self.clock) for known in (False, True)}
 
     async def application(self, request: web.Request) -> Principal:
         """Return who wants to connect as an application.
@@ -158,25 +158,10 @@ class Admission:
         self.turned_away(reason.value)
         path = "/adapter" if request.path == "/adapter" else "/"
         stranger = None if not subject else Principal(subject, frozenset(), ())
-        if (told := self._told[bool(subject)].note(reason.value)) is not None:
-            self.audit.refused(stranger, path, request.remote or "", told)
+        flood = self._floods[bool(subject)]
+        if flood.admits():
+            self.audit.refused(stranger, path, request.remote or "", flood.told(reason.value))
         self._tally.note(f"{path} from {request.remote}: {reason.value}")
-
-
-class _Told:
-    """What the audit trail is told of refusals of one kind."""
-
-    def __init__(self, clock: Callable[[], float]) -> None:
-        self._limit = RateLimit(REFUSED_AT_ONCE, REFUSED_PER_SECOND, clock)
-        self._omitted = 0
-
-    def note(self, reason: str) -> str | None:
-        """Return what is recorded of a refusal; None for nothing."""
-        if not self._limit.admits():
-            self._omitted += 1
-            return None
-        omitted, self._omitted = self._omitted, 0
-        return f"{reason} (and {omitted} more refusals before)" if omitted else reason
 
 
 def guard(admission: Admission) -> Callable[..., Awaitable[web.StreamResponse]]:

@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from typing import Any, Final
 
 from openrois.application import ApplicationSession
+from openrois.gateway.flood import Flood
 from openrois.gateway.renewal import REFRESH
-from openrois.rate import RateLimit
 from openrois.types.codes import ReturnCode
 
 __all__ = ["RefusalNotes"]
@@ -37,8 +37,7 @@ class RefusalNotes:
 
     def __init__(self, app: ApplicationSession, clock: Callable[[], float] = time.monotonic) -> None:
         self._app = app
-        self._limit = RateLimit(REFUSALS_AT_ONCE, REFUSALS_PER_SECOND, clock)
-        self._omitted = 0
+        self._flood = Flood(REFUSALS_AT_ONCE, REFUSALS_PER_SECOND, clock)
 
     def note(self, method: str, params: Mapping[str, Any], result: Any, reason: str) -> None:
         """Record that a call was refused, if its result is a refusal and no failure.
@@ -53,7 +52,7 @@ class RefusalNotes:
         if code not in _REFUSALS or (method == REFRESH and code is ReturnCode.BAD_PARAMETER):
             # Of a token it is told why, see `note_token`.
             return
-        if not self._admits():
+        if not self._flood.admits():
             return
         subject, refs = _subject(params), _refs(params)
         # Looked up for what is absent, too, so that both take the same time; nobody but the trail is told.
@@ -62,18 +61,11 @@ class RefusalNotes:
 
     def note_token(self, reason: str) -> None:
         """Record that a new token was not taken, and why: the application is not told."""
-        if self._admits():
+        if self._flood.admits():
             self._record(REFRESH, "", reason)
 
-    def _admits(self) -> bool:
-        admitted = self._limit.admits()
-        self._omitted += not admitted
-        return admitted
-
     def _record(self, method: str, subject: str, told: str) -> None:
-        if self._omitted:
-            told, self._omitted = f"{told} (and {self._omitted} more refusals before)", 0
-        self._app.host.audit.refused(self._app.principal, method, subject, told)
+        self._app.host.audit.refused(self._app.principal, method, subject, self._flood.told(told))
 
 
 def _subject(params: Mapping[str, Any]) -> str:

@@ -209,14 +209,21 @@ async def _lease_take(stage: Stage) -> None:
     await _operates(chief, arm, "t")
 
 
+async def _resumable(stage: Stage, app: Application) -> dict[str, Any] | None:
+    """Return the token of an application's session and its grace; None where leases end with their connection."""
+    answer = await app.ask(TOKEN)
+    if answer["return_code"] != "UNSUPPORTED":
+        return answer
+    stage.remark("leases do not survive a lost connection at this gateway")
+    return None
+
+
 @CHECKS("lease-resume", *BOTH)
 async def _lease_resume(stage: Stage) -> None:
     """A lost session is resumed by its token, once: with its leases, in their epochs, and the ends of its commands."""
     arm = stage.ref("arm")
     app, witness = await _leasing(stage), await _leasing(stage)
-    answer = await app.ask(TOKEN)
-    if answer["return_code"] == "UNSUPPORTED":
-        stage.remark("leases do not survive a lost connection at this gateway")
+    if (answer := await _resumable(stage, app)) is None:
         return
     expect("the return_code, and whether there is time", (answer["return_code"], answer["grace_ms"] > 0), ("OK", True))
     await _operating(stage, app, arm, "h")
@@ -243,9 +250,7 @@ async def _lease_resume_open(stage: Stage) -> None:
     """Who shows the token of a connection that is open has all of it at once, in new epochs; that one is closed."""
     arm = stage.ref("arm")
     app, again = await _leasing(stage), await _leasing(stage)
-    answer = await app.ask(TOKEN)
-    if answer["return_code"] == "UNSUPPORTED":
-        stage.remark("leases do not survive a lost connection at this gateway")
+    if (answer := await _resumable(stage, app)) is None:
         return
     await _operating(stage, app, arm, "h")
     before = (await _lease(app, arm))["epoch"]

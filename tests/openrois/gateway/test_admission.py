@@ -14,7 +14,6 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from openrois.gateway import admission
 from openrois.gateway.server import run_gateway
 from openrois.gateway.settings import GatewaySettings
-from tests.support.clock import Clock
 from tests.support.forgeries import forgeries
 from tests.support.guarded import Guarded, ask, fresh, guarded
 from tests.support.tokens import SECRET, Keys
@@ -239,13 +238,3 @@ async def test_a_flood_of_strangers_does_not_fill_the_trail(monkeypatch: pytest.
     assert [(line["reason"], line.get("who")) for line in coming.audited()] == [("missing", None)] * 3 + [
         ("expired", "alice")
     ]
-
-
-def test_of_what_is_left_out_the_number_is_told() -> None:
-    clock = Clock()
-    told = admission._Told(clock)
-    assert [told.note("missing") for _ in range(admission.REFUSED_AT_ONCE)][-1] == "missing"
-    assert [told.note("missing") for _ in range(5)] == [None] * 5
-    clock.now += 1
-    assert told.note("host") == "host (and 5 more refusals before)"
-    assert told.note("host") == "host"
