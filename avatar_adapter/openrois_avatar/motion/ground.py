@@ -59,13 +59,8 @@ class Ground:
 
     def inside(self, points: Numbers) -> Truths:
         """Tell of points (n, 2) which are inside the outline and outside of all obstacles."""
-        x, y = points[:, :1], points[:, 1:]
-        starts_above, ends_above = self._corners[:, 1] > y, self._next[:, 1] > y
-        with np.errstate(divide="ignore", invalid="ignore"):
-            at = self._corners[:, 0] + (y - self._corners[:, 1]) * self._edges[:, 0] / self._edges[:, 1]
-        crossed = (starts_above != ends_above) & (x < at)
-        odd = np.add.reduceat(crossed, self._first, axis=1, dtype=np.intp) % 2 == 1
-        return np.asarray(odd[:, 0] & ~odd[:, 1:].any(axis=1))
+        within = self._within(points)
+        return np.asarray(within[:, 0] & ~within[:, 1:].any(axis=1))
 
     def distances(self, points: Numbers) -> Numbers:
         """Return how far points (n, 2) are from the next edge."""
@@ -99,11 +94,16 @@ class Ground:
         return ~np.asarray((near | self._crossed(across, start, ends)).any(axis=1)) | (length[:, 0] < _SAME)
 
     def sees(self, start: Numbers, ends: Numbers) -> Truths:
-        """Tell from a point (2,) to which points (n, 2) no edge is in between, however near."""
+        """Tell from a point (2,) to which points (n, 2) no edge is in between, however near.
+
+        An obstacle that a point is in does not hide it: furniture is a thing and, around its middle, an obstacle.
+        """
         way = ends - start
         corners = self._corners - start
         across = way[:, :1] * corners[:, 1] - way[:, 1:] * corners[:, 0]
-        return ~np.asarray(self._crossed(across, start, ends).any(axis=1))
+        hiding = np.logical_or.reduceat(self._crossed(across, start, ends), self._first, axis=1)
+        hiding[:, 1:] &= ~self._within(ends)[:, 1:]
+        return ~np.asarray(hiding.any(axis=1))
 
     def nearest_clear(self, point: Numbers) -> Numbers | None:
         """Return the clear point (2,) next to a point (2,); None where there is none.
@@ -143,6 +143,15 @@ class Ground:
             known = chosen, np.hypot(self.bends[chosen, 0] - at[0], self.bends[chosen, 1] - at[1])
             self._neighbours[bend] = known
         return known
+
+    def _within(self, points: Numbers) -> Truths:
+        """Tell in which polygons (n, polygons), the outline first, points (n, 2) are."""
+        x, y = points[:, :1], points[:, 1:]
+        starts_above, ends_above = self._corners[:, 1] > y, self._next[:, 1] > y
+        with np.errstate(divide="ignore", invalid="ignore"):
+            at = self._corners[:, 0] + (y - self._corners[:, 1]) * self._edges[:, 0] / self._edges[:, 1]
+        crossed = (starts_above != ends_above) & (x < at)
+        return np.asarray(np.add.reduceat(crossed, self._first, axis=1, dtype=np.intp) % 2 == 1)
 
     def _touches(self, start: Numbers, bends: NDArray[np.intp]) -> Truths:
         """Tell which bends are passed, not run into, on a way from `start`: others are on no shortest way."""

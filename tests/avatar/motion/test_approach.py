@@ -39,6 +39,15 @@ def test_what_stands_in_a_wall_is_approached_to_the_point_next_to_it() -> None:
     assert approach(GROUND, (-3, 0), 0, (-0.05, 0), 0.2, "distance") == [pytest.approx((-0.355, 0))]
 
 
+@pytest.mark.parametrize("start", [(-4, 1), (-4, -4), (0.5, -4), (-1.9, 1.2)])
+def test_furniture_does_not_hide_itself(start: Point) -> None:
+    stool = rectangle(-2.2, -0.2, -1.8, 0.2)
+    ground = Ground(Floor(SQUARE, (stool,)), RADIUS)
+    assert dist(approach(ground, start, 0, (-2, 0), 0.7, "distance")[-1], (-2, 0)) == pytest.approx(0.7, abs=1e-3)
+    behind = Ground(Floor(SQUARE, (stool, rectangle(-2.6, -5, -2.5, 4))), RADIUS)
+    assert approach(behind, (-2.9, 0), 0, (-2, 0), 0.95, "distance")[-1][0] > -2.5
+
+
 def test_where_there_is_no_room_there_is_no_way() -> None:
     with pytest.raises(NoWay, match="no room on this floor"):
         approach(Ground(Floor(rectangle(0, 0, 0.4, 0.4)), RADIUS), (0, 0), 0, (0.3, 0.3), 0.1, "time")
