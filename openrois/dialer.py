@@ -66,7 +66,7 @@ async def serve_parent(
             async with dial(url, credentials=credentials) as stream:
                 _log.info("connected to %s", url)
                 connected, attempts, news = clock(), 0, logging.INFO
-                closed = await serve_engine(host, stream, credentials)
+                closed = await serve_engine(host, stream, credentials, url=url)
                 lasted, asked = clock() - connected, asked_to_wait(closed.reason)
                 if closed.code == POLICY_VIOLATION:
                     _log.warning("the gateway refuses this adapter: %s", closed.reason)

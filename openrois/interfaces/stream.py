@@ -73,8 +73,9 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
     """Return the method table: `openrois.hello` and `rois.stream.*`."""
     reports = RateLimit(REPORTS_AT_ONCE, REPORTS_PER_SECOND, time.monotonic)
 
-    async def hello(_params: HelloParams) -> HelloResult:
+    async def hello(params: HelloParams) -> HelloResult:
         app.extended = True
+        app.leasing = app.leasing or LEASES in params.extensions
         engines = tuple(sorted(app.engine.extension.engines()))
         return HelloResult(client_id=app.client_id, extensions=(*EXTENSIONS, LEASES), engines=engines)
 

@@ -1,5 +1,6 @@
 """The sub-engine's half of the wire: an engine served to its parent over a connection."""
 
+import asyncio
 import logging
 from collections.abc import Callable, Mapping
 from typing import Any, Final
@@ -45,16 +46,27 @@ _DISCONNECT: Final = STREAM_METHODS["disconnect_stream"]
 _ENDED: Final = StreamStatus.STREAMING_NOT_CONNECTED.value
 
 
+UNASKED: Final = 10.0
+"""Seconds after which it is told that nobody asks anything: a gateway asks at once for the profile of an adapter."""
+
+
 async def serve_engine(
-    host: EngineHost, stream: MessageStream, credentials: Credentials = NO_CREDENTIALS
+    host: EngineHost, stream: MessageStream, credentials: Credentials = NO_CREDENTIALS, *, url: str = "its address"
 ) -> StreamClosed:
     """Serve an engine to the parent at the other end until the connection ends; return why it did.
 
     The parent is trusted: it checks reservations, this side does not. The streams of the parent's applications go on
     for `STREAM_GRACE` seconds after the connection has ended, so that a short cut of the control link does not darken a
     picture; then they end, because nobody can command them any more.
+
+    Args:
+        host: the engine.
+        stream: the connection.
+        credentials: what is shown when the token in use is about to end.
+        url: where the parent was reached, for the log.
     """
     session = RpcSession(stream, rules=intake_rules())
+    unasked = asyncio.get_running_loop().call_later(UNASKED, _tell_unasked, session, url)
     app = ApplicationSession(host, session.notify, trusted=True)
     served = _ServedExtension(host, session.notify, app)
     session.on_failure = host.crashed
@@ -69,6 +81,7 @@ async def serve_engine(
         with connection(f"gateway-{app.client_id[:8]}"):
             return await session.run()
     finally:
+        unasked.cancel()
         # Before anything else, what moves stops.
         host.lifeline.cut("the connection to the gateway has ended")
         _end_waiting(host, app)
@@ -76,6 +89,11 @@ async def serve_engine(
         # Then what is held is let go: an engine below that does not answer must not delay that.
         host.tasks.start(served.close())
         await app.close()
+
+
+def _tell_unasked(session: RpcSession, url: str) -> None:
+    if not session.requests:
+        _log.warning("nobody at %s asks this adapter anything: a gateway takes adapters at ws://HOST:PORT/adapter", url)
 
 
 def _end_waiting(host: EngineHost, app: ApplicationSession) -> None:

@@ -293,3 +293,11 @@ async def test_stop_passes_a_flood_of_ones_own(house: House) -> None:
         assert not house.robot.lamp.glowing.is_set()
         house.robot.door.may_answer.set()
         assert await ann.completed("glow") == {"glow": "ABORT"}
+
+
+async def test_a_holder_that_named_the_extension_in_its_hello_is_asked(house: House) -> None:
+    async with application(house.gateway) as ann, application(house.gateway) as bob:
+        await ann.ask("openrois.hello", version="1", extensions=["openrois.lease"])
+        assert await ann.code("rois.command.bind", component_ref=LAMP) == "OK"
+        asked = await bob.ask("openrois.lease.request", component_ref=LAMP)
+        assert (await ann.next("openrois.lease.requested"))["request_id"] == asked["request_id"]

@@ -5,10 +5,12 @@ import json
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
+from urllib.parse import urlsplit
 
 import pytest
 
 from openrois.application import EngineHost
+from openrois.dialer import serve_parent
 from openrois.engine import Engine
 from openrois.registry import LocalRegistry
 from openrois.remote.serve import STREAM_GRACE, serve_engine
@@ -16,6 +18,7 @@ from openrois.tasks import TaskScope
 from openrois.transport.memory import MemoryStream, memory_pair
 from openrois.types.codes import StreamStatus
 from tests.support.components import Bell, Lamp
+from tests.support.deployment import gateway
 from tests.support.streams import Camera, FakeStreams
 
 CAMERA = "robot/camera"
@@ -342,3 +345,16 @@ async def test_what_acts_and_waits_for_its_turn_ends_with_the_connection(child: 
             await serving
             assert host.commands.taken == 0
             turn.set()
+
+
+async def test_an_adapter_that_nobody_asks_says_so(
+    child: Child, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr("openrois.remote.serve.UNASKED", 0.01)
+    async with gateway() as running, TaskScope() as tasks:
+        url = f"ws://127.0.0.1:{urlsplit(running.url).port}/robots"
+        tasks.start(serve_parent(EngineHost(child.engine, tasks), url))
+        async with asyncio.timeout(60):
+            while "asks this adapter anything" not in caplog.text:  # noqa: ASYNC110 - a log wakes nobody
+                await asyncio.sleep(0.01)
+    assert f"nobody at {url} asks" in caplog.text
