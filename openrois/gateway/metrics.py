@@ -12,8 +12,8 @@ from prometheus_client.core import HistogramMetricFamily, Metric
 from openrois.access.jwks import KeySetCache
 from openrois.access.keys import KeySource
 from openrois.application import EngineHost
-from openrois.gateway.heads import Heads
 from openrois.gateway.places import MAX_ADAPTERS, MAX_APPLICATIONS, Places
+from openrois.heads import Heads
 from openrois.jsonrpc.latencies import BOUNDS, Latencies
 from openrois.loop_lag import LoopLag
 from openrois.metrics.exposition import families, written

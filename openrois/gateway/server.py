@@ -13,7 +13,7 @@ from contextlib import (
 )
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, Final
+from typing import Final
 
 from aiohttp import WSCloseCode, web
 
@@ -25,7 +25,6 @@ from openrois.gateway.admission import guard
 from openrois.gateway.applications import serve_application
 from openrois.gateway.draining import RETRY_AFTER, Drain
 from openrois.gateway.entrance import Entrance
-from openrois.gateway.heads import HEAD_TIMEOUT, Heads
 from openrois.gateway.health import Readiness, healthz, readyz
 from openrois.gateway.http_connection import HttpConnection
 from openrois.gateway.ice import IceServers
@@ -35,7 +34,7 @@ from openrois.gateway.places import Places
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import ADAPTER, APPLICATION, ServerSocket, SocketProfile
 from openrois.gateway.tenure import Tenure
-from openrois.http_log import HTTP_LOG
+from openrois.heads import HEAD_TIMEOUT, OPTIONS, Heads
 from openrois.journal.journal import Journal
 from openrois.leases.model import Rules
 from openrois.log_lines import Redaction
@@ -52,9 +51,6 @@ _log = logging.getLogger(__name__)
 _OPENRPC: Final = "openrpc.json"
 _BACKLOG: Final = 1024
 """Connections that the kernel keeps for us: all clients of a gateway come back at once when it has restarted."""
-
-_IDLE: Final = 0.8 * HEAD_TIMEOUT
-"""Seconds after which a connection that was answered and says nothing is closed, in good order, before it is cut."""
 
 _SHUTDOWN_TIMEOUT: Final = 1.0
 
@@ -143,8 +139,7 @@ async def run_gateway(
         context = None if entrance.certificate is None else entrance.certificate.context
         assert runner.server is not None
         loop = asyncio.get_running_loop()
-        options: dict[str, Any] = {"logger": HTTP_LOG, "access_log": None, "keepalive_timeout": _IDLE}
-        heads.protocols = partial(HttpConnection, runner.server, loop=loop, **options)
+        heads.protocols = partial(HttpConnection, runner.server, loop=loop, **OPTIONS)
         listening = await loop.create_server(
             heads,
             settings.host,
@@ -160,7 +155,9 @@ async def run_gateway(
         if settings.metrics is not None:
             keys = None if verifier is None else verifier.keys
             look = partial(figures, Sources(host, lag, heads, places, keys))
-            serving = serving_metrics(*metrics_address(settings.metrics), look, settings.metrics_token)
+            serving = serving_metrics(
+                *metrics_address(settings.metrics), look, settings.metrics_token, host.traffic.turn_away
+            )
             metrics = await stack.enter_async_context(serving)
             _log.info("metrics: %s", metrics)
         scheme = "http" if context is None else "https"

@@ -4,16 +4,19 @@ import asyncio
 import errno
 import hmac
 from collections.abc import AsyncIterator, Awaitable, Callable
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, closing
 from typing import Final
 
 from aiohttp import web
 
-from openrois.http_log import HTTP_LOG
+from openrois.heads import OPTIONS, Heads
 
 __all__ = ["LOOPBACK", "MetricsUnavailable", "metrics_address", "serving_metrics"]
 
 LOOPBACK: Final = "127.0.0.1"
+
+MAX_SCRAPES: Final = 16
+"""Requests for figures at a time, one of which is answered; one more is answered 503."""
 
 _SHUTDOWN_TIMEOUT: Final = 0.5
 
@@ -37,7 +40,11 @@ def metrics_address(text: str) -> tuple[str, int]:
 
 @asynccontextmanager
 async def serving_metrics(
-    host: str, port: int, write: Callable[[str], Awaitable[tuple[bytes, str]]], token: str = ""
+    host: str,
+    port: int,
+    write: Callable[[str], Awaitable[tuple[bytes, str]]],
+    token: str = "",
+    turned_away: Callable[[str], None] = lambda _reason: None,
 ) -> AsyncIterator[str]:
     """Serve figures for as long as the block runs; gives the URL, with the port that was chosen for 0.
 
@@ -46,32 +53,46 @@ async def serving_metrics(
         port: the TCP port.
         write: given the header `Accept`, returns all figures and the content type; never called twice at a time.
         token: what whoever asks has to show, as `Authorization: Bearer`; empty for nothing.
+        turned_away: told the reason whenever a connection is cut, or a request refused for being one too many.
 
     Raises:
         MetricsUnavailable: the port is taken, or the address is not this machine's.
     """
     one_at_a_time = asyncio.Lock()
+    scrapes = 0
+    heads = Heads(turned_away)
 
     async def answer(request: web.Request) -> web.Response:
         shown = request.headers.get("Authorization", "")
         is_it = hmac.compare_digest(shown.encode(errors="surrogateescape"), f"Bearer {token}".encode())
         if token and not is_it:
             raise web.HTTPUnauthorized(headers={"WWW-Authenticate": "Bearer"})
-        async with one_at_a_time:
-            text, content_type = await write(request.headers.get("Accept", ""))
+        nonlocal scrapes
+        if scrapes >= MAX_SCRAPES:
+            turned_away("full")
+            raise web.HTTPServiceUnavailable
+        scrapes += 1
+        try:
+            async with one_at_a_time:
+                text, content_type = await write(request.headers.get("Accept", ""))
+        finally:
+            scrapes -= 1
         return web.Response(body=text, headers={"Content-Type": content_type})
 
-    app = web.Application()
+    app = web.Application(middlewares=[heads.middleware()])
     app.router.add_get("/metrics", answer)
-    runner = web.AppRunner(app, access_log=None, logger=HTTP_LOG, shutdown_timeout=_SHUTDOWN_TIMEOUT)
+    runner = web.AppRunner(app, **OPTIONS, shutdown_timeout=_SHUTDOWN_TIMEOUT)
     await runner.setup()
+    assert runner.server is not None
+    heads.protocols = runner.server
     try:
         try:
-            await web.TCPSite(runner, host, port).start()
+            listening = await asyncio.get_running_loop().create_server(heads, host, port)
         except OSError as error:
             raise MetricsUnavailable(f"metrics cannot be served at {host}:{port}: {_why(error)}") from error
-        chosen = runner.addresses[0][1]
-        yield f"http://{f'[{host}]' if ':' in host else host}:{chosen}/metrics"
+        with closing(listening):
+            chosen = listening.sockets[0].getsockname()[1]
+            yield f"http://{f'[{host}]' if ':' in host else host}:{chosen}/metrics"
     finally:
         await runner.cleanup()
 

@@ -1,10 +1,12 @@
 import asyncio
+from contextlib import suppress
 from urllib.parse import urlsplit
 
 import aiohttp
 import pytest
 
-from openrois.metrics.server import MetricsUnavailable, metrics_address, serving_metrics
+from openrois import heads
+from openrois.metrics.server import MAX_SCRAPES, MetricsUnavailable, metrics_address, serving_metrics
 
 
 async def write(accept: str) -> tuple[bytes, str]:
@@ -66,3 +68,39 @@ async def test_what_is_no_text_is_no_token() -> None:
         writer.write(b"GET /metrics HTTP/1.1\r\nHost: x\r\nConnection: close\r\nAuthorization: Bearer \xff\r\n\r\n")
         assert (await reader.read()).startswith(b"HTTP/1.1 401 ")
         writer.close()
+
+
+@pytest.mark.parametrize("said", [b"", b"GET /metrics HTTP/1.1\r\nHost: x\r\n\r\nGET /me"])
+async def test_who_does_not_say_what_it_wants_is_cut(monkeypatch: pytest.MonkeyPatch, said: bytes) -> None:
+    monkeypatch.setattr(heads, "HEAD_TIMEOUT", 0.05)
+    reasons: list[str] = []
+    async with serving_metrics("127.0.0.1", 0, write, turned_away=reasons.append) as url:
+        reader, writer = await asyncio.open_connection("127.0.0.1", urlsplit(url).port)
+        writer.write(said)
+        with suppress(ConnectionResetError):
+            await asyncio.wait_for(reader.read(), 10)
+        writer.close()
+    assert reasons == ["no request"]
+
+
+async def test_so_many_wait_for_figures() -> None:
+    may_write, reasons = asyncio.Event(), list[str]()
+
+    async def write_later(accept: str) -> tuple[bytes, str]:
+        await may_write.wait()
+        return await write(accept)
+
+    async def status(http: aiohttp.ClientSession, url: str) -> int:
+        async with http.get(url) as response:
+            return response.status
+
+    async with (
+        serving_metrics("127.0.0.1", 0, write_later, turned_away=reasons.append) as url,
+        aiohttp.ClientSession() as http,
+        asyncio.TaskGroup() as tasks,
+    ):
+        asked = [tasks.create_task(status(http, url)) for _ in range(MAX_SCRAPES + 1)]
+        done, waiting = await asyncio.wait(asked, return_when=asyncio.FIRST_COMPLETED, timeout=10)
+        assert ({task.result() for task in done}, reasons) == ({503}, ["full"])
+        may_write.set()
+        assert {await task for task in waiting} == {200}

@@ -9,7 +9,7 @@ from urllib.parse import urlsplit
 import pytest
 from aiohttp import web
 
-from openrois.gateway import heads as module
+from openrois import heads as module
 from openrois.gateway.server import Gateway
 from tests.support import deployment
 

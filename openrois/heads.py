@@ -3,12 +3,14 @@
 import asyncio
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 from aiohttp import web
 from aiohttp.typedefs import Middleware
 
-__all__ = ["HEAD_TIMEOUT", "Heads"]
+from openrois.http_log import HTTP_LOG
+
+__all__ = ["HEAD_TIMEOUT", "OPTIONS", "Heads"]
 
 HEAD_TIMEOUT: Final = 10.0
 """Seconds from the connection, or the last answer on it, to the end of a request's head.
@@ -22,6 +24,10 @@ MAX_HEAD: Final = 64 * 1024
 """Bytes that may come while a head is waited for; one more cuts the connection.
 
 The server library bounds each line and their number, and keeps all that comes after what it could not read."""
+
+OPTIONS: Final[dict[str, Any]] = {"logger": HTTP_LOG, "access_log": None, "keepalive_timeout": 0.8 * HEAD_TIMEOUT}
+"""What the server library is told of connections: one that was answered and says nothing is closed, in good order,
+before it is cut."""
 
 _Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
