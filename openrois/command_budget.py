@@ -7,6 +7,7 @@ from weakref import WeakValueDictionary
 from openrois.errors import OutOfResources
 
 __all__ = [
+    "LEFT_TO_OTHERS",
     "MAX_OF_SUBJECT",
     "MAX_TEXT_OF_SUBJECT",
     "MAX_UNFINISHED",
@@ -28,6 +29,11 @@ MAX_OF_SUBJECT: Final = 4096
 
 MAX_TEXT_OF_SUBJECT: Final = 16 * 1024 * 1024
 """Bytes that are kept of them."""
+
+LEFT_TO_OTHERS: Final = 3
+"""Times what one subject's commands take that stays free beside them, so that whoever comes next finds something.
+
+Whoever comes has up to a quarter of what is left then. What ends others need not leave anything."""
 
 STOP_TEXT: Final = 16 * 1024
 """Bytes that may be kept beyond of each command that may be unfinished beyond: of a `stop`."""
@@ -117,5 +123,22 @@ class CommandBudget(Allowance):
     def _share(self, subject: str) -> Allowance:
         share = self._shares.get(subject)
         if share is None:
-            share = self._shares[subject] = Allowance("one subject", MAX_OF_SUBJECT, MAX_TEXT_OF_SUBJECT)
+            share = self._shares[subject] = _Share(self)
         return share
+
+
+class _Share(Allowance):
+    """What the unfinished commands of one subject take of the whole."""
+
+    def __init__(self, whole: Allowance) -> None:
+        super().__init__("one subject", MAX_OF_SUBJECT, MAX_TEXT_OF_SUBJECT)
+        self._whole = whole
+
+    def check(self, count: int, text: int, beyond: int = 0) -> None:
+        """Do nothing where so many more commands fit, and enough is left to others."""
+        super().check(count, text, beyond)
+        free = self._whole.most - self._whole.taken - count
+        free_text = self._whole.most_text - self._whole.text - text
+        is_fair = LEFT_TO_OTHERS * (self.taken + count) <= free and LEFT_TO_OTHERS * (self.text + text) <= free_text
+        if not is_fair and not beyond:
+            raise OutOfResources("unfinished commands of others leave one subject a smaller share than usual")

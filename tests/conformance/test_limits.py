@@ -15,11 +15,22 @@ from openrois_streaming.input import reader
 from openrois_streaming.input.messages import MESSAGE_LIMIT
 from openrois_streaming.sessions import SESSIONS_LIMIT
 
-from openrois import command_budget, command_log, condition, engine, error_log, event_log, faults, registry, remembered
+from openrois import (
+    command_budget,
+    command_log,
+    condition,
+    engine,
+    error_log,
+    event_log,
+    faults,
+    heads,
+    registry,
+    remembered,
+)
 from openrois.access import claims, jwks, keys
 from openrois.application import EngineHost
 from openrois.errors import OutOfResources
-from openrois.gateway import adapters, applications, frames, heads, places, reloading, tenure
+from openrois.gateway import adapters, applications, frames, places, reloading, tenure
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import ADAPTER, APPLICATION
 from openrois.interfaces import command, crowding, stream

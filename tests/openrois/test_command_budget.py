@@ -26,11 +26,31 @@ def test_one_subject_has_a_share(count: int, text: int, reason: str) -> None:
     with pytest.raises(OutOfResources, match=reason):
         budget.take(own, 1, 1, "ann")
     assert (own.taken, own.text, budget.taken, budget.text) == (0, 0, count, text)
-    budget.take(somebody(), count, text, "bob")
+    budget.take(somebody(), 1, 1, "bob")
     budget.take(somebody(), 1, 1, None)
     for _ in range(count):
         taken.end_one()
-    budget.take(own, count, text, "ann")
+    budget.take(own, 1, 1, "ann")
+
+
+@pytest.mark.parametrize("text", [0, 4096])
+def test_however_many_take_all_they_can_the_next_finds_something(text: int) -> None:
+    budget, taken = CommandBudget(), []
+
+    def fill(subject: str) -> int:
+        """Take until no more is given; return how often there was something."""
+        for times in range(MAX_OF_SUBJECT + 1):
+            try:
+                taken.append(budget.take(somebody(), 1, text, subject))
+            except OutOfResources:
+                return times
+        raise AssertionError
+
+    shares = [fill(f"subject {number}") for number in range(16)]
+    assert shares[:4] == [4096, 3072, 2304, 1728]
+    assert fill("subject 0") == 0
+    assert fill("somebody new") >= 40
+    budget.take(somebody(), 1, STOP_TEXT, "subject 1", beyond=1)
 
 
 def test_who_is_the_only_subject_has_the_whole() -> None:
@@ -52,7 +72,7 @@ def test_shares_that_nobody_uses_are_forgotten() -> None:
 
 def test_a_stop_is_taken_when_nothing_else_is() -> None:
     budget, own = CommandBudget(most=2, most_text=100), Allowance("one application", 2, 100)
-    budget.take(own, 2, 100, "ann")
+    budget.take(own, 2, 100)
     budget.take(own, 1, STOP_TEXT, "ann", beyond=1)
     with pytest.raises(OutOfResources):
         budget.take(own, 1, 0, "ann", beyond=1)
