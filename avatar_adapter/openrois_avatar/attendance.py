@@ -4,7 +4,7 @@ import asyncio
 import logging
 from collections.abc import Awaitable, Callable
 from contextlib import AbstractAsyncContextManager
-from typing import Final, Protocol
+from typing import Any, Final, Protocol
 
 from websockets.exceptions import InvalidHandshake
 
@@ -42,15 +42,21 @@ class Restartable(Protocol):
 
 
 class _Presence:
-    """Whether something is there, for those who wait for either."""
+    """Whether something is there, is missing, or nobody can say, for those who wait for one of that."""
 
     def __init__(self) -> None:
         self.there = asyncio.Event()
         self.missing = asyncio.Event()
+        self.excused = asyncio.Event()
+        """It is not missing."""
 
-    def note(self, there: bool) -> None:
-        (self.there if there else self.missing).set()
-        (self.missing if there else self.there).clear()
+    def note(self, there: bool | None) -> None:
+        holds = {self.there: there is True, self.missing: there is False, self.excused: there is not False}
+        for event, now in holds.items():
+            if now:
+                event.set()
+            else:
+                event.clear()
 
 
 class Attendance:
@@ -58,21 +64,18 @@ class Attendance:
 
     Args:
         url: `ws://host:port/` of the gateway.
-        patience: seconds for which a program may be missing.
         connect: opens a connection to an address.
-        sleep: waits for some seconds.
+        sleep: waits for some seconds: all that is waited here.
     """
 
     def __init__(
         self,
         url: str,
         *,
-        patience: float = PATIENCE,
         connect: Callable[[str], AbstractAsyncContextManager[MessageStream]] = dial,
         sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
     ) -> None:
         self._url = url
-        self._patience = patience
         self._connect = connect
         self._sleep = sleep
         self._gateway = _Presence()
@@ -96,8 +99,9 @@ class Attendance:
                     await self._look_over(stream)
             except (OSError, ValueError, TimeoutError, InvalidHandshake, SessionClosed, RpcError) as error:
                 _log.debug("the gateway is not there: %s", error)
-            # Without the gateway nobody can say whether there is an avatar.
             self._gateway.note(there=False)
+            # Without the gateway nobody can say whether there is an avatar.
+            self._avatar.note(there=None)
             await self._sleep(_PAUSE)
 
     async def _look_over(self, stream: MessageStream) -> None:
@@ -120,17 +124,21 @@ class Attendance:
         while True:
             await presence.missing.wait()
             runs = program.runs
-            if await self._comes(presence, self._patience):
+            if await self._happens(presence.excused, PATIENCE):
                 continue
             if program.runs == runs:
                 _log.warning("%s runs and is not there: it is ended, and started again", program.name)
                 program.kill()
-            await self._comes(presence, START)
+            await self._happens(presence.there, START)
 
-    async def _comes(self, presence: _Presence, within: float) -> bool:
+    async def _happens(self, event: asyncio.Event, within: float) -> bool:
+        """Wait for an event, for some seconds at most, and tell whether it came."""
+        waiting, passing = asyncio.ensure_future(event.wait()), asyncio.ensure_future(self._sleep(within))
+        both: set[asyncio.Future[Any]] = {waiting, passing}
         try:
-            async with asyncio.timeout(within):
-                await presence.there.wait()
-        except TimeoutError:
-            return False
-        return True
+            await asyncio.wait(both, return_when=asyncio.FIRST_COMPLETED)
+            return waiting.done()
+        finally:
+            for each in both:
+                each.cancel()
+            await asyncio.wait(both)

@@ -3,10 +3,10 @@
 import asyncio
 import logging
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager, suppress
+from contextlib import AsyncExitStack, asynccontextmanager, suppress
 
 import pytest
-from openrois_avatar.attendance import Attendance
+from openrois_avatar.attendance import PATIENCE, START, Attendance
 
 from tests.support import deployment
 from tests.support.components import Bell
@@ -24,13 +24,38 @@ class Watched:
         self.killed.set()
 
 
+class Time:
+    """Passes when a test says so.
+
+    Attributes:
+        patience: it is over.
+        starting: whoever was ended is given time to begin.
+    """
+
+    def __init__(self) -> None:
+        self.patience = asyncio.Event()
+        self.starting = asyncio.Event()
+
+    async def sleep(self, seconds: float) -> None:
+        if seconds == PATIENCE:
+            await self.patience.wait()
+        elif seconds == START:
+            self.starting.set()
+            await deployment.forever()
+        else:
+            await asyncio.sleep(0)
+
+
 @asynccontextmanager
-async def watching(url: str, *, patience: float) -> AsyncIterator[tuple[Attendance, Watched, Watched]]:
-    attendance = Attendance(url.replace("http", "ws", 1), patience=patience, sleep=lambda _seconds: asyncio.sleep(0))
+async def watching(url: str) -> AsyncIterator[tuple[Attendance, Time, Watched, Watched]]:
+    passing = Time()
+    attendance = Attendance(url.replace("http", "ws", 1), sleep=passing.sleep)
     gateway, avatar = Watched("gateway"), Watched("avatar")
     task = asyncio.ensure_future(attendance.watch(gateway, avatar))
     try:
-        yield attendance, gateway, avatar
+        async with deployment.patience():
+            await attendance.until_there()
+            yield attendance, passing, gateway, avatar
     finally:
         task.cancel()
         with suppress(asyncio.CancelledError):
@@ -41,10 +66,9 @@ async def test_an_avatar_that_leaves_and_does_not_come_back_is_ended(caplog: pyt
     async with (
         deployment.gateway() as gateway,
         deployment.adapter(gateway, Bell()) as adapter,
-        watching(gateway.url, patience=0.01) as (attendance, gateway_program, avatar),
-        asyncio.timeout(5),
+        watching(gateway.url) as (attendance, time, gateway_program, avatar),
     ):
-        await attendance.until_there()
+        time.patience.set()
         with caplog.at_level(logging.WARNING):
             await adapter.stop()
             await avatar.killed.wait()
@@ -61,26 +85,25 @@ async def test_one_that_was_started_again_has_its_time() -> None:
     async with (
         deployment.gateway() as gateway,
         deployment.adapter(gateway, Bell()) as adapter,
-        watching(gateway.url, patience=0.05) as (attendance, _, avatar),
-        asyncio.timeout(5),
+        watching(gateway.url) as (attendance, time, _, avatar),
     ):
-        await attendance.until_there()
         await adapter.stop()
         await attendance._avatar.missing.wait()
         avatar.runs += 1
-        await asyncio.sleep(0.1)
+        time.patience.set()
+        await time.starting.wait()
         assert not avatar.killed.is_set()
 
 
 async def test_a_gateway_that_does_not_answer_is_ended_and_nobody_blames_the_avatar() -> None:
-    async with deployment.gateway() as gateway, deployment.adapter(gateway, Bell()):
-        watched = watching(gateway.url, patience=0.05)
-        attendance, gateway_program, avatar = await watched.__aenter__()
-        async with asyncio.timeout(5):
-            await attendance.until_there()
-    try:
-        async with asyncio.timeout(5):
+    async with AsyncExitStack() as stack:
+        gateway = await stack.enter_async_context(deployment.gateway())
+        adapter = await stack.enter_async_context(deployment.adapter(gateway, Bell()))
+        async with watching(gateway.url) as (attendance, time, gateway_program, avatar):
+            await adapter.stop()
+            await attendance._avatar.missing.wait()
+            await stack.aclose()
+            await attendance._gateway.missing.wait()
+            time.patience.set()
             await gateway_program.killed.wait()
-        assert not avatar.killed.is_set()
-    finally:
-        await watched.__aexit__(None, None, None)
+            assert not avatar.killed.is_set()
