@@ -21,7 +21,7 @@ from openrois.client import Client
 from openrois.client.components import SystemInformation
 from openrois.client.errors import ConnectionFailed
 from tests.support.certificates import Authority
-from tests.support.demo import Demo, end, first_line, free_port, running_demo, start
+from tests.support.demo import PATIENCE, Demo, end, first_line, free_port, running_demo, start
 
 pytestmark = pytest.mark.media
 
@@ -62,7 +62,7 @@ def test_a_demo_that_is_killed_takes_all_it_started_with_it(tmp_path: Path, engi
         tree = demo.tree()
         assert len(tree) == processes
         demo.process.kill()
-        assert not psutil.wait_procs(tree, timeout=2)[1]
+        assert not psutil.wait_procs(tree, timeout=PATIENCE)[1]
 
 
 async def test_a_demo_for_other_machines_lets_nobody_in_without_a_token(tmp_path: Path) -> None:
@@ -86,7 +86,7 @@ async def test_a_demo_for_other_machines_lets_nobody_in_without_a_token(tmp_path
 def test_a_second_demo_on_the_same_port_says_so_in_one_line(tmp_path: Path) -> None:
     with running_demo(tmp_path) as demo:
         second = start("demo", "--engine", "synthetic", "--port", str(demo.port))
-        output, complaint = second.communicate(timeout=5)
+        output, complaint = second.communicate(timeout=PATIENCE)
         assert (second.returncode, output) == (1, "")
         assert re.fullmatch(rf"openrois demo: .*\b{demo.port}\b.*\n", complaint)
         assert demo.process.poll() is None

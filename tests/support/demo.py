@@ -2,6 +2,7 @@
 
 import itertools
 import os
+import secrets
 import select
 import signal
 import socket
@@ -10,23 +11,29 @@ import sys
 import threading
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO, Final
 
 import psutil
 
 _ROOT: Final = Path(__file__).parents[2]
-_START: Final = 90.0
+PATIENCE: Final = 90.0
+"""Seconds that programs may take on a busy machine to begin, to say what they have to say, and to be gone."""
 _END: Final = 10.0
 
 
 def free_port() -> int:
-    """A TCP port of the loopback interface that nobody uses now."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port: int = probe.getsockname()[1]
-        return port
+    """A TCP port of the loopback interface that nobody uses, nor is given who asks for any: it can be taken twice.
+
+    Debian gives those from 32768 on.
+    """
+    while True:
+        # Tests of other processes must not try the same ones, however they seed `random`.
+        port = 20_000 + secrets.randbelow(12_000)
+        with socket.socket() as probe, suppress(OSError):
+            probe.bind(("127.0.0.1", port))
+            return port
 
 
 def start(*arguments: str, log: IO[str] | int = subprocess.PIPE) -> subprocess.Popen[str]:
@@ -107,13 +114,13 @@ def running_demo(folder: Path, engine: str = "synthetic", more: Sequence[str] = 
         tree += demo.tree() if process.poll() is None else []
     finally:
         end(process)
-    assert not psutil.wait_procs(tree, timeout=2)[1]
+    assert not psutil.wait_procs(tree, timeout=PATIENCE)[1]
 
 
 def first_line(process: subprocess.Popen[str]) -> str:
     """The first line on its standard output, without its end; empty if it ends without one."""
     assert process.stdout is not None
-    readable, _, _ = select.select([process.stdout], [], [], _START)
+    readable, _, _ = select.select([process.stdout], [], [], PATIENCE)
     return process.stdout.readline().rstrip("\n") if readable else ""
 
 

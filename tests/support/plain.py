@@ -58,6 +58,7 @@ class PlainAdapter:
         profile: what `get_profile` answers.
         refusals: the codes of the errors that it was answered.
         hold_completed: whether `completed` is left to the test.
+        last_id: the id of the last request.
     """
 
     socket: ClientConnection
@@ -68,6 +69,7 @@ class PlainAdapter:
     refusals: list[int] = field(default_factory=list)
     hold_completed: bool = False
     minted: int = 0
+    last_id: int = 0
 
     async def run(self) -> None:
         with suppress(ConnectionClosed):
@@ -83,6 +85,7 @@ class PlainAdapter:
     async def _answer(self, request: dict[str, Any]) -> None:
         method, params = request["method"], request["params"]
         assert type(request["id"]) is int
+        self.last_id = request["id"]
         self.asked.append((method, params))
         answer = self.answers.get(method, ...)
         if answer is None:

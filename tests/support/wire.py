@@ -66,7 +66,7 @@ class Application:
     told: asyncio.Queue[tuple[str, dict[str, Any]]] = field(default_factory=asyncio.Queue)
 
     async def ask(self, method: str, **params: Any) -> dict[str, Any]:
-        answer: dict[str, Any] = await self.session.call(method, params, timeout=5)
+        answer: dict[str, Any] = await self.session.call(method, params, timeout=60)
         return answer
 
     def taking(self, method: str) -> NotificationHandler:

@@ -52,7 +52,8 @@ async def test_whoever_blocks_again_is_told_again(ears: Ears) -> None:
             ears.news.clear()
             assert ears.news.wait(5)
             await asyncio.sleep(0)
-    assert len(ears.heard) == 2
+    # A machine that is busy may stand still once more, and is told of that too.
+    assert len(ears.heard) >= 2
 
 
 async def test_the_place_is_in_the_authors_code(ears: Ears) -> None:

@@ -4,7 +4,6 @@ import asyncio
 import http
 import json
 import signal
-import socket
 import sys
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import AsyncExitStack, asynccontextmanager, suppress
@@ -21,17 +20,11 @@ from openrois.client.components import PersonDetection
 from openrois.gateway.server import run_gateway
 from openrois.gateway.settings import GatewaySettings
 from openrois.transport import websocket
+from tests.support.demo import free_port
 from tests.support.fleet import everything
 from tests.support.grounds import Clock
 
 AT_ONCE = Reconnect(first=0.01, limit=0.05)
-
-
-def free_port() -> int:
-    with socket.socket() as listening:
-        listening.bind(("127.0.0.1", 0))
-        port: int = listening.getsockname()[1]
-        return port
 
 
 @pytest.mark.parametrize("given", ["", "127.0.0.1:8765", "ftp://127.0.0.1/", "ws://", "localhost"])
@@ -228,6 +221,8 @@ async def test_a_pulled_cable_is_noticed(monkeypatch: pytest.MonkeyPatch) -> Non
         told = await anext(notices)
         assert isinstance(told, Disconnected)
         assert "1011" in told.reason or "1006" in told.reason
+        # The next connection is not to be lost when this process stands still for a moment.
+        monkeypatch.undo()
         pulled.clear()
         while not isinstance(await anext(notices), Connected):
             pass

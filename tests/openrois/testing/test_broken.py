@@ -19,7 +19,7 @@ from openrois.types.profiles import HRIComponentProfile, RoISIdentifier
 from tests.support.basics import Navigation, SystemInformation
 
 PATIENCE = 0.05
-"""Seconds: nothing here that is as it should be takes any time."""
+"""Seconds until what is not as it should be is given up."""
 
 
 class Motor(Component, authority="Test"):
@@ -65,7 +65,7 @@ async def rules_broken(bus: LocalRegistry) -> set[str]:
 
 
 async def test_what_keeps_the_contract_has_no_findings() -> None:
-    assert await findings(Bus(), patience=PATIENCE) == []
+    assert await findings(Bus()) == []
 
 
 # What a profile says.
