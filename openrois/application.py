@@ -15,6 +15,7 @@ from typing import Any, Final, cast
 from openrois.accepted import AcceptedCommands
 from openrois.access.principal import LOCAL, Principal
 from openrois.audit import Audit
+from openrois.change_notice import ChangeNotice
 from openrois.command_budget import MAX_UNFINISHED, MAX_UNFINISHED_TEXT, CommandBudget
 from openrois.command_log import MAX_RUNNING, MAX_RUNNING_TEXT, CommandLog
 from openrois.contract import Client, Fault
@@ -178,6 +179,7 @@ class ApplicationSession:
         self.tell = self._notify = notify
         self._passes = passes
         self._left = left
+        self._change_notice = ChangeNotice(lambda: notify("rois.system.profile_changed", {}))
         self._stop_listening = self.engine.on_change(self._tree_changed)
         self._stop_watching = host.engine.faults.add(self._take_fault)
 
@@ -293,7 +295,7 @@ class ApplicationSession:
         self.bound &= shown
         self.stream_parameters.keep_only(shown)
         if visibly:
-            self._notify("rois.system.profile_changed", {})
+            self._change_notice.changed()
 
     def _take_extension_notification(self, method: str, params: Mapping[str, Any]) -> None:
         # Read before it waits: a malformed one is the fault of who tells it, not of the call that it waits for.
@@ -345,5 +347,6 @@ class ApplicationSession:
         self.closed = True
         self._stop_listening()
         self._stop_watching()
+        self._change_notice.close()
         self.engine.close()
         await self.leave(lost=lost)

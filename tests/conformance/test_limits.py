@@ -16,6 +16,7 @@ from openrois_streaming.input.messages import MESSAGE_LIMIT
 from openrois_streaming.sessions import SESSIONS_LIMIT
 
 from openrois import (
+    change_notice,
     command_budget,
     command_log,
     condition,
@@ -273,6 +274,10 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
     "looks at the profile of one adapter that says `profile_changed`": (
         (1 / adapters.CHANGE_PAUSE,),
         ("tests/conformance/test_adapters.py::test_many_changes_at_once_are_two",),
+    ),
+    "`profile_changed` to one application": (
+        (change_notice.CHANGES_AT_ONCE, change_notice.CHANGES_PER_SECOND),
+        ("tests/openrois/test_change_notice.py::test_a_flood_is_cut_and_its_last_is_told",),
     ),
     "answers of an adapter that come too late and still matter": (
         (calls.MAX_LATE,),
