@@ -54,8 +54,8 @@ class _InScene:
         """Wait no more."""
         await self._scope.__aexit__(None, None, None)
 
-    def look(self) -> None:
-        """Tell what is worth telling."""
+    def look(self, now: float) -> None:
+        """Tell what is worth telling; `now` is when, in seconds of the clock."""
         raise NotImplementedError
 
     def interval(self) -> int:
@@ -92,7 +92,7 @@ class _InScene:
                 # What comes too early is looked at then: nobody may say it again.
                 began = self._clock.now()
                 self._begins = False
-                self.look()
+                self.look(began)
                 while not self._begins and (left := began + self._pause() - self._clock.now()) > 0:
                     await self._clock.sleep_until(self._clock.now() + min(left, _LONGEST))
 
@@ -111,7 +111,7 @@ class ScenePersonDetection(_InScene, Sense, components.PersonDetection):
         self._numbers = Numbers()
         self.place_in(world, clock, engine_status)
 
-    def look(self) -> None:
+    def look(self, now: float) -> None:
         """Tell another number."""
         number = len(self.places("person"))
         if self._numbers.tells(number):
@@ -128,10 +128,10 @@ class _Localizing(_InScene, Localizing):
     kind: Kind
     _told = False
 
-    def look(self) -> None:
+    def look(self, now: float) -> None:
         """Tell those that have moved far enough."""
         places = self.places(self.kind)
-        self._told = self.tells(places, self._clock.now())
+        self._told = self.tells(places, now)
         if self._told:
             self.tell(tuple(places), tuple(place.text for place in places.values()), self.now())
 
@@ -140,8 +140,8 @@ class _Localizing(_InScene, Localizing):
         return (self.minimum_interval or 0) if self._told else 0
 
     def forget(self) -> None:
-        """Tell again where everybody is."""
-        self.tells({}, self._clock.now())
+        """Tell again where everybody is, however soon."""
+        self.forget_places()
 
     def tell(self, refs: tuple[str, ...], places: tuple[str, ...], moment: datetime) -> None:
         """Announce the event."""

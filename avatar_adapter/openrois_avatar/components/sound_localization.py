@@ -73,7 +73,7 @@ class SoundLocalization(Localizing, components.SoundLocalization):
         self._waiting = np.zeros((0, 2), np.int16)
         self._bearings: deque[float] = deque(maxlen=_SMOOTHED)
         self._mono = 0
-        self.tells({}, 0.0)
+        self.forget_places()
 
     def _hear(self, sound: RawAudio) -> None:
         there, before = bool(self._presence.add(sound.samples)), self._there

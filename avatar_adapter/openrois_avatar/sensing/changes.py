@@ -7,6 +7,7 @@ from typing import Final, NamedTuple
 __all__ = ["Movements", "Numbers", "Place"]
 
 _MILLIMETRES: Final = 1000
+_MILLISECOND: Final = 0.001
 
 
 class Place(NamedTuple):
@@ -61,7 +62,9 @@ class Movements:
         if not places:
             self._told = {}
             return False
-        if not self._far(places, threshold or 0) or now - self._told_at < (interval or 0) / _MILLIMETRES:
+        # A sum, as who waits for the end of the interval has it: rounded otherwise, that would still be too early.
+        is_early = now < self._told_at + (interval or 0) * _MILLISECOND
+        if is_early or not self._far(places, threshold or 0):
             return False
         self._told, self._told_at = dict(places), now
         return True

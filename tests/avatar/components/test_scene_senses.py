@@ -133,6 +133,27 @@ async def test_who_comes_later_is_told_what_there_is(stage: Stage) -> None:
             assert stage.heard == []
 
 
+async def test_who_comes_soon_after_somebody_left_does_not_wait_for_the_interval(stage: Stage) -> None:
+    await stage.set(LOCALIZATION, minimum_interval="60000")
+    await stage.show(ANNA)
+    for _ in range(2):
+        subscription = await stage.listen(LOCALIZATION, "person_localized")
+        await stage.clock.advance(1)
+        assert len(stage.told("position_data")) == 1
+        await stage.registry.unsubscribe(subscription)
+
+
+@pytest.mark.parametrize("interval", [100, 300, 700])
+async def test_what_came_too_early_is_told_however_the_interval_is_rounded(stage: Stage, interval: int) -> None:
+    await stage.set(LOCALIZATION, minimum_interval=str(interval))
+    await stage.listen(LOCALIZATION, "person_localized")
+    for x in range(20):
+        await stage.show(Thing("a", "person", x, 0))
+        stage.world.take(Things((Thing("a", "person", x, 1),)))
+        await stage.clock.advance(2 * interval / 1000)
+        assert stage.told("position_data")[-1] == f'["{x}.000,1.000,0.0000"]'
+
+
 async def test_stopped_it_tells_nothing(stage: Stage) -> None:
     await stage.listen(LOCALIZATION, "person_localized")
     await stage.registry.invoke(f"avatar/{LOCALIZATION}", "stop")
