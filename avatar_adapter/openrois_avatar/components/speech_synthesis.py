@@ -32,13 +32,13 @@ class SpeechSynthesis(components.SpeechSynthesis):
         return ComponentStatus.READY if self._voice.available()[0] else ComponentStatus.ERROR
 
     def accept_parameters(self, changes: dict[str, Any]) -> dict[str, Any]:
-        """Let one text replace the other; refuse two at once."""
+        """Let one text replace the other, also where it is empty; refuse two at once."""
         plain, marked_up = changes.get("speech_text"), changes.get("ssml_text")
         if plain and marked_up:
             raise BadParameter("speech_text or ssml_text, not both")
-        if plain:
+        if plain is not None and not marked_up:
             return {**changes, "ssml_text": None}
-        if marked_up:
+        if marked_up is not None:
             return {**changes, "speech_text": None}
         return changes
 

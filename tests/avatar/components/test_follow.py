@@ -1,14 +1,16 @@
 """Follow over an engine whose figure walks by kinematics."""
 
 import asyncio
-from math import cos, dist, sin
+from math import atan2, cos, dist, radians, sin
 from typing import Any
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from openrois_avatar.link.messages import Floor, Thing, Walk
-from openrois_avatar.wayfinding import BODY
+from openrois_avatar.link.messages import Floor, Place, Thing, Walk
+from openrois_avatar.link.messages.motion import Kind
+from openrois_avatar.motion.targets import Position
+from openrois_avatar.wayfinding import BODY, Ways
 
 from openrois.errors import Aborted, BadParameter, ComponentFailed, TimedOut
 from openrois.registry import LocalRegistry
@@ -56,6 +58,15 @@ class Stage(Walking):
         assert not self.engine.moves
 
     @property
+    def walks(self) -> list[Walk]:
+        """What the engine was asked for."""
+        return [each for each in self.engine.heard if isinstance(each, Walk)]
+
+    def anna_stands(self, x: float, y: float) -> None:
+        self.anna = x, y
+        self.show()
+
+    @property
     def away(self) -> float:
         return dist((self.engine.x, self.engine.y), self.anna)
 
@@ -79,19 +90,50 @@ async def test_it_comes_near_stays_behind_and_goes_on_until_stop(stage: Stage) -
 async def test_it_waits_when_it_is_closer_and_looks_at_whom_it_follows(stage: Stage) -> None:
     running = await stage.begin(5000)
     await stage.run(1)
-    assert not [each for each in stage.engine.heard if isinstance(each, Walk)]
-    stage.anna = (0.0, 2.0)
-    stage.show()
+    assert not stage.walks
+    stage.anna_stands(0.0, 2.0)
     await stage.run(2)
     assert (stage.engine.x, stage.engine.y) == (0, 0)
     assert stage.engine.th == pytest.approx(1.5708, abs=1e-3)
     await stage.stop(running)
 
 
-async def test_it_leaves_room_for_two_bodies(stage: Stage) -> None:
-    running = await stage.begin(0)
+@pytest.mark.parametrize(("degrees", "turns"), [(28, False), (30, True)])
+async def test_standing_it_turns_after_who_leaves_the_middle_of_its_sight(
+    stage: Stage, degrees: float, turns: bool
+) -> None:
+    running = await stage.begin(5000)
+    stage.anna_stands(3 * cos(radians(degrees)), 3 * sin(radians(degrees)))
+    await stage.run(1)
+    assert stage.engine.th == pytest.approx(radians(degrees) if turns else 0, abs=1e-3)
+    await stage.stop(running)
+
+
+@pytest.mark.parametrize(("metres", "walks"), [(0.14, 1), (0.16, 2)])
+async def test_it_plans_anew_when_they_have_moved_by_15_cm(stage: Stage, metres: float, walks: int) -> None:
+    running = await stage.begin()
+    stage.anna_stands(3.0 + metres, 0)
+    await settle()
+    assert [walk.speed for walk in stage.walks] == [1.5] * walks
+    await stage.stop(running)
+
+
+@pytest.mark.parametrize(("metres", "walks"), [(0.08, 0), (0.12, 1)])
+async def test_less_than_10_cm_are_not_worth_a_step(stage: Stage, metres: float, walks: int) -> None:
+    running = await stage.begin(3000)
+    stage.anna_stands(3.0 + metres, 0)
+    await settle()
+    assert len(stage.walks) == walks
+    await stage.stop(running)
+
+
+@pytest.mark.parametrize(("kind", "away"), [("person", 0.6), ("object", 0.25), ("sound", 0.25)])
+async def test_it_leaves_room_for_two_bodies(stage: Stage, kind: Kind, away: float) -> None:
+    stage.populate(Thing("it", kind, *stage.anna))
+    await stage.set(target_object_ref="it", distance="250")
+    running = asyncio.ensure_future(stage.registry.invoke(REF, "start"))
     await stage.run(5)
-    assert stage.away == pytest.approx(0.6, abs=0.02)
+    assert stage.away == pytest.approx(away, abs=0.02)
     await stage.stop(running)
 
 
@@ -102,6 +144,15 @@ async def test_it_walks_round_obstacles(stage: Stage) -> None:
     await stage.run(9)
     assert stage.away == pytest.approx(1, abs=0.02)
     assert room_along(floor, stage.engine.track) >= BODY - 1e-3
+    await stage.stop(running)
+
+
+async def test_when_it_is_there_it_looks_at_whom_it_follows(stage: Stage) -> None:
+    stage.build(Floor(SQUARE, (rectangle(1, -3, 1.2, 0.3),)))
+    running = await stage.begin(2400)
+    await stage.run(5)
+    assert stage.engine.x < 1.5, "it sees her from behind the corner"
+    assert stage.engine.th == pytest.approx(atan2(-stage.engine.y, 3 - stage.engine.x), abs=1e-3)
     await stage.stop(running)
 
 
@@ -177,13 +228,44 @@ async def test_suspended_it_stands(stage: Stage) -> None:
 async def test_walks_that_the_engine_breaks_off_are_tried_again_and_not_for_ever(stage: Stage) -> None:
     running = await stage.begin()
     stage.engine.break_off()
-    await stage.run(0.7)
+    await stage.run(0.4)
+    assert not stage.engine.moves
+    await stage.run(0.3)
     assert stage.engine.moves
     for _ in range(2):
         stage.engine.break_off()
         await stage.run(0.6)
+    assert running.done()
     with pytest.raises(ComponentFailed, match="broke the walk off 3 times"):
         await running
+
+
+async def test_a_walk_that_comes_to_its_end_makes_up_for_those_that_did_not(stage: Stage) -> None:
+    running = await stage.begin()
+    for x in (3.0, 5.0, 7.0):
+        stage.anna_stands(x, 0)
+        await settle()
+        for _ in range(2):
+            stage.engine.break_off()
+            await stage.run(0.6)
+        await stage.run(3)
+    assert stage.away == pytest.approx(1, abs=0.02)
+    await stage.stop(running)
+
+
+async def test_suspended_while_it_plans_it_does_not_begin(stage: Stage) -> None:
+    stage.build(Floor(SQUARE, tuple(rectangle(x, -2, x + 0.1, -1) for x in range(-5, 5))))
+    running = await stage.begin()
+    await stage.registry.invoke(REF, "suspend")
+    stage.engine.heard.clear()
+    await Ways(stage.world).to(Place(0, 0, 0), Position(2, 0), "distance")
+    await settle()
+    assert not stage.walks
+    await stage.registry.invoke(REF, "resume")
+    async with asyncio.timeout(60):
+        while not stage.walks:
+            await asyncio.wait({running}, timeout=0.001)
+    await stage.stop(running)
 
 
 async def test_a_lost_engine_fails_it_also_while_it_stands(stage: Stage) -> None:

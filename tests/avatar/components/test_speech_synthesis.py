@@ -96,6 +96,17 @@ async def test_without_a_text_there_is_nothing_to_start(stage: Stage) -> None:
         await stage.start()
 
 
+@pytest.mark.parametrize(("old", "new"), [("ssml_text", "speech_text"), ("speech_text", "ssml_text")])
+async def test_an_empty_text_takes_the_place_of_the_other_one_too(stage: Stage, old: str, new: str) -> None:
+    await stage.set(**{old: "said before"})
+    await stage.set(**{new: ""})
+    speaking = stage.start()
+    await settle()
+    assert stage.synthesizer.asked == []
+    with pytest.raises(BadParameter, match="set speech_text or ssml_text first"):
+        await speaking
+
+
 async def test_languages_and_characters_are_listed(stage: Stage) -> None:
     assert json.loads((await stage.ask("synthesizable_languages"))["languages"]) == ["en", "de"]
     assert json.loads((await stage.ask("available_voices"))["characters"]) == ["default", "f1", "m1"]
