@@ -40,13 +40,25 @@ from openrois.client.notices import (
 from openrois.client.reconnect import Reconnect
 from openrois.client.steps import Concurrent, Step, concurrent
 from openrois.client.subscription import Event, Subscription
+from openrois.errors import (
+    Aborted,
+    BadParameter,
+    ComponentFailed,
+    OutOfResources,
+    RoISError,
+    TimedOut,
+    Unsupported,
+)
 from openrois.jsonrpc.session import RpcError
 
 __all__ = [
+    "Aborted",
+    "BadParameter",
     "BindingLost",
     "BindingRestored",
     "Client",
     "Command",
+    "ComponentFailed",
     "ComponentProxy",
     "Concurrent",
     "Connected",
@@ -66,13 +78,17 @@ __all__ = [
     "Feed",
     "Notice",
     "Notification",
+    "OutOfResources",
     "ProfileChanged",
     "Reconnect",
+    "RoISError",
     "RpcError",
     "Step",
     "Subscription",
     "SubscriptionLost",
     "SubscriptionRestored",
+    "TimedOut",
+    "Unsupported",
     "concurrent",
     "where",
 ]

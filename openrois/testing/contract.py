@@ -1,18 +1,21 @@
 """The contract that every component keeps, tried on one component, or on all that are behind a bus."""
 
 import asyncio
-from collections.abc import Awaitable, Callable, Mapping
-from contextlib import suppress
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
+from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 from typing import Final
 
 from openrois.component import Component
-from openrois.contract import ComponentBus
+from openrois.contract import Client, ComponentBus
+from openrois.engine import Engine
 from openrois.errors import Unsupported
+from openrois.holders import tell_holder
 from openrois.registry import LocalRegistry
 from openrois.testing import event_rules, life_rules, message_rules, parameter_rules, profile_rules
 from openrois.testing.subject import Broken, Ears, LocalSubject, Subject
 from openrois.types.references import reference
+from openrois.types.streams import HolderNotification
 
 __all__ = ["ComponentContract", "Finding", "findings"]
 
@@ -178,15 +181,32 @@ async def findings(
             refuses=(refuses or {}).get(component_ref, {}),
             patience=patience,
         )
-        for rule in RULES:
-            try:
-                await rule(subject)
-            except Broken as error:
-                found.append(Finding(component_ref, _name(rule), str(error)))
-            except Exception as error:
-                # Whatever the bus raises, the others are still to be tried.
-                found.append(Finding(component_ref, _name(rule), f"{type(error).__name__}: {error}"))
+        async with _held(bus, component_ref):
+            for rule in RULES:
+                try:
+                    await rule(subject)
+                except Broken as error:
+                    found.append(Finding(component_ref, _name(rule), str(error)))
+                except Exception as error:
+                    # Whatever the bus raises, the others are still to be tried.
+                    found.append(Finding(component_ref, _name(rule), f"{type(error).__name__}: {error}"))
     return found
+
+
+@asynccontextmanager
+async def _held(bus: ComponentBus, component_ref: str) -> AsyncIterator[None]:
+    """Hold a component behind a gateway, as its first holder: what has a dead man's switch moves for nobody else."""
+    if not isinstance(bus, Engine):
+        yield
+        return
+    tester = Client("tester", lambda _method, _params: None)
+    told = HolderNotification(component_ref=component_ref, holds=True, epoch=1)
+    await tell_holder(bus, told, tester)
+    try:
+        yield
+    finally:
+        await tell_holder(bus, told.model_copy(update={"holds": False}), tester)
+        await bus.extension.forget(tester)
 
 
 async def _strangers(bus: ComponentBus, patience: float) -> list[str]:

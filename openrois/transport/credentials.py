@@ -41,12 +41,13 @@ class Credentials:
         return cls(None if not token else lambda: read_token(Path(token)), Path(trusted) if trusted else None)
 
     def newest(self) -> str | None:
-        """Return the token as it is now.
+        """Return the token as it is now, without the line end that it had in a file.
 
         Raises:
-            ValueError: it cannot be had.
+            ValueError: it cannot be had, or is none.
         """
-        return self.token() if callable(self.token) else self.token
+        token = self.token() if callable(self.token) else self.token
+        return None if token is None else _token(token, "what was given as one")
 
     def headers(self) -> Mapping[str, str]:
         """Return what the opening request carries.
@@ -84,11 +85,15 @@ def read_token(path: Path) -> str:
     """
     try:
         with path.open("rb") as file:
-            text = file.read(MAX_TOKEN_FILE).decode("ascii").strip()
+            text = file.read(MAX_TOKEN_FILE).decode("ascii", "replace")
     except OSError as error:
         raise ValueError(f"the token cannot be read from {path}: {error.strerror}") from None
-    except UnicodeDecodeError:
-        raise ValueError(f"there is no token in {path}") from None
-    if not text or not text.isprintable() or " " in text:
-        raise ValueError(f"there is no token in {path}: it is one line, as `openrois token issue` prints it")
-    return text
+    return _token(text, str(path))
+
+
+def _token(text: str, place: str) -> str:
+    """Return the token in a text; what is none must not get into a header, whose errors would repeat it."""
+    token = text.strip()
+    if not token or not token.isascii() or not token.isprintable() or " " in token:
+        raise ValueError(f"there is no token in {place}: it is one line, as `openrois token issue` prints it")
+    return token

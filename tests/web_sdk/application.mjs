@@ -8,9 +8,12 @@ export const sdk = await import(`${process.env.OPENROIS_SDK}/index.js`);
 const { WebSocket: WebSocketOfLibrary } = createRequire(`${process.env.WEB_DEMO}/package.json`)("ws");
 const lines = createInterface({ input: process.stdin })[Symbol.asyncIterator]();
 
+export const library = {
+  webSocket: (url, protocols, headers) => new WebSocketOfLibrary(url, protocols, { headers }),
+};
+
 /** Node's own WebSocket where it has one, else that of `ws`. */
 export const connect = async (options = {}) => {
-  const library = { webSocket: (url, protocols) => new WebSocketOfLibrary(url, protocols) };
   const client = new sdk.Client(process.argv[2], {
     ...("WebSocket" in globalThis ? {} : library),
     ...options,

@@ -71,7 +71,7 @@ def start(node: Path, package: Path) -> Start:
     """Run a program of this folder against the gateway at an address."""
 
     @asynccontextmanager
-    async def run(program: str, gateway: str, *flags: str) -> AsyncIterator[Application]:
+    async def run(program: str, gateway: str, *flags: str, token: str = "") -> AsyncIterator[Application]:
         process = await asyncio.create_subprocess_exec(
             node,
             *flags,
@@ -80,7 +80,7 @@ def start(node: Path, package: Path) -> Start:
             stdin=asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.PIPE,
-            env=os.environ | {"OPENROIS_SDK": str(package), "WEB_DEMO": str(WEB_DEMO)},
+            env=os.environ | {"OPENROIS_SDK": str(package), "WEB_DEMO": str(WEB_DEMO), "TOKEN": token},
         )
         try:
             yield Application(process)

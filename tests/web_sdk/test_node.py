@@ -3,6 +3,7 @@
 import re
 import signal
 import subprocess
+import time
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
 from pathlib import Path
@@ -19,6 +20,8 @@ from tests.support.demo import free_port
 from tests.support.deployment import gateway, until
 from tests.support.fleet import NOON, Robot, everything, fleet
 from tests.support.ground import gateway_program
+from tests.support.guarded import guarded
+from tests.support.tokens import issue
 from tests.web_sdk.conftest import Application, Start
 
 
@@ -73,6 +76,16 @@ async def test_a_tour_of_all_operations(start: Start, node: Path, websocket: str
         await app.ends()
     assert robot.parts["SpeechSynthesis"].parameters["speech_text"] == "Hello!"
     assert robot.parts["SpeechSynthesis"].parameters["volume"] == "70"
+
+
+async def test_a_token_is_shown_without_a_page(start: Start, node: Path, tmp_path: Path) -> None:
+    async with (
+        guarded(tmp_path) as here,
+        start("bearer.mjs", here.gateway.url, *own_websocket(node), token=issue(time.time())) as app,
+    ):
+        assert await app.says("own") == "connected"
+        assert await app.says("ws") == "connected"
+        await app.ends()
 
 
 async def comes_back(app: Application) -> list[tuple[str, object]]:

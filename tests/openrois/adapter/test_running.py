@@ -13,8 +13,10 @@ import pytest
 
 from openrois.adapter import serve
 from openrois.client import Client
+from openrois.errors import Aborted
 from openrois.gateway.server import Gateway
 from openrois.testing import findings, launched
+from tests.support.basics import Navigation
 from tests.support.components import Lamp
 from tests.support.deployment import gateway, until
 
@@ -70,6 +72,13 @@ class TestServe:
                 assert lamp.total == 1
                 assert host.engine.engine_id == "robot"
             await until(running.engine, lambda ids: "robot" not in ids)
+
+    async def test_what_moves_is_tried_from_outside_as_what_somebody_controls(self) -> None:
+        async with gateway() as running, serve(Navigation(), engine_id="robot", gateway=running.url):
+            await until(running.engine, lambda ids: "robot" in ids)
+            assert await findings(running.engine) == []
+            with pytest.raises(Aborted, match="nobody has control"):
+                await running.engine.invoke("robot/navigation", "start")
 
     async def test_the_environment_says_where_the_gateway_is(self, monkeypatch: pytest.MonkeyPatch) -> None:
         async with gateway() as running:

@@ -9,6 +9,8 @@ from typing import Final
 
 import pytest
 
+import openrois.client
+
 ROOT: Final = Path(__file__).parents[3]
 
 APPLICATION: Final = """
@@ -105,6 +107,14 @@ def test_the_guide_is_right(tmp_path: Path) -> None:
     for name, text in pieces.items():
         (tmp_path / f"{name}.py").write_text(text)
     assert mypy(tmp_path) == ""
+
+
+def test_what_the_guide_says_is_raised_comes_from_the_client() -> None:
+    text = (ROOT / "docs" / "client.md").read_text(encoding="utf-8")
+    table = text.partition("| raised | when |")[2].partition("\n\n")[0]
+    raised = re.findall(r"`(\w+)`", "".join(re.findall(r"^\| (`.*?) \|", table, re.MULTILINE)))
+    assert len(raised) == 10
+    assert {*raised} - {*openrois.client.__all__} == {"TimeoutError"}
 
 
 @pytest.mark.timeout(300)

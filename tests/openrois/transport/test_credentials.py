@@ -17,6 +17,7 @@ def test_a_token_is_read_at_each_use(tmp_path: Path) -> None:
     path.write_text("second")
     assert credentials.headers() == {"Authorization": "Bearer second"}
     assert "second" not in repr(credentials)
+    assert Credentials(path.read_text() + "\n").newest() == "second"
     assert Credentials("canary").headers() == {"Authorization": "Bearer canary"}
     assert "canary" not in repr(Credentials("canary"))
     assert Credentials().headers() == {}
@@ -40,6 +41,14 @@ def test_what_is_no_token(content: bytes, tmp_path: Path) -> None:
         read_token(path)
     with pytest.raises(ValueError, match="cannot be read"):
         read_token(tmp_path / "nothing")
+
+
+@pytest.mark.parametrize("given", ["", "canary two", "canary\ncanary", "canary\x00", "can\u2028ary", "canäry"])
+def test_what_is_given_and_no_token(given: str) -> None:
+    for token in (given, lambda: given):
+        with pytest.raises(ValueError, match="there is no token in what was given as one") as raised:
+            Credentials(token).headers()
+        assert "can" not in str(raised.value)
 
 
 def test_authorities(tmp_path: Path) -> None:

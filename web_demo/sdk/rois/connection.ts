@@ -34,7 +34,8 @@ export interface ConnectionEvents {
 export interface ConnectionOptions {
   /**
    * A JSON Web Token, or what returns the newest: it is called at every connection, and before the present one ends.
-   * It travels as a subprotocol, never in the URL, where logs would keep it.
+   * A page sends it as a subprotocol, for browsers set no headers; all others in the header `Authorization`. It is never
+   * in the URL, where logs would keep it.
    */
   readonly token?: string | (() => string | undefined);
   /** How long to wait between attempts. */
@@ -45,9 +46,13 @@ export interface ConnectionOptions {
   readonly requestTimeout?: number;
   /**
    * Opens a WebSocket; by default the one of the platform. Node has one from 22 on; for Node 20, with `ws`:
-   * `(url, protocols) => new WebSocket(url, protocols)`.
+   * `(url, protocols, headers) => new WebSocket(url, protocols, { headers })`.
    */
-  readonly webSocket?: (url: string, protocols: string[]) => SocketLike;
+  readonly webSocket?: (
+    url: string,
+    protocols: string[],
+    headers: Readonly<Record<string, string>>,
+  ) => SocketLike;
 }
 
 /** A connection that lived this long (ms) was a good one: the next failure is counted as the first. */
@@ -213,8 +218,12 @@ export class Connection {
   #createSocket(): SocketLike {
     const { token: given, webSocket = openWebSocket } = this.#options;
     const token = typeof given === "function" ? given() : given;
-    const protocols = token === undefined ? [] : ["openrois.v1", `openrois.bearer.${token}`];
-    return webSocket(this.#url, protocols);
+    if (token === undefined) return webSocket(this.#url, [], {});
+    if (!/^[!-~]+$/.test(token))
+      throw new TypeError("what was given as a token is none: it is one line of letters");
+    return "location" in globalThis
+      ? webSocket(this.#url, ["openrois.v1", `openrois.bearer.${token}`], {})
+      : webSocket(this.#url, [], { Authorization: `Bearer ${token}` });
   }
 }
 
@@ -228,6 +237,11 @@ export function gatewayUrl(url: string | URL, base: string | undefined = globalT
   return address.href;
 }
 
-function openWebSocket(url: string, protocols: string[]): SocketLike {
-  return new WebSocket(url, protocols);
+function openWebSocket(
+  url: string,
+  protocols: string[],
+  headers: Readonly<Record<string, string>>,
+): SocketLike {
+  // Outside of browsers the second argument may be an object; TypeScript's own types are those of a page.
+  return new WebSocket(url, "Authorization" in headers ? ({ headers } as unknown as string[]) : protocols);
 }

@@ -111,7 +111,8 @@ export abstract class Link {
   constructor(url: string | URL = "./", options: ClientOptions = {}) {
     this.#idleProbe = options.idleProbe ?? 20_000;
     const { token } = options;
-    this.#newest = typeof token === "function" ? token : () => token;
+    // A token that was read from a file has a line end.
+    this.#newest = () => (typeof token === "function" ? token() : token)?.trim();
     const show = (): string | undefined => (this.#shown = this.#newest());
     this.#connection = new Connection(url, { ...options, token: show }, (session) =>
       this.#handshake(session),

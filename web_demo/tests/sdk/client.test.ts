@@ -47,25 +47,47 @@ describe("connecting", () => {
     await expect(client.search()).resolves.toEqual([]);
   });
 
-  it("offers a token as a subprotocol, never in the URL", async () => {
-    const client = clientOf({ token: "a.b.c" });
+  it("offers a token as a subprotocol in a page, never in the URL", async () => {
+    vi.stubGlobal("location", { href: "https://page.example.org/" });
+    const client = clientOf({ token: "a.b.c\n" });
     await client.connect();
     expect(gateway.socket.protocols).toEqual(["openrois.v1", "openrois.bearer.a.b.c"]);
+    expect(gateway.headers).toEqual({});
     expect(gateway.socket.url).toBe("ws://test/");
+    vi.unstubAllGlobals();
+  });
+
+  it("shows a token in the header elsewhere", async () => {
+    const client = clientOf({ token: "a.b.c\n" });
+    await client.connect();
+    expect(gateway.socket.protocols).toEqual([]);
+    expect(gateway.headers).toEqual({ Authorization: "Bearer a.b.c" });
+    expect(gateway.socket.url).toBe("ws://test/");
+  });
+
+  it("says what is no token, and does not repeat it", async () => {
+    const client = clientOf({ token: "canary canary" });
+    const states: unknown[] = [];
+    client.on("state", (state) => states.push(state));
+    void client.connect().catch(() => undefined);
+    await vi.waitFor(() => expect(client.state.name).toBe("waiting"));
+    expect(JSON.stringify(states)).toContain("what was given as a token is none");
+    expect(JSON.stringify(states)).not.toContain("canary");
+    await client.close();
   });
 
   it("shows the newest token at each connection, and when the gateway says that the present one ends", async () => {
     const tokens = ["a.b.1", "a.b.2", "a.b.3"];
     const client = clientOf({ token: () => tokens.shift() });
     await client.connect();
-    expect(gateway.socket.protocols).toEqual(["openrois.v1", "openrois.bearer.a.b.1"]);
+    expect(gateway.headers).toEqual({ Authorization: "Bearer a.b.1" });
     gateway.notify("openrois.auth.expiring", { seconds: 60 });
     await vi.waitFor(() => expect(gateway.called("openrois.auth.refresh")).toEqual([{ token: "a.b.2" }]));
     gateway.socket.close(4401, "the token has expired");
     await vi.waitFor(() => expect(client.state.name).toBe("waiting"));
     client.retryNow();
     await vi.waitFor(() => expect(client.state.name).toBe("connected"));
-    expect(gateway.socket.protocols).toEqual(["openrois.v1", "openrois.bearer.a.b.3"]);
+    expect(gateway.headers).toEqual({ Authorization: "Bearer a.b.3" });
   });
 
   it.each(["a.b.c", () => "a.b.c"])("has one token and no other: %s", async (token) => {

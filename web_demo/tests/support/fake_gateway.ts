@@ -111,7 +111,15 @@ export class FakeGateway {
     return socket;
   }
 
-  readonly webSocket = (url: string, protocols: readonly string[]): FakeSocket => {
+  /** The headers that the last connection was opened with. */
+  headers: Readonly<Record<string, string>> = {};
+
+  readonly webSocket = (
+    url: string,
+    protocols: readonly string[],
+    headers: Readonly<Record<string, string>> = {},
+  ): FakeSocket => {
+    this.headers = headers;
     const socket = new FakeSocket(url, protocols, (from, text) => void this.#receive(from, text));
     this.sockets.push(socket);
     queueMicrotask(() => (this.running ? socket.open() : socket.end(1006)));
