@@ -11,7 +11,7 @@ from openrois_streaming.adaptation.rung import Rung
 from openrois_streaming.adaptation.viewer import Adaptation, Standing
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.encoded import EncodedFrame
-from openrois_streaming.feed import Feed
+from openrois_streaming.feed import STILL_INTERVAL, Feed
 from openrois_streaming.rtp.reports import ReceiverReport
 from openrois_streaming.stats import AdaptationStats
 from openrois_streaming.stream import Stream
@@ -81,6 +81,11 @@ class Downlink:
     def is_open(self) -> bool:
         """Whether it is played."""
         return self._codec is not None
+
+    @property
+    def pause(self) -> float:
+        """Seconds that are meant to pass between two pictures, where not all of them are sent; else 0."""
+        return STILL_INTERVAL if self._feed.stills else 0.0
 
     def open(self, codec: str) -> None:
         """Play it in `codec`, a media type."""

@@ -2,7 +2,7 @@
 
 import logging
 from collections.abc import Callable, Hashable, Sequence
-from contextlib import AbstractAsyncContextManager
+from contextlib import AbstractAsyncContextManager, AbstractContextManager
 from dataclasses import replace
 from typing import Protocol
 
@@ -20,8 +20,8 @@ FIRST_RETRY = 0.5
 RETRY = 1.0
 """Seconds between further tries, while no frame comes."""
 
-STILL_INTERVAL = 2.0
-"""Seconds between two pictures for a viewer whose path carries nothing else."""
+STILL_INTERVAL = 1.5
+"""Seconds between two pictures for a viewer whose path carries nothing else. After 2 s browsers want another path."""
 
 _log = logging.getLogger(__name__)
 
@@ -46,6 +46,10 @@ class SharedRendition(Protocol):
         self, viewer: Hashable, take: Callable[[EncodedFrame], None], bitrate: float | None = None
     ) -> AbstractAsyncContextManager[Playing]:
         """Have `take` called with each frame while the context lasts; a key frame is asked for, to start with."""
+        ...
+
+    def wanted(self) -> AbstractContextManager[None]:
+        """Have it count as played while the context lasts, also between two tries to play what fails."""
         ...
 
     def request_key_frame(self, cause: KeyFrameCause) -> None:
@@ -152,18 +156,19 @@ class Feed:
             failing = False
             self._take(part, frame)
 
-        while True:
-            part.chain, pause = ReferenceChain(self._kind), RETRY
-            try:
-                async with part.rendition.play(self, take, bitrate) as playing:
-                    await playing.get()
-            except Exception as error:
-                pause = RETRY if failing else FIRST_RETRY
-                if not failing:
-                    cause = error.__cause__ or error
-                    _log.warning("a %s source stopped; it is tried again every %.0f s: %r", self._kind, RETRY, cause)
-                failing = True
-            await self._clock.sleep_until(self._clock.now() + pause)
+        with part.rendition.wanted():
+            while True:
+                part.chain, pause = ReferenceChain(self._kind), RETRY
+                try:
+                    async with part.rendition.play(self, take, bitrate) as playing:
+                        await playing.get()
+                except Exception as error:
+                    pause = RETRY if failing else FIRST_RETRY
+                    if not failing:
+                        told = "a %s source stopped; it is tried again every %.0f s: %r"
+                        _log.warning(told, self._kind, RETRY, error.__cause__ or error)
+                    failing = True
+                await self._clock.sleep_until(self._clock.now() + pause)
 
     def _take(self, part: _Part, frame: EncodedFrame) -> None:
         if part is self._next and frame.keyframe:

@@ -38,11 +38,11 @@ class Verdict(Enum):
 class Flow:
     """The progress of one sender: frames that left, and the receiver's reports on them.
 
-    Time in which the stream is suspended does not count. `highest_sequence` is what the receiver has already reported
-    about this sender, for another stream.
+    Time in which the stream is suspended does not count, nor do pauses between frames that are meant.
+    `highest_sequence` is what the receiver has already reported about this sender, for another stream.
     """
 
-    __slots__ = ("_advanced", "_first", "_highest", "_kind", "_last", "_opened")
+    __slots__ = ("_advanced", "_due", "_first", "_highest", "_kind", "_last", "_opened", "_pause")
 
     def __init__(self, kind: str, highest_sequence: int | None = None) -> None:
         self._kind = kind
@@ -50,7 +50,12 @@ class Flow:
         self._opened: float | None = None
         self._first: float | None = None
         self._last: float | None = None
+        self._pause = 0.0
+        """What was meant to follow the last frame, in seconds."""
         self._advanced: float | None = None
+        """When the receiver reported progress last, or when the first frame left since then."""
+        self._due = False
+        """Whether a frame has left since the receiver reported progress."""
 
     def opened(self, now: float) -> None:
         """From now on frames are wanted. A receiver that reported progress before is trusted afresh."""
@@ -62,9 +67,12 @@ class Flow:
         """From now on no frames are wanted."""
         self._opened = None
 
-    def left(self, now: float) -> None:
-        """A frame was handed to the network."""
-        self._last = now
+    def left(self, now: float, pause: float = 0.0) -> None:
+        """A frame was handed to the network, and may be followed by a pause of so many seconds."""
+        if self._advanced is not None and not self._due and self._moves(now, pause):
+            # Until now there was nothing to report.
+            self._advanced = now
+        self._last, self._pause, self._due = now, pause, True
         if self._first is None:
             self._first = now
 
@@ -72,22 +80,32 @@ class Flow:
         """The receiver says which packet of this stream is the newest it has (RFC 3550 section 6.4.1)."""
         if highest_sequence != self._highest:
             self._highest = highest_sequence
-            self._advanced = now
+            self._advanced, self._due = now, False
 
-    def judge(self, now: float, seen: float) -> Verdict:
-        """Whether media reaches the viewer; `seen` is when the viewer last gave any sign of life."""
+    def judge(self, now: float, seen: float, pause: float = 0.0) -> Verdict:
+        """Whether media reaches the viewer.
+
+        Args:
+            now: the time.
+            seen: when the viewer last gave any sign of life.
+            pause: seconds that may pass now between two frames, beside those of a source.
+        """
         if self._opened is None:
             return Verdict.UNDECIDED
         if self._first is None or self._last is None:
             return Verdict.UNDECIDED if now - self._opened < STALL else Verdict.STALLED
-        if now - self._last >= STALL:
+        if not self._moves(now, pause):
             return Verdict.STALLED
         return self._received(self._first, now, seen)
+
+    def _moves(self, now: float, pause: float) -> bool:
+        """Whether the last frame left as short a time ago as it should."""
+        return self._last is not None and now - self._last < STALL + max(pause, self._pause)
 
     def _received(self, first: float, now: float, seen: float) -> Verdict:
         age = REPORT_AGE[self._kind]
         if self._advanced is not None:
-            return Verdict.FLOWING if now - self._advanced <= age else Verdict.STALLED
+            return Verdict.FLOWING if not self._due or now - self._advanced <= age else Verdict.STALLED
         if now - first > age:
             return Verdict.STALLED
         if self._kind == "video":

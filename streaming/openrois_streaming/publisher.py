@@ -66,7 +66,7 @@ class Publishing(MediaPublisher, Protocol):
 
     @property
     def failure(self) -> str:
-        """A sentence on what failed last, if no frame has come since; empty where nothing did."""
+        """A sentence on what failed of what is wanted, if no frame has come since; empty where nothing did."""
         ...
 
     @property
@@ -108,15 +108,13 @@ class Publisher(Generic[RawT]):
 
     @property
     def failure(self) -> str:
-        """A sentence on what failed last, if no frame has come since; empty where nothing did."""
+        """A sentence on what failed of what is wanted, if no frame has come since; empty where nothing did."""
+        failed = next((each for each in self._made.values() if each.failure is not None), None)
+        if failed is None:
+            return ""
         if self._raw.failure is not None:
             return f"the source of {self._raw.name} has failed: {self._raw.failure!r}"
-        failed = next((each for each in self._made.values() if each.failure is not None), None)
-        return (
-            ""
-            if failed is None
-            else f"the encoder of {self._raw.name} ({failed.mime_type}) has failed: {failed.failure!r}"
-        )
+        return f"the encoder of {self._raw.name} ({failed.mime_type}) has failed: {failed.failure!r}"
 
     @property
     def last_frame_at(self) -> float | None:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import logging
 from collections import deque
-from collections.abc import AsyncIterator, Callable, Hashable
-from contextlib import asynccontextmanager
+from collections.abc import AsyncIterator, Callable, Hashable, Iterator
+from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from typing import Protocol, TypeVar
@@ -206,6 +206,7 @@ class Rendition:
         self._coarse = CoarseRate() if kind.mime_type == VP8 else None
         self._source = source
         self._fanout: Fanout[EncodedFrame] = Fanout(source, name=name)
+        self._wanted = 0
 
     @property
     def mime_type(self) -> str:
@@ -224,13 +225,24 @@ class Rendition:
 
     @property
     def failure(self) -> Exception | None:
-        """Why it ended last, if its encoder or its source has failed and no frame has come since."""
-        return self._fanout.failure
+        """Why it ended last, if its encoder or its source has failed, no frame has come since, and it is `wanted`."""
+        return self._fanout.failure if self._wanted else None
 
     @property
     def was_played(self) -> bool:
         """Whether its encoder runs or has ever put out a frame."""
         return self.running or self._source.encoded > 0
+
+    @contextmanager
+    def wanted(self) -> Iterator[None]:
+        """Somebody plays it while the context lasts, or tries again and again; what failed before is over."""
+        if not self._wanted:
+            self._fanout.failure = None
+        self._wanted += 1
+        try:
+            yield
+        finally:
+            self._wanted -= 1
 
     @asynccontextmanager
     async def subscribe(self, maxsize: int = 8) -> AsyncIterator[Subscription[EncodedFrame]]:
@@ -245,9 +257,10 @@ class Rendition:
             mailbox = WholePictures(maxsize, partial(self.request_key_frame, KeyFrameCause.REPAIR))
         else:
             mailbox = DropOldest(maxsize)
-        async with self._fanout.subscribe(mailbox=mailbox) as subscription:
-            self.request_key_frame(KeyFrameCause.START)
-            yield subscription
+        with self.wanted():
+            async with self._fanout.subscribe(mailbox=mailbox) as subscription:
+                self.request_key_frame(KeyFrameCause.START)
+                yield subscription
 
     @property
     def rung(self) -> Rung | None:
@@ -276,9 +289,10 @@ class Rendition:
         try:
             if bitrate is not None:
                 self.demand(viewer, bitrate)
-            async with self._fanout.subscribe(mailbox=HandedOn(take)) as subscription:
-                self.request_key_frame(KeyFrameCause.START)
-                yield subscription
+            with self.wanted():
+                async with self._fanout.subscribe(mailbox=HandedOn(take)) as subscription:
+                    self.request_key_frame(KeyFrameCause.START)
+                    yield subscription
         finally:
             if self._demands is not None:
                 self._demands.drop(viewer)

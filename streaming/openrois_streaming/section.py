@@ -100,10 +100,14 @@ class Leg:
         """Whether media reaches the other end in each direction that was agreed on; `seen` as for `Flow.judge`."""
         verdicts = []
         if self.section.answered in _RECEIVING:
-            verdicts.append(self.flow.judge(now, seen))
+            verdicts.append(self.flow.judge(now, seen, self._pause))
         if self._uplink is not None and self.section.answered in _SENDING:
             verdicts.append(self._uplink.judge(now))
         return both(verdicts)
+
+    @property
+    def _pause(self) -> float:
+        return 0.0 if self._downlink is None else self._downlink.pause
 
     def close(self) -> None:
         """Stop sending and receiving. The rendition is left at once, so that its encoder can rest."""
@@ -138,7 +142,7 @@ class Leg:
 
     def sent(self, frame: EncodedFrame) -> None:
         """The sender took `frame`."""
-        self.flow.left(self._clock.now())
+        self.flow.left(self._clock.now(), self._pause)
         self.stream.counters.sent(frame)
         if self._downlink is not None:
             self._downlink.sent(frame)

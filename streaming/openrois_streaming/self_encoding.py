@@ -79,7 +79,7 @@ class EncodedPublisher:
 
     @property
     def failure(self) -> str:
-        """A sentence on what failed last, if no picture has come since; empty where nothing did."""
+        """A sentence on what failed, if it is wanted and no picture has come since; empty where nothing did."""
         failure = self._rendition.failure
         return "" if failure is None else f"the source of {self._name} has failed: {failure!r}"
 
@@ -141,7 +141,7 @@ class EitherPublisher:
 
     @property
     def failure(self) -> str:
-        """A sentence on what failed last, of the kind that there is now."""
+        """A sentence on what failed, of the kind that there is now."""
         return (self._encoded if self._comes_encoded() else self._raw).failure
 
     @property

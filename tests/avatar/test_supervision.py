@@ -5,9 +5,14 @@ from collections.abc import AsyncIterator
 import pytest
 from openrois_avatar.health import Health, Observed
 from openrois_avatar.supervision import Supervised, seen_of, supervise
+from openrois_streaming.encoded import EncodedFrame
+from openrois_streaming.fanout import SourceEnded
+from openrois_streaming.feed import Feed
 from openrois_streaming.publisher import VideoPublisher
 from openrois_streaming.source import RawVideo
+from openrois_streaming.stats import Counters
 from openrois_streaming.supervision import HUNG, QUIET
+from openrois_streaming.tasks import OwnedTasks
 
 from openrois.adapter.components import VideoStreaming
 from openrois.types.codes import ComponentStatus, ErrorType
@@ -76,7 +81,8 @@ async def test_a_publisher_is_seen_to_play_to_stall_and_to_fail(monkeypatch: pyt
         assert seen_of(publisher).failure == "the encoder of bars (video/H264) has failed: ValueError('odd')"
     async with rendition.subscribe() as viewer:
         await source.end(OSError("unplugged"))
-        await settle()
+        with pytest.raises(SourceEnded):
+            await viewer.get()
         assert seen_of(publisher).failure == "the source of bars has failed: OSError('unplugged')"
     async with rendition.subscribe() as viewer:
         await source.feed(picture(2))
@@ -84,10 +90,58 @@ async def test_a_publisher_is_seen_to_play_to_stall_and_to_fail(monkeypatch: pyt
         assert seen_of(publisher).failure == ""
 
 
+async def test_an_encoder_that_failed_is_nobodys_concern_when_its_viewers_have_gone_on_to_another(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    clock, source, encoders = VirtualClock(), FedSource[RawVideo](), FakeEncoders()
+    monkeypatch.setattr("openrois_streaming.publisher.VideoEncoder", lambda _, *, bitrate, **__: encoders(bitrate))
+    publisher = VideoPublisher(source, clock=clock, size=(640, 360), name="bars")
+    large, small = publisher.renditions("video/H264")
+    shown: asyncio.Queue[EncodedFrame] = asyncio.Queue()
+    tasks = OwnedTasks("test", lambda error: pytest.fail(repr(error)))
+    feed = Feed("video", shown.put_nowait, Counters(), tasks, clock)
+
+    async def show(number: int) -> None:
+        await source.feed(picture(number, clock.now(), width=640, height=360))
+
+    feed.play(large)
+    async with asyncio.timeout(60), large.subscribe() as witness:
+        await show(0)
+        await witness.get()
+        encoders.made[0].failure = ValueError("odd")
+        await show(1)
+        with pytest.raises(SourceEnded):
+            await witness.get()
+    assert "has failed: ValueError('odd')" in seen_of(publisher).failure, "the viewer is about to try it again"
+    feed.play(small)
+    await settle()
+    await show(2)
+    async with asyncio.timeout(60):
+        assert [(await shown.get()).data for _ in range(2)] == [b"0", b"2"]
+    assert seen_of(publisher).failure == ""
+    feed.play(large)
+    await settle()
+    assert seen_of(publisher).failure == "", "it has not failed again"
+    feed.close()
+    await tasks.aclose()
+
+
+async def test_what_failed_is_nobodys_concern_when_nobody_plays_it() -> None:
+    source = FedSource[RawVideo]()
+    publisher = VideoPublisher(source, clock=VirtualClock())
+    async with publisher.renditions("video/VP8")[0].subscribe() as viewer:
+        await source.end(OSError("unplugged"))
+        with pytest.raises(SourceEnded):
+            await viewer.get()
+        assert seen_of(publisher).failure == "the source of video has failed: OSError('unplugged')"
+    assert seen_of(publisher) == Observed(None, wanted=False)
+
+
 async def test_a_source_that_cannot_be_opened_has_failed() -> None:
     source = FedSource[RawVideo]()
     source.refusal = OSError("busy")
     publisher = VideoPublisher(source, clock=VirtualClock())
-    async with publisher.renditions("video/VP8")[0].subscribe():
-        await settle()
+    async with publisher.renditions("video/VP8")[0].subscribe() as viewer:
+        with pytest.raises(SourceEnded):
+            await viewer.get()
         assert seen_of(publisher).failure == "the source of video has failed: OSError('busy')"

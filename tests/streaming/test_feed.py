@@ -39,7 +39,7 @@ async def feeding() -> AsyncIterator[Feeding]:
     yield feeding
     feeding.feed.close()
     await feeding.tasks.aclose()
-    assert feeding.rendition.readers == 0
+    assert feeding.rendition.readers == feeding.rendition.wants == 0
 
 
 async def test_frames_reach_the_sender_from_a_key_frame_on(feeding: Feeding) -> None:
@@ -63,6 +63,7 @@ async def test_a_source_that_fails_is_tried_again_and_said_once(
         await feeding.rendition.source.end(OSError("camera unplugged"))
         feeding.rendition.source.refusal = OSError("no camera")
         for seconds in (FIRST_RETRY, RETRY, RETRY):
+            assert (feeding.rendition.readers, feeding.rendition.wants) == (0, 1)
             await feeding.clock.advance(seconds)
         feeding.rendition.source.refusal = None
         await feeding.clock.advance(RETRY)

@@ -72,8 +72,37 @@ def test_reports_without_progress_do_not_count(kind: str) -> None:
     for tenths in range(11, round(10 * REPORT_AGE[kind]) + 12):
         flow.left(tenths / 10)
         flow.reported(stuck, tenths / 10)
-    assert flow.judge(1.0 + REPORT_AGE[kind], 1.0) is Verdict.FLOWING
-    assert flow.judge(1.1 + REPORT_AGE[kind], 1.1) is Verdict.STALLED
+    assert flow.judge(1.1 + REPORT_AGE[kind] - 0.01, 1.0) is Verdict.FLOWING
+    assert flow.judge(1.1 + REPORT_AGE[kind] + 0.01, 1.1) is Verdict.STALLED
+
+
+def test_single_pictures_with_a_pause_between_them_flow_as_long_as_each_is_reported() -> None:
+    flow, pause = playing("video", 1.0, reported=True), 1.5
+    assert flow.judge(3.4, 3.4, pause) is Verdict.FLOWING, "the first may come when the pause is over"
+    for number in range(1, 10):
+        at = 1.0 + number * 2.4
+        assert flow.judge(at, at, pause) is Verdict.FLOWING
+        flow.left(at, pause)
+        assert flow.judge(at + 1.9, at, pause) is Verdict.FLOWING, "its report is still to come"
+        flow.reported(1000 + number, at + 1.9)
+    assert flow.judge(25.0, 25.0) is Verdict.FLOWING, "the next picture is one of many again, and not due yet"
+    assert flow.judge(22.6 + STALL + pause, 25.0, pause) is Verdict.STALLED
+
+
+def test_single_pictures_that_are_not_reported_do_not_reach_the_viewer() -> None:
+    flow = playing("video", 1.0, reported=True)
+    for number in range(1, 4):
+        flow.left(1.0 + number * 1.5, 1.5)
+    assert flow.judge(2.5 + REPORT_AGE["video"], 1.0, 1.5) is Verdict.FLOWING
+    assert flow.judge(2.6 + REPORT_AGE["video"], 1.0, 1.5) is Verdict.STALLED
+
+
+def test_a_source_that_goes_on_after_a_long_stop_flows_when_that_is_reported() -> None:
+    flow = playing("video", 1.0, reported=True)
+    flow.left(5.0)
+    assert flow.judge(5.0, 5.0) is Verdict.STALLED
+    flow.reported(99, 5.1)
+    assert flow.judge(5.1, 5.1) is Verdict.FLOWING
 
 
 def test_audio_flows_towards_a_viewer_that_is_there_before_its_first_report() -> None:

@@ -6,6 +6,8 @@ import pytest
 from openrois_signaling.messages import IceServer
 from openrois_signaling.negotiation import ANSWER_TIMEOUT
 from openrois_streaming import peer as peer_module
+from openrois_streaming.adaptation.caps import Caps
+from openrois_streaming.adaptation.rung import ladder
 from openrois_streaming.errors import NoCommonCodec, TooManySections, UnknownPeer, UnknownStream
 from openrois_streaming.keyframes import KeyFrameCause
 from openrois_streaming.liveness import STALL
@@ -14,7 +16,7 @@ from openrois_streaming.session import IDLE, StreamSession
 from openrois_streaming.state import StreamStatus
 
 from tests.support.streaming import settle
-from tests.support.viewing import Application, FedPublisher, FedRendition, WirelessConnection
+from tests.support.viewing import Application, FedPublisher, FedRendition, WirelessConnection, frame
 
 
 class Theatre(Application):
@@ -82,6 +84,21 @@ async def test_a_stream_is_told_running_when_its_frames_reach_the_viewer(theatre
     assert theatre.told == [("v", "not_running"), ("v", "running")]
     assert theatre.changes[-1].at == pytest.approx(theatre.clock.wall(), abs=1.0)
     assert theatre.session.status("v") is StreamStatus.RUNNING
+
+
+async def test_a_viewer_that_can_have_single_pictures_alone_is_not_told_of_each(theatre: Theatre) -> None:
+    theatre.publisher.rung = ladder(320, 180, 30)[0]
+    theatre.session.connect("v", "engine/Video", theatre.publisher, "video", caps=Caps(max_bitrate=40_000))
+    connection = await theatre.up()
+    for number in range(100):
+        answered = number == 0 or theatre.video.asked[-1] is KeyFrameCause.REPAIR
+        theatre.video.asked.append(KeyFrameCause.START)
+        await theatre.video.source.feed(frame(number, keyframe=answered, at=number / 8))
+        if number % 10 == 5:
+            connection.report((await theatre.session.stats("v")).frames_sent)
+        await theatre.clock.advance(1 / 8)
+    assert theatre.told == [("v", "not_running"), ("v", "running")]
+    assert (await theatre.session.stats("v")).frames_sent == 8, "nothing else got through"
 
 
 async def test_suspending_and_resuming_needs_no_negotiation(theatre: Theatre) -> None:

@@ -2,8 +2,8 @@
 
 import asyncio
 import itertools
-from collections.abc import AsyncIterator, Callable, Hashable, Sequence
-from contextlib import asynccontextmanager
+from collections.abc import AsyncIterator, Callable, Hashable, Iterator, Sequence
+from contextlib import asynccontextmanager, contextmanager
 from typing import Any
 
 from aiortc import RTCPeerConnection
@@ -50,6 +50,8 @@ class FedRendition:
         """What a viewer must be able to take."""
         self.source: FedSource[EncodedFrame] = FedSource()
         self.asked: list[KeyFrameCause] = []
+        self.wants = 0
+        """Feeds that play it, or try to."""
         self._fanout = Fanout(self.source, name=mime_type)
         self._sequence = itertools.count()
 
@@ -64,6 +66,14 @@ class FedRendition:
         async with self._fanout.subscribe(mailbox=HandedOn(take)) as subscription:
             self.request_key_frame(KeyFrameCause.START)
             yield subscription
+
+    @contextmanager
+    def wanted(self) -> Iterator[None]:
+        self.wants += 1
+        try:
+            yield
+        finally:
+            self.wants -= 1
 
     def demand(self, viewer: Hashable, bitrate: float) -> None:
         self.demanded = bitrate
