@@ -11,6 +11,9 @@ __all__ = ["LoopLag"]
 PERIOD: Final = 0.25
 """Seconds between two looks."""
 
+STOOD_STILL: Final = 0.5
+"""Seconds by which the loop is late when the process itself has stood still: nobody else is blamed for that time."""
+
 _LOOKS: Final = round(60 / PERIOD)
 """Looks that are kept: those of a minute, so that whoever scrapes once a minute misses none."""
 

@@ -12,7 +12,7 @@ from aiohttp import WebSocketError, WSCloseCode, WSMessage, WSMsgType, web
 from openrois.gateway.admission import SUBPROTOCOL
 from openrois.gateway.frames import BROKEN, CONTROL_FRAMES_AT_ONCE, CONTROL_FRAMES_PER_SECOND, FrameRules
 from openrois.gateway.http_connection import HttpConnection
-from openrois.jsonrpc.session import STOOD_STILL
+from openrois.loop_lag import STOOD_STILL
 from openrois.rate import RateLimit
 from openrois.transport.stream import StreamClosed, close_reason
 

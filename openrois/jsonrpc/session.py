@@ -27,6 +27,7 @@ from openrois.jsonrpc.outbox import Outbox, OutboxOverflow
 from openrois.jsonrpc.protocol import Peer, RequestId
 from openrois.jsonrpc.writing import Writer
 from openrois.logs import Tally
+from openrois.loop_lag import STOOD_STILL
 from openrois.transport.stream import MessageStream, StreamClosed
 
 __all__ = [
@@ -43,9 +44,6 @@ __all__ = [
 ]
 
 _log = logging.getLogger(__name__)
-
-STOOD_STILL: Final = 0.5
-"""Seconds by which the loop is late when the process itself has stood still: nobody else is blamed for that time."""
 
 CALL_TIMEOUT: Final = 10.0
 """Seconds that a call of ours waits for its answer."""

@@ -4,7 +4,7 @@ import asyncio
 import logging
 import ssl
 from collections.abc import AsyncIterator, Sequence
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from typing import Final
 
 from websockets.asyncio.client import ClientConnection, connect
@@ -12,6 +12,8 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.frames import Frame, Opcode
 from websockets.protocol import State
 
+from openrois.loop_lag import STOOD_STILL
+from openrois.tasks import TaskScope
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from openrois.transport.stream import StreamClosed, close_reason
 
@@ -23,6 +25,7 @@ MAX_MESSAGE: Final = 4 << 20
 OPEN_TIMEOUT: Final = 10.0
 _CLOSE_TIMEOUT: Final = 1.0
 _GOING_AWAY: Final = 1001
+_SILENT: Final = 1011
 _SHOWN: Final = 200
 
 _frames = logging.getLogger(f"{__name__}.frames")
@@ -37,13 +40,38 @@ class WebSocketStream:
 
     def __init__(self, connection: ClientConnection) -> None:
         self._connection = connection
+        self._heard = asyncio.Event()
+        self._reading = False
+
+    async def keep_alive(self) -> None:
+        """Ping until the connection ends; a side that is read from and stays silent after a ping is left."""
+        clock = asyncio.get_running_loop().time
+        with suppress(ConnectionClosed):
+            while True:
+                await asyncio.sleep(_PING_INTERVAL)
+                self._heard.clear()
+                due = clock() + _PING_TIMEOUT
+                answer = asyncio.ensure_future(await self._connection.ping())
+                answer.add_done_callback(lambda _answer: self._heard.set())
+                try:
+                    async with asyncio.timeout(_PING_TIMEOUT):
+                        await self._heard.wait()
+                except TimeoutError:
+                    # Else its answer may wait unread: behind what it has said before, or because this process stood
+                    # still. The library would end the connection then, and commands with it.
+                    if self._reading and clock() < due + STOOD_STILL:
+                        await self._connection.close(_SILENT, "no answer to a ping")
 
     async def receive(self) -> str:
         """Return the next text message; a binary one ends the connection with 1003."""
+        self._reading = True
         try:
             message = await self._connection.recv()
         except ConnectionClosed as closed:
             raise _closed(closed) from closed
+        finally:
+            self._reading = False
+        self._heard.set()
         if isinstance(message, bytes):
             await self.close(1003, "text messages only")
             raise StreamClosed(1003, "text messages only")
@@ -119,21 +147,25 @@ async def dial(
         websockets.exceptions.InvalidHandshake: something answers, but not as a WebSocket server.
         websockets.exceptions.InvalidURI: `url` is no WebSocket address.
     """
-    async with connect(
-        url,
-        additional_headers=credentials.headers(),
-        ssl=credentials.context(url),
-        compression=None,
-        max_size=MAX_MESSAGE,
-        open_timeout=open_timeout,
-        close_timeout=_CLOSE_TIMEOUT,
-        ping_interval=_PING_INTERVAL,
-        ping_timeout=_PING_TIMEOUT,
-        proxy=None,
-        logger=_frames,
-    ) as connection:
+    async with (
+        connect(
+            url,
+            additional_headers=credentials.headers(),
+            ssl=credentials.context(url),
+            compression=None,
+            max_size=MAX_MESSAGE,
+            open_timeout=open_timeout,
+            close_timeout=_CLOSE_TIMEOUT,
+            ping_interval=None,
+            proxy=None,
+            logger=_frames,
+        ) as connection,
+        TaskScope() as tasks,
+    ):
+        stream = WebSocketStream(connection)
+        tasks.start(stream.keep_alive())
         try:
-            yield WebSocketStream(connection)
+            yield stream
         except asyncio.CancelledError:
             # Whoever is told to stop takes its leave; the library would call it an internal error.
             await connection.close(_GOING_AWAY)

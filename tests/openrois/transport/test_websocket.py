@@ -8,6 +8,7 @@ import pytest
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import InvalidHandshake, InvalidURI
 
+from openrois.transport import websocket
 from openrois.transport.stream import StreamClosed
 from openrois.transport.websocket import MAX_MESSAGE, dial
 
@@ -50,6 +51,51 @@ async def test_the_other_side_breaks_off() -> None:
         with pytest.raises(StreamClosed) as raised:
             await near.receive()
         assert raised.value.code == 1006
+
+
+async def test_a_side_that_says_nothing_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(websocket, "_PING_INTERVAL", 0.01)
+    monkeypatch.setattr(websocket, "_PING_TIMEOUT", 0.01)
+
+    left = asyncio.Event()
+
+    async def say_nothing(far: ServerConnection) -> None:
+        far.transport.pause_reading()
+        await left.wait()
+        far.transport.abort()
+
+    async with serving(say_nothing) as url, asyncio.timeout(60), dial(url) as near:
+        with pytest.raises(StreamClosed) as raised:
+            await near.receive()
+        assert (raised.value.code, raised.value.reason) == (1011, "no answer to a ping")
+        left.set()
+
+
+async def test_a_side_whose_answers_wait_unread_behind_what_it_said_is_not_blamed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(websocket, "_PING_INTERVAL", 0.01)
+    monkeypatch.setattr(websocket, "_PING_TIMEOUT", 0.01)
+
+    async def say_much(far: ServerConnection) -> None:
+        for number in range(100):
+            await far.send(str(number))
+        await far.wait_closed()
+
+    async with serving(say_much) as url, asyncio.timeout(60), dial(url) as near:
+        await passing(0.2)
+        monkeypatch.undo()
+        # The ping that is under way has its end before anything is read.
+        await passing(0.02)
+        assert [await near.receive() for _ in range(100)] == [str(number) for number in range(100)]
+        await near.send("x")
+
+
+async def passing(seconds: float) -> None:
+    """Let time pass: nothing else tells that nothing happens in it."""
+    over = asyncio.get_running_loop().create_future()
+    asyncio.get_running_loop().call_later(seconds, over.set_result, None)
+    await over
 
 
 async def test_we_close_with_a_reason_that_fits() -> None:
