@@ -112,6 +112,13 @@ class Output:
         self._second = -1
         self._logged = 0
         self._suppressed = 0
+        self._ended = asyncio.Event()
+
+    async def all_said(self) -> None:
+        """Wait for what a child that has ended said last, `OUTPUT_TIMEOUT` at most."""
+        with suppress(TimeoutError):
+            async with asyncio.timeout(OUTPUT_TIMEOUT):
+                await self._ended.wait()
 
     @property
     def last_words(self) -> str:
@@ -129,6 +136,7 @@ class Output:
         if rest:
             self._line(rest)
         self._report()
+        self._ended.set()
 
     def _line(self, line: bytes) -> None:
         text = line[:MAX_LINE].decode(errors="replace").rstrip()

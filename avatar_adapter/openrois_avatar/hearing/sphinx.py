@@ -126,6 +126,7 @@ class _Conversation:
         except TimeoutError:
             raise RecognizerFailed(f"the speech recogniser did not answer within {timeout:g} seconds") from None
         except (EOFError, OSError, FramingError):
+            await self._output.all_said()
             words = self._output.last_words
             raise RecognizerFailed(f"the speech recogniser has died: {words}".rstrip(" :")) from None
         if "refused" in answer:

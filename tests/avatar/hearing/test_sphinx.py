@@ -6,11 +6,13 @@ import importlib.util
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from openrois_avatar.child import Output
 from openrois_avatar.hearing import sphinx as module
 from openrois_avatar.hearing.recognizer import Expectation, RecognizerFailed, Transcriber
 from openrois_avatar.hearing.sphinx import Sphinx
 
 from tests.support.hearing import not_speech, spoken, voice
+from tests.support.streaming import settle
 
 HEAD = "#JSGF V1.0;\ngrammar robot;\n"
 COMMANDS = Expectation(
@@ -118,6 +120,21 @@ class TestFailures:
         async with Sphinx().open() as transcriber:
             with pytest.raises(RecognizerFailed, match=said):
                 await understood(transcriber, SOUND, doing(word))
+
+    async def test_what_it_says_last_is_waited_for(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        read = Output.read
+
+        async def read_late(output: Output, stream: asyncio.StreamReader) -> None:
+            late = asyncio.StreamReader()
+            late.feed_data(await stream.read())
+            late.feed_eof()
+            await settle()
+            await read(output, late)
+
+        monkeypatch.setattr(Output, "read", read_late)
+        async with Sphinx().open() as transcriber:
+            with pytest.raises(RecognizerFailed, match="has died: something broke"):
+                await understood(transcriber, SOUND, doing("die"))
 
     async def test_a_refusal_is_told(self) -> None:
         async with Sphinx().open() as transcriber:
