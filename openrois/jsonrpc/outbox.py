@@ -152,13 +152,13 @@ class Outbox:
                 return notice
         return self._events.take()
 
-    async def room(self) -> None:
-        """Wait until one may ask: half of what may wait is kept for what cannot be put off. Closed, it returns.
+    async def room(self) -> bool:
+        """Wait until one may ask: half of what may wait is kept for what cannot be put off.
 
-        Whoever asked first has room first.
+        Whoever asked first has room first. Returns whether there is room: closed, there is none any more.
         """
         if self.is_roomy and not self._asking:
-            return
+            return not self._closed
         self._asking += 1
         try:
             async with self._asking_in_turn:
@@ -167,6 +167,7 @@ class Outbox:
                     await self._roomy.wait()
         finally:
             self._asking -= 1
+        return not self._closed
 
     def close(self) -> None:
         """Let go of everybody who waits for room: nothing more will be sent."""

@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+from collections.abc import Callable
 from typing import Any
 
 from openrois.errors import Aborted
@@ -42,11 +43,15 @@ class RemoteCommand:
 class RemoteCommands:
     """The commands of one connection that have not ended, by the id that the other side knows them by.
 
+    Args:
+        before: called right before one is sent.
+
     Attributes:
         strays: ends that came for none of them: late, twice or invented. They change nothing.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, before: Callable[[], None]) -> None:
+        self._before = before
         self.strays = Tally(_log, "ends of commands that nobody waits for")
         self._running: dict[str, RemoteCommand] = {}
         self._unsent: set[RemoteCommand] = set()
@@ -74,6 +79,7 @@ class RemoteCommands:
         self._unsent.discard(command)
         if command.is_stopped:
             raise Aborted(f"{command.component_ref} was stopped before the command could be sent")
+        self._before()
 
     def stop(self, component_ref: str) -> None:
         """Keep the commands of a component from being sent that still wait for that."""

@@ -7,8 +7,11 @@ from typing import Any, Final
 
 from openrois.contract import Client
 from openrois.errors import ComponentFailed
+from openrois.jsonrpc.outbox import Outbox
 from openrois.jsonrpc.session import NotificationHandler
 from openrois.logs import Tally
+from openrois.remote.told_holders import ToldHolders
+from openrois.tasks import TaskScope
 from openrois.types.streams import STREAM_METHODS, HolderNotification
 
 __all__ = ["CLIENT_GONE", "EXTENSION_METHODS", "EXTENSION_NOTIFICATIONS", "RemoteExtension"]
@@ -52,16 +55,20 @@ class RemoteExtension:
         ask: asks the other side and returns the result as it came; one that comes after the asking was given up goes to
             its third argument.
         post: asks the other side and drops the answer.
-        notify: tells the other side; `dispensable` what it has been told already, and need not be told in a crowd.
+        notify: tells the other side.
         is_theirs: tells whether a reference or id belongs to an engine of the other side.
+        outbox: what waits to be sent there.
+        tasks: owns what waits for room in it.
     """
 
     def __init__(
         self,
         ask: Callable[[str, Mapping[str, Any], Callable[[Any], None]], Awaitable[Any]],
         post: Callable[[str, Mapping[str, Any]], None],
-        notify: Callable[..., None],
+        notify: Callable[[str, Mapping[str, Any]], None],
         is_theirs: Callable[[str], bool],
+        outbox: Outbox,
+        tasks: TaskScope,
     ) -> None:
         self._ask = ask
         self._post = post
@@ -70,7 +77,7 @@ class RemoteExtension:
         self._engines: frozenset[str] = frozenset()
         self._clients: dict[str, Client] = {}
         self._ids: dict[Client, str] = {}
-        self._holders: dict[str, Mapping[str, Any]] = {}
+        self._holders = ToldHolders(self._named, notify, outbox, tasks)
         self._foreign = Tally(_log, "notifications that name a reference or id of another engine")
 
     def engines(self) -> frozenset[str]:
@@ -87,7 +94,7 @@ class RemoteExtension:
         Whether it holds a component is told, not asked.
         """
         if method == HolderNotification.method:
-            self._tell_holder(params, client)
+            self._holders.take(params, client)
             return {}
         client_id = self._ids.get(client) or self._free_id(client)
         if method == _CONNECT:
@@ -99,19 +106,15 @@ class RemoteExtension:
             raise ComponentFailed(f"the engine's answer to {method} is not an object")
         return result
 
-    def _tell_holder(self, params: Mapping[str, Any], client: Client) -> None:
-        """Tell whether a client holds a component; from then on the other side is told of its end, too."""
-        client_id = self._ids.get(client)
-        if client_id is None and params["holds"]:
-            client_id = self._free_id(client)
-            self._note(client, client_id)
-        if client_id is None:
-            return
-        told = {**params, "client_id": client_id}
-        repeated = self._holders.pop(params["component_ref"], None) == told
-        if params["holds"]:
-            self._holders[params["component_ref"]] = told
-        self._notify(HolderNotification.method, told, dispensable=repeated)
+    def catch_up(self) -> None:
+        """Tell who holds what, where that waits for room and there is some by now."""
+        self._holders.catch_up()
+
+    def _named(self, client: Client) -> str:
+        """Return the id of a client on the other side, which is told of its end from now on."""
+        if client not in self._ids:
+            self._note(client, self._free_id(client))
+        return self._ids[client]
 
     def _note(self, client: Client, client_id: str) -> None:
         self._clients[client_id] = client
@@ -128,9 +131,9 @@ class RemoteExtension:
     async def forget(self, client: Client) -> None:
         """Tell the other side that an application is gone, if it was ever heard of there."""
         client_id = self._ids.pop(client, None)
+        self._holders.forget(client, client_id)
         if client_id is not None:
             del self._clients[client_id]
-            self._holders = {ref: told for ref, told in self._holders.items() if told["client_id"] != client_id}
             self._notify(CLIENT_GONE, {"client_id": client_id})
 
     def notifications(self) -> dict[str, NotificationHandler]:

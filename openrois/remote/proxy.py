@@ -91,10 +91,10 @@ class RemoteProxy:
         self._asking = Asking(session)
         self._claims = Claims()
         self._remote_extension = RemoteExtension(
-            self._asking.ask_unread, session.post, session.notify, self._claims.is_own
+            self._asking.ask_unread, session.post, session.notify, self._claims.is_own, session.outbox, tasks
         )
         self._faults = RemoteFaults(partial(_error_details, self._asking), self._claims, tasks)
-        self._commands = RemoteCommands()
+        self._commands = RemoteCommands(self._remote_extension.catch_up)
         self._stops = SharedStops(lambda ref, accepted: self._run(ref, "stop", (), accepted), tasks)
         self._subscriptions = SharedSubscriptions(self._subscribe, self._unsubscribe, self._drop_subscription)
         self._strays = Tally(_log, "events that do not fit their subscription")

@@ -155,6 +155,20 @@ async def test_binding_again_and_again(scene: Scene) -> None:
         assert (await app.ask("openrois.stop_all"))["return_code"] == "OK"
 
 
+async def test_binding_and_giving_back_in_turns(scene: Scene) -> None:
+    lamp = {"component_ref": "robot/0"}
+    ways: tuple[tuple[str, dict[str, str]], ...] = (("rois.command.release", lamp), ("rois.system.disconnect", {}))
+    async with application(scene.host) as app:
+        scene.reads.clear()
+        for way, params in (*ways * (BINDS // 4), ways[0]):
+            assert (await app.ask("rois.command.bind", **lamp))["return_code"] == "OK"
+            assert (await app.ask(way, **params))["return_code"] == "OK"
+        assert (await app.ask("rois.command.bind", **lamp))["return_code"] == "OK"
+        assert scene.is_connected
+        scene.reads.set()
+        assert (await app.ask("openrois.stop_all"))["return_code"] == "OK"
+
+
 async def test_what_is_asked_between_two_stops_is_stopped_by_the_second_and_what_is_asked_behind_it_runs(
     scene: Scene,
 ) -> None:

@@ -1,25 +1,26 @@
 """Extension calls of many applications over one connection, seen from the parent."""
 
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import AsyncIterator, Callable, Mapping
 from typing import Any
 
 import pytest
 
 from openrois.contract import Client
 from openrois.errors import ComponentFailed
+from openrois.jsonrpc.outbox import Outbox
 from openrois.remote.extension import EXTENSION_NOTIFICATIONS, RemoteExtension
+from openrois.tasks import TaskScope
 
 OFFER = "signaling.offer"
 CONNECT, SUSPEND = "rois.stream.connect_stream", "rois.stream.suspend_stream"
 
 
 class OtherSide:
-    def __init__(self) -> None:
+    def __init__(self, tasks: TaskScope) -> None:
         self.asked: list[tuple[str, dict[str, Any]]] = []
         self.posted: list[tuple[str, dict[str, Any]]] = []
         self.told: list[tuple[str, dict[str, Any]]] = []
-        self.dispensable: list[bool] = []
         self.answer: Any = {"return_code": "OK"}
         self.too_late: Callable[[Any], None] = lambda _result: None
         self.extension = RemoteExtension(
@@ -27,11 +28,12 @@ class OtherSide:
             lambda name, params: self.posted.append((name, dict(params))),
             self._notify,
             lambda reference: reference.startswith("robot/"),
+            Outbox(),
+            tasks,
         )
 
-    def _notify(self, name: str, params: Mapping[str, Any], *, dispensable: bool = False) -> None:
+    def _notify(self, name: str, params: Mapping[str, Any]) -> None:
         self.told.append((name, dict(params)))
-        self.dispensable.append(dispensable)
 
     async def _ask(self, name: str, params: Mapping[str, Any], too_late: Callable[[Any], None]) -> Any:
         self.asked.append((name, dict(params)))
@@ -48,8 +50,9 @@ class Heard(list[tuple[str, dict[str, Any]]]):
 
 
 @pytest.fixture
-def other() -> OtherSide:
-    return OtherSide()
+async def other() -> AsyncIterator[OtherSide]:
+    async with TaskScope() as tasks:
+        yield OtherSide(tasks)
 
 
 async def test_a_call_carries_its_client_and_brings_what_is_told_it(other: OtherSide) -> None:
@@ -171,22 +174,3 @@ async def test_who_holds_a_component_is_told_and_named_again_in_the_end(other: O
         ("openrois.holder", {**held, "holds": False, "client_id": "ann"}),
         ("openrois.client_gone", {"client_id": "ann"}),
     ]
-
-
-async def test_only_what_was_told_already_need_not_be_told_in_a_crowd(other: OtherSide) -> None:
-    ann, bob = Heard().client("ann"), Heard().client("bob")
-
-    async def tell(client: Client, epoch: int, *, holds: bool = True) -> bool:
-        held = {"component_ref": "robot/lamp", "holds": holds, "epoch": epoch}
-        await other.extension.call("openrois.holder", held, client)
-        return other.dispensable[-1]
-
-    assert [await tell(ann, 1) for _ in range(3)] == [False, True, True]
-    assert not await tell(bob, 2)
-    assert await tell(bob, 2)
-    assert not await tell(bob, 2, holds=False)
-    assert not await tell(bob, 2)
-    await other.extension.forget(bob)
-    assert not await tell(bob, 2)
-    other.extension.lost()
-    assert not await tell(bob, 2)
