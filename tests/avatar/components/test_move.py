@@ -1,11 +1,11 @@
 """Move over an engine whose figure walks by kinematics."""
 
 import asyncio
-from math import pi, radians
+from math import dist, pi, radians
 from typing import Any
 
 import pytest
-from openrois_avatar.link.messages import Floor, Walk
+from openrois_avatar.link.messages import Floor, Place, Walk, Waypoint
 
 from openrois.errors import Aborted, BadParameter, ComponentFailed
 from openrois.registry import LocalRegistry
@@ -114,7 +114,9 @@ async def test_what_was_set_last_is_done(stage: Stage) -> None:
     await stage.set(line="[1000,0]")
     await stage.set(curve="[1000,90]")
     await stage.set(line="[500,0]")
+    assert stage.move.curve is None
     await stage.ends_at(await stage.begin(), 0.5, 0, 0)
+    await stage.ends_at(await stage.begin(curve="[0,90]"), 0.5, 0, pi / 2)
 
 
 @pytest.mark.parametrize(("name", "value", "metres"), [("line", "[2000,0]", "0.75"), ("curve", "[1000,-90]", "0.8")])
@@ -146,6 +148,13 @@ async def test_who_stands_against_a_wall_can_turn_and_leave(stage: Stage) -> Non
     await stage.ends_at(await stage.begin(line="[1000,0]"), -1, 0, pi)
 
 
+async def test_who_stands_in_an_obstacle_can_turn(stage: Stage) -> None:
+    stage.build(Floor(SQUARE, (rectangle(-0.1, -1, 0.2, 1),)))
+    await stage.ends_at(await stage.begin(line="[0,180]"), 0, 0, pi)
+    with pytest.raises(ComponentFailed, match="the figure stands in an obstacle"):
+        await (await stage.begin(line="[1000,0]"))
+
+
 async def test_suspended_it_goes_on_where_it_was(stage: Stage) -> None:
     running = await stage.begin(curve="[1000,180]")
     await stage.run(1)
@@ -155,6 +164,25 @@ async def test_suspended_it_goes_on_where_it_was(stage: Stage) -> None:
     assert stage.engine.x == at
     await stage.registry.invoke(REF, "resume")
     await stage.ends_at(running, 0, 2, pi)
+    assert sum(map(dist, stage.engine.track, stage.engine.track[1:])) == pytest.approx(pi, abs=0.01)
+
+
+async def test_suspended_while_it_looks_ahead_it_does_not_begin(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
+    gate = asyncio.Event()
+    check = stage.move.figure.ways.check
+
+    async def later(start: Place, path: list[Waypoint]) -> None:
+        await gate.wait()
+        await check(start, path)
+
+    monkeypatch.setattr(stage.move.figure.ways, "check", later)
+    running = await stage.begin(line="[1000,0]")
+    await stage.registry.invoke(REF, "suspend")
+    gate.set()
+    await settle()
+    assert stage.engine.heard == []
+    await stage.registry.invoke(REF, "resume")
+    await stage.ends_at(running, 1, 0, 0)
 
 
 async def test_stop_halts_it(stage: Stage) -> None:

@@ -87,6 +87,31 @@ async def test_obstacles_are_walked_round(stage: Stage) -> None:
     assert room_along(floor, stage.engine.track) >= BODY - 1e-3
 
 
+@pytest.mark.parametrize("target", ["0,2", "Anna"])
+@pytest.mark.parametrize(
+    ("values", "to_the_right"),
+    [({}, True), ({"routing_policy": "time"}, True), ({"routing_policy": "distance"}, False)],
+)
+async def test_the_fastest_way_is_not_the_shortest(
+    stage: Stage, target: str, values: dict[str, str], to_the_right: bool
+) -> None:
+    stage.build(Floor(SQUARE, (rectangle(-2.9, 0.9, 3, 1.1),)))
+    stage.populate(Thing("p", "person", 0, 2, name="Anna"))
+    await stage.begin(target_positions=[target], **values)
+    walk = stage.engine.heard[-1]
+    assert isinstance(walk, Walk)
+    assert (walk.path[0].x > 0) is to_the_right, "it faces to the right, and would have to turn"
+    assert walk.speed == 1
+
+
+async def test_each_way_begins_where_the_one_before_ends(stage: Stage) -> None:
+    floor = Floor(SQUARE, (WALL,))
+    stage.build(floor)
+    running = await stage.begin(target_positions=["4,0", "4,2", "-4,2", "-4,0"])
+    await stage.run_until(running)
+    assert room_along(floor, stage.engine.track) >= BODY - 1e-3
+
+
 async def test_a_person_is_walked_up_to_and_looked_at(stage: Stage) -> None:
     stage.build(Floor(SQUARE, ()))
     stage.populate(Thing("p", "person", 3, 0, name="Anna"))
@@ -107,6 +132,7 @@ async def test_another_floor_under_way_is_planned_for(stage: Stage) -> None:
     assert stage.reached == [("0,0.5", False), ("0,2", True)]
     assert stage.at == pytest.approx((0, 2))
     assert room_along(floor, track) >= BODY - 1e-3
+    assert stage.engine.heard.count(Halt()) == 0, "a way over a small floor is found as it goes"
 
 
 async def test_a_target_that_a_new_floor_shuts_off_fails_by_its_name(stage: Stage) -> None:
@@ -194,6 +220,26 @@ async def test_time_runs_out_after_a_pause(stage: Stage) -> None:
     await stage.run(0.2)
     with pytest.raises(TimedOut):
         await running
+
+
+async def test_what_does_not_run_cannot_be_suspended(stage: Stage) -> None:
+    for _ in range(2):
+        await stage.command("suspend")
+        running = await stage.begin(target_positions=["1,0", "0,0"])
+        await stage.run_until(running)
+        await running
+        await stage.command("resume")
+
+
+async def test_a_pause_is_not_counted_in_another_run(stage: Stage) -> None:
+    running = await stage.begin(target_positions=["3,0"], time_limit="2000")
+    await stage.command("suspend")
+    await stage.run(5)
+    await stage.command("resume")
+    await stage.command("stop")
+    with pytest.raises(Aborted):
+        await running
+    await test_time_is_limited(stage)
 
 
 async def test_stop_halts_it_at_once_also_while_it_is_suspended(stage: Stage) -> None:
