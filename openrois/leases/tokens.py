@@ -36,7 +36,7 @@ class Redeemed:
 
     Attributes:
         holder: whose token it is or was; None where nobody knows it, or it is another subject's.
-        replayed: it was used before: from now on none of its line is good.
+        replayed: it was used before: from now on none that its line has been given is good.
     """
 
     holder: object | None = None
