@@ -72,6 +72,8 @@ class Pilot:
         stopped: Callable[[str], None],
     ) -> None:
         self.velocity = STANDING
+        self.has_let_go = True
+        """Whether what was held before the next message counts no more."""
         self._controls = controls
         self._steering = steering
         self._clock = clock
@@ -90,6 +92,7 @@ class Pilot:
     def take(self, message: Message, held: Held) -> None:
         """Do what a message asks for; `held` is all that is held with it."""
         self._fed_at = self._clock.now()
+        self.has_let_go = False
         self._last = message.seq, message.t
         self._controls.pass_on(message.to_json())
         if isinstance(message, Release):
@@ -112,6 +115,7 @@ class Pilot:
     def lose(self, reason: str) -> None:
         """Nothing that is held counts any more: its messages do not come, or nothing follows them."""
         if self.is_active:
+            self.has_let_go = True
             seq, t = self._last
             self._controls.pass_on(Release(seq + 1, t, "lost").to_json())
             self._stop(reason)

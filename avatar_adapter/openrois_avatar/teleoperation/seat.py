@@ -154,10 +154,12 @@ class _Hands:
             if self._reader.is_cut:
                 self._refuse(f"{MALFORMED_LIMIT} messages could not be read, the last one: {self._reader.last_fault}")
             return
+        pilot = self._seat.pilot_for(self._client)
+        if pilot is not None and pilot.has_let_go:
+            self._holding.clear()
         if not self._holding.take(message):
             figures.dropped += 1
             return
-        pilot = self._seat.pilot_for(self._client)
         if pilot is None:
             figures.refused += 1
             self._refuse(f"{self._seat.component_ref} has to be bound and started first")

@@ -22,13 +22,14 @@ class Stage:
     def __init__(self) -> None:
         self.status = ComponentStatus.READY
         self.place: Place | None = None
+        self.wall = 1_700_000_000.25
         self.told: list[Command] = []
         self.reacting: asyncio.Queue[React] = asyncio.Queue()
         self.body = Body(self._tell)
         self.registry = LocalRegistry(
             "avatar",
             [
-                SystemInformation("avatar", lambda: self.status, lambda: self.place, lambda: 1_700_000_000.25),
+                SystemInformation("avatar", lambda: self.status, lambda: self.place, lambda: self.wall),
                 Reaction(self.body, lambda: ("nod", "wave"), lambda: self.status),
                 Gaze(self.body, lambda: self.status),
             ],
@@ -68,7 +69,14 @@ async def test_system_information_tells_place_time_and_engine_status(stage: Stag
     stage.place = Place(1.25, -2.5, 0.5)
     assert (await values(stage, "SystemInformation", "robot_position"))["position_data"] == '["1.250,-2.500,0.5000"]'
     stage.status = ComponentStatus.ERROR
-    assert (await values(stage, "SystemInformation", "engine_status"))["status"] == "ERROR"
+    stage.wall += 60
+    assert await values(stage, "SystemInformation", "engine_status") == {
+        "status": "ERROR",
+        "operable_time": "2023-11-14T22:13:20.250000+00:00",
+    }
+    assert (await values(stage, "SystemInformation", "robot_position"))[
+        "timestamp"
+    ] == "2023-11-14T22:14:20.250000+00:00"
 
 
 async def test_system_information_has_no_rois_common(stage: Stage) -> None:
@@ -79,6 +87,14 @@ async def test_system_information_has_no_rois_common(stage: Stage) -> None:
 async def test_reactions_are_named_by_annex_d_or_by_our_own_book(stage: Stage) -> None:
     refs = json.loads((await values(stage, "Reaction", "available_reactions"))["available_reactions"])
     assert refs == ["urn:x-rois:def:reaction:OMG::1", "urn:x-rois:def:reaction:OpenRoIS::wave"]
+
+
+@pytest.mark.parametrize(
+    ("name", "number"),
+    [("nod", 1), ("tilt", 2), ("shake_head", 3), ("bow", 9), ("shake_hands", 10), ("glance_at_watch", 50)],
+)
+def test_a_reaction_of_annex_d_has_its_number(name: str, number: int) -> None:
+    assert reaction_ref(name) == f"urn:x-rois:def:reaction:OMG::{number}"
 
 
 async def test_a_reaction_plays_and_completes(stage: Stage) -> None:

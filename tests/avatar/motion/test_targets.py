@@ -62,6 +62,7 @@ def test_a_route_has_some_targets_and_not_too_many(world: World, number: int) ->
 
 
 def test_a_route_is_read_in_order(world: World) -> None:
+    assert read_targets(("1,2",) * MAX_TARGETS, world) == (Position(1, 2),) * MAX_TARGETS
     assert read_targets(("1,2", "Anna"), world) == (Position(1, 2), ANNA)
 
 

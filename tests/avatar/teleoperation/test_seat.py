@@ -7,9 +7,9 @@ from contextlib import asynccontextmanager
 from typing import Any
 
 import pytest
-from openrois_avatar.teleoperation.pilot import Pilot
+from openrois_avatar.teleoperation.pilot import PATIENCE, Pilot
 from openrois_avatar.teleoperation.seat import Seat
-from openrois_avatar.teleoperation.steering import Steering
+from openrois_avatar.teleoperation.steering import STANDING, Steering
 from openrois_streaming.channels import InputSink
 from openrois_streaming.input.reader import AT_ONCE, MALFORMED_LIMIT
 
@@ -138,6 +138,31 @@ async def test_a_lost_link_lets_go(room: Room) -> None:
     assert room.told["ann"] == [{"event": "stopped", "reason": "the viewer is gone"}]
     room.seat.tell_operator("stopped", "nobody hears this")
     assert len(room.told["ann"]) == 1
+
+
+async def test_what_was_held_when_it_stopped_counts_as_let_go(room: Room) -> None:
+    room.tell("ann")
+    async with room.operated():
+        watching = asyncio.ensure_future(room.pilot.watch())
+        room.hands["ann"].input_came("control", text(room.hand.key("KeyW")))
+        assert room.pilot.velocity.ahead > 0
+        await room.clock.advance(PATIENCE)
+        assert room.pilot.velocity == STANDING
+        room.hands["ann"].input_came("control", text(room.hand.key("KeyA")))
+        assert (room.pilot.velocity.ahead, room.pilot.velocity.turn > 0) == (0, True)
+        room.hands["ann"].input_came("control", text(room.hand.key("KeyD")))
+        assert room.pilot.velocity == STANDING, "what contradicts itself comes to nothing: the other one is held still"
+        watching.cancel()
+
+
+async def test_what_was_held_before_it_was_started_has_to_be_told_again(room: Room) -> None:
+    room.tell("ann")
+    room.hands["ann"].input_came("control", text(room.hand.key("KeyW")))
+    async with room.operated():
+        room.hands["ann"].input_came("control", text(room.hand.key("KeyA")))
+        assert (room.pilot.velocity.ahead, room.pilot.velocity.turn > 0) == (0, True)
+        room.press("ann")
+        assert room.pilot.velocity.ahead > 0
 
 
 async def test_stale_malformed_and_excessive_messages_are_counted_and_do_nothing(room: Room) -> None:
