@@ -10,7 +10,7 @@ from aiohttp.typedefs import Middleware
 
 from openrois.http_log import HTTP_LOG
 
-__all__ = ["HEAD_TIMEOUT", "OPTIONS", "Heads"]
+__all__ = ["HEAD_TIMEOUT", "OPTIONS", "Connection", "Heads"]
 
 HEAD_TIMEOUT: Final = 10.0
 """Seconds from the connection, or the last answer on it, to the end of a request's head.
@@ -45,22 +45,11 @@ class Heads:
 
     Args:
         turned_away: told the reason whenever one is cut.
-
-    Attributes:
-        protocols: makes the protocol of a new connection; to be set before there is one.
     """
-
-    protocols: Callable[[], web.RequestHandler]
 
     def __init__(self, turned_away: Callable[[str], None]) -> None:
         self._turned_away = turned_away
         self._waiting: dict[web.RequestHandler, _Waiting] = {}
-
-    def __call__(self) -> asyncio.Protocol:
-        """Return the protocol of a connection that comes in."""
-        protocol = self.protocols()
-        self._expect(protocol)
-        return _Doorstep(protocol, self)
 
     def count(self) -> int:
         """Return how many there are."""
@@ -76,11 +65,12 @@ class Heads:
                 return await handler(request)
             finally:
                 if request.transport is not None:
-                    self._expect(request.protocol)
+                    self.expect(request.protocol)
 
         return timely
 
-    def _expect(self, protocol: web.RequestHandler) -> None:
+    def expect(self, protocol: web.RequestHandler) -> None:
+        """Wait for the next head of a connection; of too many the oldest is cut."""
         if len(self._waiting) >= MAX_HEADS:
             self._cut(next(iter(self._waiting)))
         self._waiting[protocol] = _Waiting(asyncio.get_running_loop().call_later(HEAD_TIMEOUT, self._cut, protocol))
@@ -108,26 +98,28 @@ class Heads:
             protocol.transport.abort()
 
 
-class _Doorstep(asyncio.Protocol):
-    """Stands before the server library's protocol of one connection, and passes on what that may hear."""
+class Connection(web.RequestHandler):
+    """A connection of the server library whose heads are bounded.
 
-    def __init__(self, protocol: web.RequestHandler, heads: Heads) -> None:
-        self._protocol = protocol
+    Args:
+        manager: the library's server.
+        heads: those of the port.
+        options: of `web.RequestHandler`.
+    """
+
+    __slots__ = ("_heads",)
+
+    def __init__(self, manager: web.Server, heads: Heads, **options: Any) -> None:
+        super().__init__(manager, **options)
         self._heads = heads
-        # The transport asks for these.
-        self.pause_writing = protocol.pause_writing  # type: ignore[method-assign]
-        self.resume_writing = protocol.resume_writing  # type: ignore[method-assign]
-
-    def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        self._protocol.connection_made(transport)
+        heads.expect(self)
 
     def data_received(self, data: bytes) -> None:
-        if self._heads.takes(self._protocol, len(data)):
-            self._protocol.data_received(data)
+        """Take what has come, if so much may."""
+        if self._heads.takes(self, len(data)):
+            super().data_received(data)
 
-    def eof_received(self) -> None:
-        self._protocol.eof_received()
-
-    def connection_lost(self, exc: Exception | None) -> None:
-        self._heads.forget(self._protocol)
-        self._protocol.connection_lost(exc)
+    def connection_lost(self, exc: BaseException | None) -> None:
+        """End; nothing more is waited for."""
+        self._heads.forget(self)
+        super().connection_lost(exc)

@@ -1,11 +1,12 @@
-"""One connection of the gateway's port: aiohttp's, with what comes over a WebSocket checked before it is parsed."""
+"""One connection of the gateway's port: aiohttp's, with what comes bounded, and checked before it is parsed."""
 
 from collections.abc import Callable
 from typing import Any, Final, Protocol
 
-from aiohttp import WSCloseCode, web
+from aiohttp import WSCloseCode
 
 from openrois.gateway.frames import FrameRules
+from openrois.heads import Connection
 
 __all__ = ["HttpConnection"]
 
@@ -13,7 +14,7 @@ _MORE: Final = (False, b"")
 """What a parser says that goes on."""
 
 
-class HttpConnection(web.RequestHandler):
+class HttpConnection(Connection):
     """A connection.
 
     Attributes:

@@ -139,9 +139,8 @@ async def run_gateway(
         context = None if entrance.certificate is None else entrance.certificate.context
         assert runner.server is not None
         loop = asyncio.get_running_loop()
-        heads.protocols = partial(HttpConnection, runner.server, loop=loop, **OPTIONS)
         listening = await loop.create_server(
-            heads,
+            partial(HttpConnection, runner.server, heads, loop=loop, **OPTIONS),
             settings.host,
             settings.port,
             ssl=context,

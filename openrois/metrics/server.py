@@ -5,11 +5,12 @@ import errno
 import hmac
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager, closing
+from functools import partial
 from typing import Final
 
 from aiohttp import web
 
-from openrois.heads import OPTIONS, Heads
+from openrois.heads import OPTIONS, Connection, Heads
 
 __all__ = ["LOOPBACK", "MetricsUnavailable", "metrics_address", "serving_metrics"]
 
@@ -81,13 +82,14 @@ async def serving_metrics(
 
     app = web.Application(middlewares=[heads.middleware()])
     app.router.add_get("/metrics", answer)
-    runner = web.AppRunner(app, **OPTIONS, shutdown_timeout=_SHUTDOWN_TIMEOUT)
+    runner = web.AppRunner(app, shutdown_timeout=_SHUTDOWN_TIMEOUT)
     await runner.setup()
     assert runner.server is not None
-    heads.protocols = runner.server
+    loop = asyncio.get_running_loop()
+    connections = partial(Connection, runner.server, heads, loop=loop, **OPTIONS)
     try:
         try:
-            listening = await asyncio.get_running_loop().create_server(heads, host, port)
+            listening = await loop.create_server(connections, host, port)
         except OSError as error:
             raise MetricsUnavailable(f"metrics cannot be served at {host}:{port}: {_why(error)}") from error
         with closing(listening):

@@ -6,6 +6,7 @@ from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager
 from urllib.parse import urlsplit
 
+import aiohttp
 import pytest
 from aiohttp import web
 
@@ -98,10 +99,17 @@ async def flood(gateway: Gateway, said: bytes) -> None:
             await asyncio.get_running_loop().sock_sendall(near, bytes(64 * 1024))
 
 
-async def test_who_is_gone_is_not_waited_for() -> None:
-    heads = module.Heads(lambda _reason: None)
-    heads.protocols = web.Server(lambda _request: asyncio.sleep(0, web.Response()))
-    door = heads()
-    assert heads.count() == 1
-    door.connection_lost(None)
-    assert heads.count() == 0
+async def test_who_is_gone_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "HEAD_TIMEOUT", 3600.0)
+    async with deployment.gateway(metrics="0") as gateway, aiohttp.ClientSession() as http:
+
+        async def silent(count: int) -> None:
+            async with asyncio.timeout(deployment.PATIENCE):
+                told = ""
+                while f"\nopenrois_gateway_silent_connections {count}" not in told:
+                    async with http.get(gateway.metrics) as answer:
+                        told = await answer.text()
+
+        async with knocking(gateway, b"GET /"), knocking(gateway, b""):
+            await silent(2)
+        await silent(0)

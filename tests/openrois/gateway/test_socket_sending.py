@@ -3,15 +3,13 @@
 import asyncio
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
-from functools import partial
 
 import pytest
-from aiohttp import web
 from websockets.asyncio.client import ClientConnection, connect
 
-from openrois.gateway.http_connection import HttpConnection
-from openrois.gateway.socket import APPLICATION, ServerSocket
+from openrois.gateway.socket import ServerSocket
 from openrois.transport.stream import StreamClosed
+from tests.support.serving import serving
 from tests.support.session import settle
 
 
@@ -21,28 +19,13 @@ async def joined() -> AsyncIterator[tuple[ServerSocket, ClientConnection]]:
     made: asyncio.Future[ServerSocket] = asyncio.get_running_loop().create_future()
     over = asyncio.Event()
 
-    async def accept(request: web.Request) -> web.StreamResponse:
-        socket = ServerSocket(request, APPLICATION)
-        await socket.prepare()
+    async def serve(socket: ServerSocket) -> None:
         made.set_result(socket)
         await over.wait()
-        return socket.response
 
-    app = web.Application()
-    app.router.add_get("/", accept)
-    runner = web.AppRunner(app, access_log=None, shutdown_timeout=0.1)
-    await runner.setup()
-    assert runner.server is not None
-    loop = asyncio.get_running_loop()
-    listening = await loop.create_server(partial(HttpConnection, runner.server, loop=loop), "127.0.0.1", 0)
-    try:
-        url = f"ws://127.0.0.1:{listening.sockets[0].getsockname()[1]}/"
-        async with connect(url, max_size=None, max_queue=1, compression=None, proxy=None) as far:
-            yield await made, far
-            over.set()
-    finally:
-        listening.close()
-        await runner.cleanup()
+    async with serving(serve) as url, connect(url, max_size=None, max_queue=1, compression=None, proxy=None) as far:
+        yield await made, far
+        over.set()
 
 
 TEXTS = ["a", "日本", "b" * 125, "c" * 126, "d" * 65_535, "e" * 65_536, "f" * 200_000, ""]

@@ -1,29 +1,24 @@
 """What is out of scope looks like what does not exist: byte for byte, in every answer and in every silence."""
 
-import asyncio
 import json
 import random
 import re
 import string
-from collections.abc import AsyncIterator, Callable
-from contextlib import AsyncExitStack, asynccontextmanager
-from functools import partial
+from collections.abc import Callable
 from typing import Any, Final
 
 import pytest
-from aiohttp import web
 
-from openrois.access.principal import Principal, Role
+from openrois.access.principal import Role
 from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.gateway.applications import serve_application
-from openrois.gateway.http_connection import HttpConnection
-from openrois.gateway.socket import APPLICATION, ServerSocket
 from openrois.gateway.tenure import Tenure
 from openrois.transport.websocket import dial
 from openrois.types.codes import ErrorType
 from openrois.types.references import new_id
 from tests.openrois.interfaces.test_matrix import Shape, condition, general, messages, unit
-from tests.support.authorization import Place, Watched, Wire, place, principal
+from tests.support.authorization import Watched, Wire, place, principal
+from tests.support.serving import serving
 
 PAIRS: Final = 1_000
 SHAPES_OF_A_PAIR: Final = 6
@@ -153,35 +148,13 @@ async def test_a_thousand_pairs(role: Role) -> None:
     assert tried == {(hidden, index) for hidden in OUT for index in range(len(shapes(hidden)))}
 
 
-@asynccontextmanager
-async def listening(where: Place, who: Principal) -> AsyncIterator[str]:
-    """Serve applications of a principal over real sockets; yields the address."""
-
-    async def handle(request: web.Request) -> web.StreamResponse:
-        socket = ServerSocket(request, APPLICATION)
-        await socket.prepare()
-        await serve_application(where.host, socket, Tenure(who))
-        return socket.response
-
-    app = web.Application()
-    app.router.add_get("/", handle)
-    async with AsyncExitStack() as stack:
-        runner = web.AppRunner(app)
-        await runner.setup()
-        stack.push_async_callback(runner.cleanup)
-        assert runner.server is not None
-        loop = asyncio.get_running_loop()
-        server = await loop.create_server(partial(HttpConnection, runner.server, loop=loop), "127.0.0.1", 0)
-        stack.callback(server.close)
-        yield f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}/"
-
-
 async def test_over_two_sockets() -> None:
     """Two applications, each over its own: one asks for what is hidden, the other for what is not there."""
     chance, hidden = random.Random(7), "hidden/navigation"
+    who = principal("operator", *SCOPE)
     async with (
         place("fleet", "hidden") as where,
-        listening(where, principal("operator", *SCOPE)) as url,
+        serving(lambda socket: serve_application(where.host, socket, Tenure(who))) as url,
         dial(url) as near,
         dial(url) as far,
     ):

@@ -1,0 +1,37 @@
+"""The gateway's side of WebSockets on a port of their own, without a gateway."""
+
+import asyncio
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import AsyncExitStack, asynccontextmanager
+from functools import partial
+
+from aiohttp import web
+
+from openrois.gateway.http_connection import HttpConnection
+from openrois.gateway.socket import APPLICATION, ServerSocket
+from openrois.heads import Heads
+
+
+@asynccontextmanager
+async def serving(serve: Callable[[ServerSocket], Awaitable[object]]) -> AsyncIterator[str]:
+    """Serve whoever connects; yields the address."""
+
+    async def accept(request: web.Request) -> web.StreamResponse:
+        socket = ServerSocket(request, APPLICATION)
+        await socket.prepare()
+        await serve(socket)
+        return socket.response
+
+    heads = Heads(lambda _reason: None)
+    app = web.Application(middlewares=[heads.middleware()])
+    app.router.add_get("/", accept)
+    async with AsyncExitStack() as stack:
+        runner = web.AppRunner(app, access_log=None, shutdown_timeout=0.1)
+        await runner.setup()
+        stack.push_async_callback(runner.cleanup)
+        assert runner.server is not None
+        loop = asyncio.get_running_loop()
+        connections = partial(HttpConnection, runner.server, heads, loop=loop)
+        listening = await loop.create_server(connections, "127.0.0.1", 0)
+        stack.callback(listening.close)
+        yield f"ws://127.0.0.1:{listening.sockets[0].getsockname()[1]}/"
