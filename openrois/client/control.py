@@ -70,6 +70,7 @@ class Control:
 
         Raises:
             OutOfResources: the holder said no, or nothing in time; or too many wait.
+            Unsupported: there is no such component (any more).
             ConnectionLost: the connection ended, and with it the place in line.
         """
         feed = self._listen(ControlChanged, ControlDeclined, Disconnected)
@@ -89,11 +90,18 @@ class Control:
             match notice:
                 case ControlChanged(ref, LeaseState.MINE) if ref == component_ref:
                     return
-                case ControlDeclined(_, asked, reason) if asked == request_id and not wait:
-                    raise OutOfResources(f"{component_ref}: {reason}")
+                case ControlDeclined(_, asked, reason) if asked == request_id:
+                    # Declined is also who waits for what is gone, and stands in no line then.
+                    if not (wait and await self._waits(component_ref)):
+                        raise OutOfResources(f"{component_ref}: {reason}")
                 case Disconnected(reason):
                     raise ConnectionLost(f"openrois.lease.request: {reason}")
         raise ConnectionLost("openrois.lease.request: the client is closed")
+
+    async def _waits(self, component_ref: str) -> bool:
+        """Tell whether one stands in line for a component, or has it by now."""
+        status = await self.status(component_ref)
+        return status.position > 0 or status.state is LeaseState.MINE
 
     async def grant(self, request_id: str) -> None:
         """Let who asks (`ControlRequested`) have the component; what runs there ends with ABORT.

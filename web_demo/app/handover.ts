@@ -116,7 +116,7 @@ export class Handover {
   #waits(who: string, position: number): void {
     const leave: Press = async () => {
       this.#wanted = "";
-      await this.#client.call("openrois.lease.leave", { component_ref: this.#componentRef ?? "" });
+      await this.#client.control.leave(this.#componentRef ?? "");
       await this.#look();
     };
     const line = `number ${position} in line`;

@@ -312,6 +312,21 @@ class TestHandover:
         await asking
         assert (await ann.control.status(LAMP)).state is LeaseState.HELD
 
+    @pytest.mark.parametrize("comes_back", [False, True])
+    async def test_what_is_gone_is_waited_for_no_more(
+        self, line: Line, ann: Client, bob: Client, comes_back: bool
+    ) -> None:
+        told = ann.notices(ControlRequested)
+        await ann.bind(LAMP)
+        asking = asyncio.ensure_future(bob.control.request(LAMP, wait=True))
+        await heard(told)
+        line.host.engine.detach(line.toys)
+        line.host.leases.keep_only(line.host.engine.directory.component_profiles)
+        if comes_back:
+            await line.host.engine.attach(line.toys)
+        with pytest.raises((OutOfResources, Unsupported), match="is gone" if comes_back else "there is no component"):
+            await asyncio.wait_for(asking, 10)
+
     async def test_a_free_one_and_one_that_is_no_actuation(self, ann: Client) -> None:
         await ann.control.request(LAMP)
         await ann.component(LAMP).command("switch", times=1)

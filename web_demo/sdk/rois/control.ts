@@ -24,6 +24,7 @@ export interface ControlEvents {
 export class Control {
   readonly #client: Link;
   readonly #bindings: Bindings;
+  readonly #left = new Set<(componentRef: string) => void>();
 
   constructor(client: Link, bindings: Bindings) {
     this.#client = client;
@@ -51,22 +52,34 @@ export class Control {
   /**
    * Asks the holder of a component for it, and resolves once it is bound; of a free one nobody is asked.
    *
-   * @param wait stay in line when the holder says no, until it is given back
-   * @throws RoISError (OUT_OF_RESOURCES: the holder said no, or nothing in time) | ConnectionLost
+   * @param wait stay in line when the holder says no, until it is given back or one leaves
+   * @throws RoISError (OUT_OF_RESOURCES: the holder said no, or nothing in time, or one has left the line;
+   *   UNSUPPORTED: there is no such component) | ConnectionLost
    */
   async request(componentRef: string, { wait = false }: { readonly wait?: boolean } = {}): Promise<void> {
     const client = this.#client;
     let stop = (): void => undefined;
     const granted = new Promise<void>((resolve, reject) => {
+      const refuse = (reason: string): void =>
+        reject(new RoISError("OUT_OF_RESOURCES", "openrois.lease.request", `(${componentRef})`, reason));
+      const left = (ref: string): void => {
+        if (ref === componentRef) refuse("one has left the line");
+      };
+      this.#left.add(left);
       const ends = [
+        () => this.#left.delete(left),
         this.on("openrois.lease.changed", (told) => {
           if (told.component_ref === componentRef && told.state === "MINE") resolve();
         }),
         this.on("openrois.lease.declined", (told) => {
-          if (told.component_ref !== componentRef || wait) return;
-          client.call("openrois.lease.leave", { component_ref: componentRef }).catch(() => undefined);
-          const method = "openrois.lease.request";
-          reject(new RoISError("OUT_OF_RESOURCES", method, `(${componentRef})`, told.reason));
+          if (told.component_ref !== componentRef) return;
+          if (wait) {
+            // Declined is also who waits for what is gone: it stands in no line then.
+            this.#waits(componentRef).then((waits) => waits || refuse(told.reason), reject);
+          } else {
+            refuse(told.reason);
+            this.leave(componentRef).catch(() => undefined);
+          }
         }),
         client.on("state", ({ name }) => {
           if (name !== "connected")
@@ -83,6 +96,18 @@ export class Control {
     } finally {
       stop();
     }
+  }
+
+  /** Asks for a component no more: whoever waits for it in this client is refused. */
+  async leave(componentRef: string): Promise<void> {
+    await this.#client.call("openrois.lease.leave", { component_ref: componentRef });
+    for (const left of this.#left) left(componentRef);
+  }
+
+  /** Whether one stands in line for a component, or has it by now. */
+  async #waits(componentRef: string): Promise<boolean> {
+    const { state = "FREE", position = 0 } = (await this.status(componentRef)) ?? {};
+    return state === "MINE" || position > 0;
   }
 
   /** Lets who asks have the component; what runs there ends with ABORT. */

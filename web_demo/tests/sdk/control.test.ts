@@ -197,6 +197,8 @@ describe("control", () => {
     position: 0,
   });
 
+  const inLine = { ...status("HELD"), waiting: 1, position: 1 };
+
   it("of a free component is had at once", async () => {
     gateway.on("openrois.lease.request", () => ({ lease: status("MINE"), request_id: "" }));
     await client.control.request(ARM);
@@ -225,6 +227,43 @@ describe("control", () => {
     gateway.notify("openrois.lease.declined", { component_ref: ARM, request_id: "q", reason: "no" });
     await refused;
     expect(gateway.called("openrois.lease.leave")).toHaveLength(1);
+  });
+
+  it("is waited for when the holder says no, and had when it is given back", async () => {
+    gateway.on("openrois.lease.request", () => ({ lease: inLine, request_id: "q" }));
+    gateway.on("openrois.lease.query", () => ({ lease: inLine }));
+    const asking = client.control.request(ARM, { wait: true });
+    await vi.advanceTimersByTimeAsync(0);
+    gateway.notify("openrois.lease.declined", { component_ref: ARM, request_id: "q", reason: "no" });
+    await vi.advanceTimersByTimeAsync(0);
+    gateway.notify("openrois.lease.changed", { ...status("MINE"), reason: "given back" });
+    await asking;
+  });
+
+  it("is waited for no more by who leaves the line", async () => {
+    gateway.on("openrois.lease.request", () => ({ lease: inLine, request_id: "q" }));
+    gateway.on("openrois.lease.leave", () => ({}));
+    const refused = expect(client.control.request(ARM, { wait: true })).rejects.toBeInstanceOf(RoISError);
+    await vi.advanceTimersByTimeAsync(0);
+    await client.control.leave("r/other");
+    await client.control.leave(ARM);
+    await refused;
+    expect(gateway.called("openrois.lease.leave")).toEqual([
+      { component_ref: "r/other" },
+      { component_ref: ARM },
+    ]);
+  });
+
+  it.each([
+    ["is gone", (): JsonObject => ({ return_code: "UNSUPPORTED" })],
+    ["was gone for a moment", (): JsonObject => ({ lease: status("FREE") })],
+  ])("of a component that %s is waited for no more", async (_, answer) => {
+    gateway.on("openrois.lease.request", () => ({ lease: inLine, request_id: "q" }));
+    gateway.on("openrois.lease.query", answer);
+    const refused = expect(client.control.request(ARM, { wait: true })).rejects.toBeInstanceOf(RoISError);
+    await vi.advanceTimersByTimeAsync(0);
+    gateway.notify("openrois.lease.declined", { component_ref: ARM, request_id: "q", reason: "it is gone" });
+    await refused;
   });
 
   it("is asked for by somebody, granted, declined and taken", async () => {
