@@ -59,6 +59,8 @@ class Stage:
         self.arm, self.hand = Limb("arm", self.pause), Limb("hand", self.pause)
         self.beside: list[str] = []
         """Ids of what is in sequences beside the starts."""
+        self.slow: set[MemoryStream] = set()
+        """Ends of connections over which something took its time to come."""
         self._ids = 0
 
     async def pause(self, _seconds: float = 0.0) -> None:
@@ -125,13 +127,14 @@ async def test_nothing_runs_after_a_stop_whatever_the_order(block: int, monkeypa
 
         async def dawdle(stream: MemoryStream, stage: Stage = stage) -> str:
             text = await receive(stream)
+            stage.slow.add(stream)
             await stage.pause()
             return text
 
+        # A session takes it when it begins.
+        monkeypatch.setattr(MemoryStream, "receive", dawdle)
         async with asyncio.timeout(10), AsyncExitStack() as stack:
-            monkeypatch.setattr(MemoryStream, "receive", receive)
             app, hosts = await deployed(stage, stack)
-            monkeypatch.setattr(MemoryStream, "receive", dawdle)
             for ref in (ARM, HAND):
                 assert (await app.ask("rois.command.bind", component_ref=ref))["return_code"] == "OK"
             begun = []
@@ -144,6 +147,7 @@ async def test_nothing_runs_after_a_stop_whatever_the_order(block: int, monkeypa
             stop = stage.unit("stop")
             app.session.post("rois.command.execute", {"command_unit_list": [stop]})
             statuses = await ended(app, stop["command_id"], *begun, *stage.beside)
+            assert len(stage.slow) == 2 * len(hosts)
             assert statuses[stop["command_id"]] == "OK", seed
             assert {statuses[start] for start in begun} == {"ABORT"}, (seed, statuses)
             assert stage.arm.moving == 0, seed
