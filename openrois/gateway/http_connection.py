@@ -3,10 +3,10 @@
 from collections.abc import Callable
 from typing import Any, Final, Protocol
 
-from aiohttp import WSCloseCode
+from aiohttp import WSCloseCode, web
 
 from openrois.gateway.frames import FrameRules
-from openrois.heads import Connection
+from openrois.heads import Connection, Heads
 
 __all__ = ["HttpConnection"]
 
@@ -18,15 +18,25 @@ class HttpConnection(Connection):
     """A connection.
 
     Attributes:
-        rules: what holds for the frames of its WebSocket; to be set before the upgrade is answered.
+        rules: what holds for the frames of its WebSocket; to be set before the upgrade is answered, and None before.
     """
 
     __slots__ = ("rules",)
 
-    rules: FrameRules
+    def __init__(self, manager: web.Server, heads: Heads, **options: Any) -> None:
+        super().__init__(manager, heads, **options)
+        self.rules: FrameRules | None = None
+
+    def data_received(self, data: bytes) -> None:
+        """Take what has come; over a WebSocket no head is waited for, and nothing is looked up for every message."""
+        if self.rules is None:
+            super().data_received(data)
+        else:
+            web.RequestHandler.data_received(self, data)
 
     def set_parser(self, parser: Any, data_received_cb: Callable[[], None] | None = None) -> None:
         """Take what parses the frames from here on, and check them before it does."""
+        assert self.rules is not None
         checked: Any = _Checked(parser, self.rules)
         super().set_parser(checked, data_received_cb)
 
