@@ -56,6 +56,19 @@ _PRUNE: Final = """
     (SELECT number FROM command WHERE status IS NOT NULL ORDER BY number DESC LIMIT 1 OFFSET ?)
 """
 _RESULTS: Final = TypeAdapter(tuple[Result, ...])
+_OF_THE_PLACE: Final = frozenset(
+    {
+        sqlite3.SQLITE_PERM,
+        sqlite3.SQLITE_BUSY,
+        sqlite3.SQLITE_LOCKED,
+        sqlite3.SQLITE_NOMEM,
+        sqlite3.SQLITE_READONLY,
+        sqlite3.SQLITE_IOERR,
+        sqlite3.SQLITE_FULL,
+        sqlite3.SQLITE_CANTOPEN,
+    }
+)
+"""What is wrong with the disk, or with who else is there; whatever else SQLite says is wrong with the file."""
 
 
 class JournalUnusable(Exception):
@@ -135,8 +148,9 @@ class JournalFile:
         self._unpruned = _PRUNE_AFTER
         try:
             self._require_ours()
-            self._database = self._opened() or self._set_aside()
-            self._load(time.time())
+            if not self._begin():
+                self._set_aside()
+                self._begin()
         except (OSError, sqlite3.Error) as error:
             raise JournalUnusable(f"the journal {path} cannot be used: {_said(error)}") from error
 
@@ -178,31 +192,37 @@ class JournalFile:
         if head not in (b"", _MAGIC):
             raise JournalUnusable(f"{self.path} is no journal of a gateway; name another file, or move it away")
 
-    def _opened(self) -> sqlite3.Connection | None:
-        """Open the database; None where it is damaged or of another version."""
-        database = _connected(self.path)
+    def _begin(self) -> bool:
+        """Open the database and read what is in it; False where it is damaged or of another version."""
+        self.former = FormerCommands()
+        self._database = sqlite3.connect(self.path, timeout=_LOCKED, isolation_level=None, check_same_thread=False)
         try:
-            if database.execute("SELECT count(*) FROM sqlite_master").fetchone() == (0,):
-                database.executescript(_SCHEMA)
-                return database
-            if database.execute("PRAGMA application_id").fetchone() != (_OURS,):
-                raise JournalUnusable(f"{self.path} is the database of something else; name another file")
-            version = database.execute("PRAGMA user_version").fetchone()
-            if version == (_VERSION,) and database.execute("PRAGMA quick_check(1)").fetchone() == ("ok",):
-                return database
-        except sqlite3.OperationalError:
-            # Locked, or a disk that cannot be written: nothing is wrong with the file.
-            database.close()
-            raise
-        except sqlite3.DatabaseError:
-            pass
+            if self._is_sound():
+                self._load(time.time())
+                return True
+        except (sqlite3.Error, ValueError) as error:
+            self.close()
+            if _is_of_the_place(error):
+                raise
         except JournalUnusable:
-            database.close()
+            self.close()
             raise
-        database.close()
-        return None
+        self.close()
+        return False
 
-    def _set_aside(self) -> sqlite3.Connection:
+    def _is_sound(self) -> bool:
+        """Set the database up where it is new; else tell whether it is of this version, and whole."""
+        _set_up(self._database)
+        if self._database.execute("SELECT count(*) FROM sqlite_master").fetchone() == (0,):
+            self._database.executescript(_SCHEMA)
+            return True
+        if self._database.execute("PRAGMA application_id").fetchone() != (_OURS,):
+            raise JournalUnusable(f"{self.path} is the database of something else; name another file")
+        version = self._database.execute("PRAGMA user_version").fetchone()
+        checked = self._database.execute("PRAGMA quick_check(1)").fetchone()
+        return (version, checked) == ((_VERSION,), ("ok",))
+
+    def _set_aside(self) -> None:
         aside = self.path.with_name(f"{self.path.name}.{time.strftime('%Y%m%dT%H%M%S', time.gmtime())}")
         _log.warning(
             "the journal %s is damaged or of another version; it is %s now, and a new one begins", self.path, aside
@@ -212,9 +232,6 @@ class JournalFile:
             with suppress(FileNotFoundError):
                 Path(f"{self.path}{more}").rename(f"{aside}{more}")
         self._require_ours()
-        database = _connected(self.path)
-        database.executescript(_SCHEMA)
-        return database
 
     def _load(self, now: float) -> None:
         """Read what former runs left; what ran then has ended."""
@@ -230,8 +247,7 @@ class JournalFile:
         )
 
 
-def _connected(path: Path) -> sqlite3.Connection:
-    database = sqlite3.connect(path, timeout=_LOCKED, isolation_level=None, check_same_thread=False)
+def _set_up(database: sqlite3.Connection) -> None:
     for pragma in (
         # One process, and no memory shared with others.
         "locking_mode = EXCLUSIVE",
@@ -242,7 +258,12 @@ def _connected(path: Path) -> sqlite3.Connection:
     ):
         with suppress(sqlite3.NotSupportedError):
             database.execute(f"PRAGMA {pragma}")
-    return database
+
+
+def _is_of_the_place(error: Exception) -> bool:
+    """Tell whether an error says nothing of the file: one that is cut short is damaged, and no fault of the disk."""
+    code = getattr(error, "sqlite_errorcode", None)
+    return code is not None and code & 0xFF in _OF_THE_PLACE and code != sqlite3.SQLITE_IOERR_SHORT_READ
 
 
 def _said(error: Exception) -> str:

@@ -161,6 +161,30 @@ def test_a_damaged_file_is_set_aside_with_a_line(path: Path, caplog: pytest.LogC
     assert JournalFile(path).former.find("ann", "new") is not None
 
 
+DAMAGES = {
+    "cut in half": lambda content: content[: len(content) // 2],
+    "cut in its first page": lambda content: content[:600],
+    "no header": lambda content: content[:16] + bytes(84) + content[100:],
+    "no table": lambda content: content.replace(b"CREATE TABLE", b"CREATE CABLE"),
+    "no column": lambda content: content.replace(b"command_id TEXT", b"command_ix TEXT"),
+    "no status": lambda content: content.replace(b"OKwhy", b"OXwhy"),
+    "no text": lambda content: content.replace(b"OKwhy", b"O\xffwhy"),
+}
+
+
+@pytest.mark.parametrize("damage", DAMAGES)
+def test_whatever_is_damaged_no_gateway_stays_away_for_it(path: Path, damage: str) -> None:
+    write(path, *(accepted(f"{number}") for number in range(500)), ended("7"))
+    content = path.read_bytes()
+    damaged = DAMAGES[damage](content)
+    assert damaged != content
+    path.write_bytes(damaged)
+    write(path, accepted("new"))
+    (aside,) = (each for each in path.parent.iterdir() if each.name.startswith("journal."))
+    assert aside.read_bytes() == damaged
+    assert JournalFile(path).former.find("ann", "new") is not None
+
+
 def test_one_of_another_version_is_set_aside(path: Path, caplog: pytest.LogCaptureFixture) -> None:
     write(path, accepted("one"))
     database = sqlite3.connect(path)
