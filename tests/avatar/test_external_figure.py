@@ -50,9 +50,11 @@ async def test_they_follow_what_each_engine_says_of_itself(tmp_path: Path) -> No
 
         for ends in ("by dying", "by arriving"):
             engine = await join(walks=True)
-            await until(lambda: status() is ComponentStatus.READY)
+            await until(lambda: not scene.observe().failure)
+            assert status() is ComponentStatus.ERROR, "it would not know where it goes from"
             engine.send_event(Place(0.0, 0.0, 0.0))
             await until(lambda: scene.place() is not None)
+            assert status() is ComponentStatus.READY
             async with application.bound():
                 await application.set_parameter(target_positions=("1,0",))
                 going = asyncio.ensure_future(application.command("start"))

@@ -86,10 +86,12 @@ class Stage:
         return await self.start(_SPEECH, "speech_text", "string", text)
 
     async def walk(self, targets: list[str] = _LONG_WAY) -> str:
-        """Begin to walk, and wait until the figure does."""
+        """Begin to walk as soon as the figure can, and wait until it does."""
+        await self.usable(_WALK)
         before = await self.place()
         walk = await self.start(_WALK, "target_positions", "string[]", targets)
         while await self.place() == before:
+            assert not self.ends(walk), "it does not walk at all"
             await self.app.pictures(self.video, 1)
         return walk
 
@@ -111,7 +113,6 @@ class Stage:
 
     async def works(self) -> None:
         """Speak, walk and show pictures, from beginning to end."""
-        await self.usable(_WALK)
         speech, walk = await self.speak("Hello."), await self.walk(["0,0.5"])
         assert await self.end(speech) == await self.end(walk, 30) == "OK"
         assert await self.place() != "0.000,0.000,-1.5708"

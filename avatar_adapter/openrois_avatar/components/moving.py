@@ -35,8 +35,9 @@ class Figure:
     engine_status: Callable[[], ComponentStatus]
 
     def status(self) -> ComponentStatus:
-        """How the game engine fares; ERROR where its figure does not walk."""
-        return self.engine_status() if self.legs.can_walk else ComponentStatus.ERROR
+        """How the game engine fares; ERROR where its figure does not walk, or has not told yet where it is."""
+        ready = self.legs.can_walk and self.world.place is not None
+        return self.engine_status() if ready else ComponentStatus.ERROR
 
     def place(self) -> Place:
         """Return where the figure is.
@@ -73,7 +74,7 @@ class Moving:
         self._stands_since = 0.0
 
     def condition(self) -> ComponentStatus:
-        """Follow the game engine; ERROR while its figure does not walk."""
+        """Follow the game engine; ERROR while its figure does not walk, or nobody knows where it is."""
         return self.figure.status()
 
     async def stop(self) -> None:

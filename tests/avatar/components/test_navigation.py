@@ -285,8 +285,18 @@ async def test_a_lost_engine_fails_it_and_the_component_says_so(stage: Stage) ->
         await stage.command("start")
     assert (await stage.registry.query(REF, "component_status"))[0].value == "ERROR"
     stage.engine.connected = True
-    with pytest.raises(ComponentFailed, match="has not told where its figure is"):
+    with pytest.raises(ComponentFailed, match="does not work now"):
         await stage.command("start")
+    assert (await stage.registry.query(REF, "component_status"))[0].value == "ERROR", "nobody knows where it is"
+    stage.engine.tell_place()
+    assert (await stage.registry.query(REF, "component_status"))[0].value == "READY"
+    await stage.run_until(await stage.begin(target_positions=["1,0"]))
+
+
+async def test_an_engine_that_goes_while_a_way_is_planned_has_told_of_no_place(stage: Stage) -> None:
+    stage.world.clear()
+    with pytest.raises(ComponentFailed, match="has not told where its figure is"):
+        stage.navigation.figure.place()
 
 
 async def test_an_engine_without_a_figure_that_walks_is_an_error(stage: Stage) -> None:
