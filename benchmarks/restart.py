@@ -1,6 +1,6 @@
 """How soon everybody is back when a gateway is restarted under a crowd: its adapters, and its applications.
 
-    python -m benchmarks.restart [--clients 1000] [--robots 8] [--rounds 3] [--kill]
+    python -m benchmarks.restart [--clients 1000] [--robots 8] [--rounds 3] [--kill] [--journal]
 
 The gateway, the adapters and each half of the applications are processes of their own. Times count from the moment at
 which the new gateway says that it listens.
@@ -108,7 +108,8 @@ def attached(log: Path) -> list[float]:
 
 async def one_round(chosen: argparse.Namespace, folder: Path, port: int) -> tuple[float, list[float], list[float]]:
     """Restart a gateway once; return how long it was gone, and after how long each was back: adapters, applications."""
-    gateway = ("-m", "openrois.cli", "gateway", "--port", str(port), "--per-address", "8192")
+    journal = ("--journal", str(folder / "journal")) if chosen.journal else ()
+    gateway = ("-m", "openrois.cli", "gateway", "--port", str(port), "--per-address", "8192", *journal)
     url = f"http://127.0.0.1:{port}/"
     me = ("-m", "benchmarks.restart", "--url", url)
     share = str(chosen.clients // CROWDS)
@@ -162,6 +163,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--port", type=int, default=18771)
     parser.add_argument("--kill", action="store_true", help="SIGKILL, not SIGTERM: nobody is told when to come back")
+    parser.add_argument("--journal", action="store_true", help="the gateway remembers which adapters were there")
     parser.add_argument("--url", help=argparse.SUPPRESS)
     parser.add_argument("--be-robots", type=int, help=argparse.SUPPRESS)
     parser.add_argument("--be-clients", type=int, help=argparse.SUPPRESS)

@@ -2,7 +2,7 @@
 
 import asyncio
 from collections import Counter
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
 from contextlib import asynccontextmanager, contextmanager
 from typing import Final
 
@@ -24,20 +24,31 @@ ENTERING: Final = 4
 """Applications whose WebSockets are opened at the same time; adapters pass those that wait for that."""
 
 
+async def _at_once() -> None:
+    """Wait for nothing."""
+
+
 class Places:
     """The places of one gateway.
 
     Args:
         turned_away: told the reason whenever there is no place.
         per_address: applications at a time from one address.
+        opening: waited for before an application is let in.
 
     Attributes:
         waiting: how many applications wait for `entering`.
     """
 
-    def __init__(self, turned_away: Callable[[str], None], per_address: int = MAX_PER_ADDRESS) -> None:
+    def __init__(
+        self,
+        turned_away: Callable[[str], None],
+        per_address: int = MAX_PER_ADDRESS,
+        opening: Callable[[], Awaitable[None]] = _at_once,
+    ) -> None:
         self._turned_away = turned_away
         self._per_address = per_address
+        self._opening = opening
         self._applications: Counter[str] = Counter()
         self._adapters = 0
         self.waiting = 0
@@ -78,6 +89,7 @@ class Places:
         """
         self.waiting += 1
         try:
+            await self._opening()
             await self._entering.acquire()
         finally:
             self.waiting -= 1

@@ -31,6 +31,7 @@ from openrois.gateway.ice import IceServers
 from openrois.gateway.metrics import Sources, figures
 from openrois.gateway.page import page_response
 from openrois.gateway.places import Places
+from openrois.gateway.returning import Returning
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import ADAPTER, APPLICATION, ServerSocket, SocketProfile
 from openrois.gateway.tenure import Tenure
@@ -121,7 +122,9 @@ async def run_gateway(
         if (verifier := entrance.admission.verifier) is not None:
             readiness.require("keys for tokens", verifier.keys.is_usable)
         heads = Heads(host.traffic.turn_away)
-        places = Places(host.traffic.turn_away, settings.per_address)
+        returning = Returning(host)
+        readiness.require("adapters: those of before the restart", lambda: returning.is_over)
+        places = Places(host.traffic.turn_away, settings.per_address, returning.wait)
         server = _Server(
             host,
             entrance,
@@ -136,6 +139,7 @@ async def run_gateway(
         runner = web.AppRunner(server.app, shutdown_timeout=_SHUTDOWN_TIMEOUT)
         await runner.setup()
         stack.push_async_callback(runner.cleanup)
+        stack.enter_context(returning.watching())
         context = None if entrance.certificate is None else entrance.certificate.context
         assert runner.server is not None
         loop = asyncio.get_running_loop()

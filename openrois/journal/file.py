@@ -1,4 +1,4 @@
-"""The file of the journal: an SQLite database that holds what runs, and a bounded part of what has ended."""
+"""The file of the journal: an SQLite database of what runs, a bounded part of what has ended, and who is there."""
 
 import json
 import logging
@@ -17,7 +17,7 @@ from openrois.journal.former import RESTARTED, FormerCommand, FormerCommands, st
 from openrois.types.codes import CompletedStatus
 from openrois.types.messages import Result
 
-__all__ = ["Accepted", "Ended", "JournalFile", "JournalUnusable", "Record", "Told"]
+__all__ = ["Accepted", "Ended", "JournalFile", "JournalUnusable", "Presence", "Record", "Told"]
 
 _log = logging.getLogger(__name__)
 
@@ -51,6 +51,7 @@ _SCHEMA: Final = f"""
     CREATE UNIQUE INDEX by_id ON command (session, command_id);
     CREATE INDEX by_end ON command (status, number);
 """
+_ENGINES: Final = "CREATE TABLE IF NOT EXISTS engine (engine_id TEXT PRIMARY KEY, is_there INTEGER NOT NULL)"
 _PRUNE: Final = """
     DELETE FROM command WHERE status IS NOT NULL AND number <=
     (SELECT number FROM command WHERE status IS NOT NULL ORDER BY number DESC LIMIT 1 OFFSET ?)
@@ -105,7 +106,15 @@ class Told:
     command_id: str
 
 
-Record = Accepted | Ended | Told
+@dataclass(frozen=True, slots=True)
+class Presence:
+    """An engine has come or left."""
+
+    engine_id: str
+    is_there: bool
+
+
+Record = Accepted | Ended | Told | Presence
 
 _STATEMENTS: Final[dict[type[Record], str]] = {
     Accepted: """
@@ -120,6 +129,7 @@ _STATEMENTS: Final[dict[type[Record], str]] = {
         DELETE FROM command WHERE status IS NOT NULL AND (subject, command_id) IN
         (SELECT value->>0, value->>1 FROM json_each(?))
     """,
+    Presence: "INSERT OR REPLACE INTO engine SELECT value->>0, value->>1 FROM json_each(?)",
 }
 
 
@@ -134,6 +144,7 @@ class JournalFile:
 
     Attributes:
         former: what former runs left.
+        engines: who was there at the end of the last.
 
     Raises:
         JournalUnusable: it is a file of something else, or another gateway has it, or it cannot be written. One that is
@@ -145,6 +156,7 @@ class JournalFile:
         if sqlite3.sqlite_version_info < _SQLITE:
             raise JournalUnusable(f"a journal needs SQLite 3.38, and this Python has {sqlite3.sqlite_version}")
         self.former = FormerCommands()
+        self.engines: frozenset[str] = frozenset()
         self._unpruned = _PRUNE_AFTER
         try:
             self._require_ours()
@@ -165,7 +177,7 @@ class JournalFile:
         Raises:
             sqlite3.Error: they could not be written, for the disk is full or gone.
         """
-        rows: dict[type[Record], list[tuple[object, ...]]] = {Accepted: [], Ended: [], Told: []}
+        rows: dict[type[Record], list[tuple[object, ...]]] = {kind: [] for kind in _STATEMENTS}
         for record in records:
             rows[type(record)].append(_row(record))
         self._unpruned += len(rows[Ended])
@@ -175,6 +187,8 @@ class JournalFile:
                 if of_kind:
                     # One statement for all of them: each one costs a change of threads.
                     self._database.execute(_STATEMENTS[kind], (json.dumps(of_kind),))
+            if rows[Presence]:
+                self._database.execute("DELETE FROM engine WHERE NOT is_there")
             if self._unpruned >= _PRUNE_AFTER:
                 self._database.execute(_PRUNE, (MAX_ENDED,))
                 self._unpruned = 0
@@ -242,6 +256,9 @@ class JournalFile:
                 reason = RESTARTED if ended is None else reason
                 command = FormerCommand(component_ref, ended, reason, _read(results))
                 self.former.put(subject, command_id, command)
+        self._database.execute(_ENGINES)
+        with closing(self._database.execute("SELECT engine_id FROM engine")) as rows:
+            self.engines = frozenset(engine_id for (engine_id,) in rows)
         self._database.execute(
             "UPDATE command SET status = ?, reason = ? WHERE status IS NULL", (_INTERRUPTED, RESTARTED)
         )
@@ -280,6 +297,8 @@ def _row(record: Record) -> tuple[object, ...]:
             return session, storable(command_id), status.value, storable(reason), _written(results)
         case Told(subject, command_id):
             return storable(subject), storable(command_id)
+        case Presence(engine_id, is_there):
+            return engine_id, is_there
 
 
 def _written(results: tuple[Result, ...]) -> str | None:

@@ -12,7 +12,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Final, Self
 
-from openrois.journal.file import Accepted, Ended, JournalFile, Record, Told
+from openrois.journal.file import Accepted, Ended, JournalFile, Presence, Record, Told
 from openrois.journal.former import FormerCommand, FormerCommands
 from openrois.types.codes import CompletedStatus
 from openrois.types.messages import Result
@@ -50,6 +50,7 @@ class Journal(AbstractContextManager["Journal"]):
         failing: whether the last attempt failed.
         written: records in the file.
         late: commands that were accepted before they were in the file.
+        engines: those that were there when the last run of the gateway ended.
 
     Raises:
         JournalUnusable: on entering: the file is something else, or another gateway's.
@@ -67,6 +68,7 @@ class Journal(AbstractContextManager["Journal"]):
         self.failing = False
         self.written = 0
         self.late = 0
+        self.engines: frozenset[str] = frozenset()
         self._path = path
         self._clock = clock
         self._open_file = open_file
@@ -81,6 +83,7 @@ class Journal(AbstractContextManager["Journal"]):
         if self._path is not None:
             self._file = self._open_file(self._path)
             self._former = self._file.former
+            self.engines = self._file.engines
             self._loop = asyncio.get_running_loop()
             self._thread.start()
         return self
@@ -127,6 +130,11 @@ class Journal(AbstractContextManager["Journal"]):
         """Note that a command has ended."""
         if self._file is not None:
             self._put(Ended(session, command_id, status, reason, results))
+
+    def engine(self, engine_id: str, *, is_there: bool) -> None:
+        """Note that an engine has come or left."""
+        if self._file is not None:
+            self._put(Presence(engine_id, is_there))
 
     def find(self, subject: str, command_id: str) -> FormerCommand | None:
         """Return a command of a former run of the gateway."""

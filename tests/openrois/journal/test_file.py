@@ -3,12 +3,13 @@
 import logging
 import sqlite3
 import stat
+from contextlib import closing
 from pathlib import Path
 
 import pytest
 
 from openrois.journal import file as file_module
-from openrois.journal.file import Accepted, Ended, JournalFile, JournalUnusable, Record, Told
+from openrois.journal.file import Accepted, Ended, JournalFile, JournalUnusable, Presence, Record, Told
 from openrois.types.codes import CompletedStatus
 from openrois.types.messages import Result
 
@@ -58,6 +59,24 @@ def test_what_was_told_is_forgotten(path: Path) -> None:
     journal.close()
     assert journal.former.find("ann", "runs") is None
     assert journal.former.find("bob", "runs") is not None
+
+
+def test_who_was_there_at_the_end_is_known_to_the_next_run(path: Path) -> None:
+    write(path, *(Presence(name, is_there=here) for name, here in (("a", True), ("b", True), ("b", False))))
+    write(path, Presence("a", is_there=False), Presence("a", is_there=True), Presence("c", is_there=True))
+    journal = JournalFile(path)
+    assert journal.engines == {"a", "c"}
+    assert journal._database.execute("SELECT count(*) FROM engine").fetchone() == (2,)
+    journal.close()
+
+
+def test_a_journal_from_before_engines_were_noted_goes_on(path: Path) -> None:
+    write(path, accepted("runs"))
+    with closing(sqlite3.connect(path)) as database:
+        database.execute("DROP TABLE engine")
+    journal = JournalFile(path)
+    journal.close()
+    assert (journal.engines, len(journal.former)) == (frozenset(), 1)
 
 
 def test_results_beyond_the_bound_are_not_kept(path: Path) -> None:
