@@ -257,7 +257,7 @@ class JournalFile:
                 command = FormerCommand(component_ref, ended, reason, _read(results))
                 self.former.put(subject, command_id, command)
         self._database.execute(_ENGINES)
-        with closing(self._database.execute("SELECT engine_id FROM engine")) as rows:
+        with closing(self._database.execute("SELECT engine_id FROM engine WHERE typeof(engine_id) = 'text'")) as rows:
             self.engines = frozenset(engine_id for (engine_id,) in rows)
         self._database.execute(
             "UPDATE command SET status = ?, reason = ? WHERE status IS NULL", (_INTERRUPTED, RESTARTED)
