@@ -69,6 +69,17 @@ async def test_who_listens_later_hears_what_there_is(stage: CameraStage) -> None
     assert stage.see(somebody()) == [{"number": 1}]
 
 
+@pytest.mark.parametrize(("pause", "go_on"), [("suspend", "resume"), ("stop", "start")])
+async def test_who_is_stopped_tells_nothing_while_others_look(stage: CameraStage, pause: str, go_on: str) -> None:
+    await stage.listen("PersonDetection", "person_detected")
+    await stage.listen("FaceDetection", "face_detected")
+    await stage.registry.invoke("avatar/PersonDetection", pause)
+    away = somebody(2, face=False)
+    assert stage.see(somebody(1), away) == [{"number": 1}]
+    await stage.registry.invoke("avatar/PersonDetection", go_on)
+    assert stage.see(somebody(1), away) == [{"number": 2}]
+
+
 @pytest.mark.parametrize(
     ("component", "event", "ref", "kind"),
     [
