@@ -24,8 +24,8 @@ class PersonDetection(CameraSense, components.PersonDetection):
         self._numbers = Numbers()
 
     def begin(self) -> None:
-        """Begin with nobody."""
-        self._numbers = Numbers()
+        """Tell the number again, and 0 where it was another one."""
+        self._numbers.begin()
 
     def sense(self, seen: Seen, moment: datetime) -> None:
         """Tell another number of persons."""

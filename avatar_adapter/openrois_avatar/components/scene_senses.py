@@ -118,8 +118,8 @@ class ScenePersonDetection(_InScene, Sense, components.PersonDetection):
             self.person_detected(number, self.now())
 
     def forget(self) -> None:
-        """Tell the number again where it is not 0."""
-        self._numbers = Numbers()
+        """Tell the number again, and 0 where it was another one."""
+        self._numbers.begin()
 
 
 class _Localizing(_InScene, Localizing):

@@ -27,6 +27,7 @@ class SoundDetection(Sense, components.SoundDetection):
         super().__init__("SoundDetection")
         self._ear = ear
         self._clock = clock
+        self._presence, self._numbers = Presence(), Numbers()
         self._leave: Callable[[], None] | None = None
         self.activity.changed.add(self._work)
 
@@ -35,7 +36,8 @@ class SoundDetection(Sense, components.SoundDetection):
             self._leave()
             self._leave = None
         if works:
-            self._presence, self._numbers = Presence(), Numbers()
+            self._presence = Presence()
+            self._numbers.begin()
             self._leave = self._ear.listen(self._hear)
 
     def _hear(self, sound: RawAudio) -> None:

@@ -28,12 +28,17 @@ class Numbers:
 
     def __init__(self) -> None:
         self._told = 0
+        self._is_known = True
+
+    def begin(self) -> None:
+        """Begin anew: some who listen now may have heard nothing, and others the last number that was told."""
+        self._is_known = self._told == 0
 
     def tells(self, number: int) -> bool:
         """Take a number; whether it has to be told."""
-        if number == self._told:
+        if number == self._told and self._is_known:
             return False
-        self._told = number
+        self._told, self._is_known = number, True
         return True
 
 

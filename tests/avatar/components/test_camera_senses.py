@@ -80,6 +80,21 @@ async def test_who_is_stopped_tells_nothing_while_others_look(stage: CameraStage
     assert stage.see(somebody(1), away) == [{"number": 2}]
 
 
+@pytest.mark.parametrize(("pause", "go_on"), [("suspend", "resume"), ("stop", "start")])
+@pytest.mark.parametrize(
+    ("component", "event"), [("PersonDetection", "person_detected"), ("FaceDetection", "face_detected")]
+)
+async def test_who_left_meanwhile_is_told_to_be_gone(
+    stage: CameraStage, component: str, event: str, pause: str, go_on: str
+) -> None:
+    await stage.listen(component, event)
+    assert len(stage.see(somebody())) == 1
+    await stage.registry.invoke(f"avatar/{component}", pause)
+    assert stage.see() == []
+    await stage.registry.invoke(f"avatar/{component}", go_on)
+    assert [*stage.see(), *stage.see()] == [{"number": 0}]
+
+
 @pytest.mark.parametrize(
     ("component", "event", "ref", "kind"),
     [

@@ -83,6 +83,15 @@ class TestSoundDetection:
         await room.clock.advance(1.0)
         assert room.told("sound_detected", "number") == ["1", "0"]
 
+    async def test_a_sound_that_has_ended_meanwhile_is_told_to_be_over(self, room: Room) -> None:
+        await room.subscribe("SoundDetection", "sound_detected")
+        await room.say(np.concatenate([SILENCE, VOICE[:24_000]]))
+        await room.do("SoundDetection", "suspend")
+        await room.say(SILENCE)
+        await room.do("SoundDetection", "resume")
+        await room.say(SILENCE)
+        assert room.told("sound_detected", "number") == ["1", "0"]
+
     async def test_stop_and_start(self, room: Room) -> None:
         await room.subscribe("SoundDetection", "sound_detected")
         await room.do("SoundDetection", "stop")

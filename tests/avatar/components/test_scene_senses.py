@@ -164,6 +164,16 @@ async def test_stopped_it_tells_nothing(stage: Stage) -> None:
     assert len(stage.heard) == 1
 
 
+async def test_who_left_meanwhile_is_told_to_be_gone(stage: Stage) -> None:
+    await stage.listen("ScenePersonDetection", "person_detected")
+    await stage.show(ANNA, BOB)
+    await stage.registry.invoke("avatar/ScenePersonDetection", "suspend")
+    await stage.show()
+    await stage.registry.invoke("avatar/ScenePersonDetection", "resume")
+    await stage.clock.advance(PAUSE)
+    assert stage.told("number") == ["2", "0"]
+
+
 async def test_with_the_engine_the_scene_is_gone(stage: Stage) -> None:
     await stage.listen("ScenePersonDetection", "person_detected")
     await stage.show(ANNA)

@@ -24,6 +24,19 @@ def test_a_number_is_told_when_it_changes() -> None:
     assert [numbers.tells(each) for each in (0, 1, 1, 2, 2, 0, 0)] == [False, True, False, True, False, True, False]
 
 
+def test_who_begins_to_listen_is_told_the_number_and_who_had_heard_another_one_that_nobody_is_left() -> None:
+    numbers = Numbers()
+    numbers.begin()
+    assert not numbers.tells(0)
+    assert numbers.tells(2)
+    numbers.begin()
+    assert [numbers.tells(each) for each in (2, 2)] == [True, False]
+    numbers.begin()
+    assert [numbers.tells(each) for each in (0, 0)] == [True, False]
+    numbers.begin()
+    assert not numbers.tells(0)
+
+
 def test_movements_that_are_not_far_enough_add_up() -> None:
     movements = Movements()
     told = [movements.tells({"a": right(step / 100)}, step, 50, None) for step in range(12)]
