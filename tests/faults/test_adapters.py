@@ -82,7 +82,7 @@ async def test_f1_f2_f28_a_process_that_blocks_stands_still_and_dies(
     ):
         await place.attached()
         who = await three(place)
-        seconds = {"name": "seconds", "data_type_ref": "double", "value": str(0.6 + place.chance.random() * 0.3)}
+        seconds = {"name": "seconds", "data_type_ref": "double", "value": str(0.9 + place.chance.random() * 0.3)}
         unit = {"component_ref": BELL, "command_type": "block", "command_id": "b", "arguments": [seconds]}
         assert await who[1].code("rois.command.execute", command_unit_list=[unit]) == "OK"
         assert await who[1].end_of("b") == "ERROR"

@@ -168,7 +168,7 @@ async def test_f9_all_come_back_after_a_restart(clients: int, tmp_path: Path) ->
 async def test_f22_a_gateway_that_was_suspended(seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     chance, book, lamp = random.Random(seed), Book(), Lamp()
     async with calm(caplog), AsyncExitStack() as stack:
-        options = ("--port", "0", "--adapter-timeout", "0.3")
+        options = ("--port", "0", "--adapter-timeout", "0.8")
         gateway = await stack.enter_async_context(gateway_program(*options, log=tmp_path / "gateway.log"))
         url = gateway.first.removeprefix("listening ")
         await robot(stack, url, lamp)
@@ -185,7 +185,7 @@ async def test_f22_a_gateway_that_was_suspended(seed: int, tmp_path: Path, caplo
         ]
         await turns(chance, 30)
         gateway.signal(signal.SIGSTOP)
-        await asyncio.sleep(1.0 + chance.random() * 0.3)
+        await asyncio.sleep(1.4 + chance.random() * 0.3)
         lamp.may_end.set()
         gateway.signal(signal.SIGCONT)
         async with asyncio.timeout(5):

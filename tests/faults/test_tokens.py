@@ -18,6 +18,7 @@ from tests.support.ground import turns
 from tests.support.invariants import Book, Witness, calm, check_audit
 from tests.support.seeds import ALL, SOME
 from tests.support.tokens import claims_of, forge, issue, jwk, key_file
+from tests.support.wall import WallClock
 
 
 def bearer(token: str) -> dict[str, Any]:
@@ -46,23 +47,28 @@ async def test_f18_a_token_that_ends(
     seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(tenure, "CHECK_INTERVAL", 0.02)
-    chance, book = random.Random(seed), Book()
+    chance, book, wall = random.Random(seed), Book(), WallClock()
     settings = GatewaySettings(port=0, auth_keys=(key_file(tmp_path),), audit_file=tmp_path / "audit.jsonl")
-    async with calm(caplog), run_gateway(settings) as gateway:
-        ends = time.time() + 0.5 + chance.random() * 0.3
-        async with book.witness(gateway.url, extended=True, **bearer(issue(time.time(), exp=ends))) as renews:
-            fresh = issue(time.time())
-            assert (await renews.ask("openrois.auth.refresh", token=fresh))["return_code"] == "OK"
-            token = issue(time.time(), exp=ends, sub="late")
-            async with book.witness(gateway.url, extended=chance.random() < 0.5, **bearer(token)) as late:
-                async with asyncio.timeout(5):
-                    while not late.gone.is_set():
+    with wall.everywhere():
+        async with calm(caplog), run_gateway(settings) as gateway:
+            ends = time.time() + 60
+            async with book.witness(gateway.url, extended=True, **bearer(issue(time.time(), exp=ends))) as renews:
+                fresh = issue(time.time())
+                assert (await renews.ask("openrois.auth.refresh", token=fresh))["return_code"] == "OK"
+                token = issue(time.time(), exp=ends, sub="late")
+                async with book.witness(gateway.url, extended=chance.random() < 0.5, **bearer(token)) as late:
+                    await alive(late)
+                    for _ in range(chance.randrange(20)):
+                        await late.begin("rois.system.connect")
                         await turns(chance)
-                        asked = await late.begin("rois.system.connect")
-                        await asyncio.wait((asked,))
-                assert late.close_code == 4401
-                assert time.time() >= ends
-            await alive(renews)
+                    wall.ahead = 60 + chance.random()
+                    async with asyncio.timeout(5):
+                        while not late.gone.is_set():
+                            await turns(chance)
+                            asked = await late.begin("rois.system.connect")
+                            await asyncio.wait((asked,))
+                    assert late.close_code == 4401
+                await alive(renews)
     book.check()
     check_audit(tmp_path / "audit.jsonl", commands=0)
 
