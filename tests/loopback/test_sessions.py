@@ -3,6 +3,7 @@
 import asyncio
 import time
 from collections.abc import Callable
+from statistics import median
 
 import pytest
 import uvloop
@@ -76,6 +77,7 @@ async def test_sender_reports_say_when_a_picture_was_captured(engine: Engine, vi
     (connection,) = viewer.connections.values()
     receiver = connection.getTransceivers()[0].receiver
     reports: list[RtcpSenderInfo] = []
+    told: list[float] = []
     ages: list[float] = []
     handle_report, handle = receiver._handle_rtcp_packet, receiver._handle_rtp_packet
 
@@ -87,14 +89,16 @@ async def test_sender_reports_say_when_a_picture_was_captured(engine: Engine, vi
     async def watched(packet: RtpPacket, arrival_time_ms: int) -> None:
         if reports:
             ticks = (packet.timestamp - reports[-1].rtp_timestamp + 2**31) % 2**32 - 2**31
-            captured_at = reports[-1].ntp_timestamp / 2**32 - 2_208_988_800 + ticks / 90_000
-            ages.append(time.time() - captured_at)
+            told.append(reports[-1].ntp_timestamp / 2**32 - 2_208_988_800 + ticks / 90_000)
+            ages.append(time.time() - told[-1])
         await handle(packet, arrival_time_ms)
 
     receiver._handle_rtcp_packet = report_watched  # type: ignore[method-assign]
     receiver._handle_rtp_packet = watched  # type: ignore[method-assign]
-    await engine.news.until(lambda: len(ages) > 5)
-    assert all(0.1 < age < 0.5 for age in ages)
+    await engine.news.until(lambda: len(told) > 5)
+    assert min(ages) > 0.1
+    # One may be wrong by as long as the process stood still between two looks at clocks.
+    assert median(min(abs(at - real) for real in engine.source.captured) for at in told) < 0.005
 
 
 async def test_viewers_share_one_encoder_and_each_decodes() -> None:
@@ -118,7 +122,7 @@ async def test_a_source_that_stalls_is_told_and_so_is_its_return(engine: Engine,
     engine.connect("v", "video")
     await engine.until("v", StreamStatus.RUNNING)
     engine.source.running.clear()
-    await engine.until("v", StreamStatus.NOT_RUNNING, 2.0)
+    await engine.until("v", StreamStatus.NOT_RUNNING)
     engine.source.running.set()
     await viewer.plays()
     await engine.until("v", StreamStatus.RUNNING)
@@ -146,7 +150,7 @@ async def test_a_viewer_that_vanishes_is_noticed() -> None:
         (connection,) = viewer.connections.values()
         for protocol in connection.getTransceivers()[0].sender.transport.transport._connection._protocols:
             protocol.transport.abort()
-        await engine.news.until(lambda: engine.byes, 2.0)
+        await engine.news.until(lambda: engine.byes)
         assert [bye.reason for bye in engine.byes] == ["the viewer is gone"]
         await engine.until("v", StreamStatus.NOT_CONNECTED)
 

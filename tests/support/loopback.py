@@ -12,7 +12,7 @@ from aiortc.mediastreams import MediaStreamError
 from aiortc.rtcconfiguration import RTCBundlePolicy
 from aiortc.sdp import candidate_from_sdp
 from openrois_signaling.messages import Answer, Bye, Candidate, Downward, IceServer, Offer
-from openrois_streaming.clock import SystemClock
+from openrois_streaming.clock import SystemClock, wall_at
 from openrois_streaming.errors import SessionError
 from openrois_streaming.network.settings import NetworkSettings
 from openrois_streaming.publisher import AudioPublisher, VideoPublisher
@@ -50,6 +50,8 @@ class Interruptible:
         """What it fails with, each time that it is opened, until a test takes it away."""
         self.delay = 0.0
         """Seconds from the capture of a picture to its being there; the ones in between are lost."""
+        self.captured: list[float] = []
+        """When each picture was captured that it handed over, as the time of day."""
         self.running = asyncio.Event()
         self.running.set()
         self._source = source
@@ -65,6 +67,7 @@ class Interruptible:
             await asyncio.sleep(self.delay)
             if self.failure is not None:
                 raise self.failure
+            self.captured.append(wall_at(SystemClock(), frame.captured_at))
             yield frame
 
 
