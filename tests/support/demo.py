@@ -166,7 +166,7 @@ class Watcher:
                 self.arrivals.append(float(line.split()[1]))
                 self._changed.notify_all()
 
-    def wait(self, count: int, within: float = 15.0) -> None:
+    def wait(self, count: int, within: float = PATIENCE) -> None:
         """Wait until `count` more pictures have come.
 
         Raises:

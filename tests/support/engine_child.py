@@ -15,7 +15,7 @@ from openrois_avatar.link.messages import Completed, Event
 from openrois_avatar.link.server import LinkServer
 from openrois_streaming.source import RawAudio, RawVideo
 
-PATIENCE = 20.0
+PATIENCE = 60.0
 """Seconds within which anything is expected, on a machine that is busy."""
 
 
