@@ -161,7 +161,7 @@ async def test_what_is_cut_is_silent_within_150_ms_and_so_is_the_mouth() -> None
         utterance = viewer.utterance()
         playing = asyncio.ensure_future(utterance.play(speech))
         await viewer.until(lambda: len(viewer.loud()) > 24_000)
-        stopped = viewer.clock.now()
+        stopped, before = viewer.clock.now(), viewer.sink.received("0").concealed
         utterance.cut("it was stopped")
         with pytest.raises(Aborted, match="it was stopped at the word 'very'"):
             await playing
@@ -170,5 +170,7 @@ async def test_what_is_cut_is_silent_within_150_ms_and_so_is_the_mouth() -> None
         (silent,) = viewer.silences
         assert stopped <= silent <= gone
         await viewer.heard_until(silent + 0.4)
-        # By media time: 20 ms of a block, 5 of the fading, and what the codec smears.
-        assert max(moment for moment, _ in viewer.loud()) < silent + 0.05
+        made_up = viewer.sink.received("0").concealed - before
+        # By media time: 20 ms of a block, 5 of the fading, and what the codec smears; a viewer on a busy machine makes
+        # up what has not come in time, and goes on with what it heard last.
+        assert max(moment for moment, _ in viewer.loud()) < silent + 0.05 + made_up
