@@ -131,8 +131,9 @@ class Pilot:
                 self.lose(f"no input came for {PATIENCE:g} s")
 
     def _fail(self, reason: str) -> None:
-        """The game engine does not do it; that is told once, and tried again with each message."""
+        """The game engine does not do it; that is told once, and all of it is tried again with each message."""
         self.velocity = STANDING
+        self._gaze = None
         self._active.clear()
         if reason != self._refusal:
             self._refusal = reason

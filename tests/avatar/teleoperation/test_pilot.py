@@ -115,6 +115,16 @@ async def test_it_looks_where_something_new_points_to(flight: Flight) -> None:
     assert not flight.pilot.is_active
 
 
+async def test_an_engine_that_is_back_looks_where_the_one_before_did(flight: Flight) -> None:
+    pointing = Held(W.keys, pointer=Pointer(1.0, 0.5))
+    flight.hold(pointing)
+    flight.controls.failure = "the game engine is gone"
+    flight.hold(pointing)
+    flight.controls.failure = ""
+    flight.hold(pointing)
+    assert flight.controls.words == ["look", "drive"] * 2
+
+
 async def test_what_the_engine_does_not_do_is_told_once(flight: Flight) -> None:
     flight.hold()
     flight.controls.failure = "the game engine is gone"
