@@ -19,6 +19,11 @@ describe("PathWatch", () => {
     expect(verdicts([30, 30, 30, 30])).toEqual(["fine", "waiting", "restart", "waiting"]);
   });
 
+  it("asks for none while an engine sends what a thin path carries: a picture every 1.6 s", () => {
+    const seen = verdicts(Array.from({ length: 60 }, (_, second) => 30 + Math.floor(second / 1.6)));
+    expect(new Set(seen)).toEqual(new Set(["fine", "waiting"]));
+  });
+
   it("gives the first frame 10 s", () => {
     const seen = verdicts(Array.from({ length: 11 }, () => 0));
     expect(seen.indexOf("restart")).toBe(10);
