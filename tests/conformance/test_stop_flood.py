@@ -95,6 +95,10 @@ async def scene(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch)
         made.reads.set()
 
 
+QUICK_TO_STOP: Final = pytest.mark.parametrize("scene", [0], indirect=True, ids=["at-once"])
+"""For what is not about how long a stop takes."""
+
+
 async def settled() -> None:
     """Let everything run that can: nobody waits for a clock here."""
     for _ in range(500):
@@ -149,6 +153,7 @@ async def test_a_flood_of_executed_stops(scene: Scene) -> None:
         assert scene.is_connected
 
 
+@QUICK_TO_STOP
 async def test_binding_again_and_again(scene: Scene) -> None:
     async with application(scene.host) as app:
         scene.reads.clear()
@@ -159,6 +164,7 @@ async def test_binding_again_and_again(scene: Scene) -> None:
         assert (await app.ask("openrois.stop_all"))["return_code"] == "OK"
 
 
+@QUICK_TO_STOP
 async def test_binding_and_giving_back_in_turns(scene: Scene) -> None:
     lamp = {"component_ref": "robot/0"}
     ways: tuple[tuple[str, dict[str, str]], ...] = (("rois.command.release", lamp), ("rois.system.disconnect", {}))
