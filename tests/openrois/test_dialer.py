@@ -12,6 +12,7 @@ from websockets.exceptions import InvalidURI
 from openrois.application import EngineHost
 from openrois.dialer import LONGEST_WAIT, serve_parent
 from openrois.engine import Engine
+from tests.support.demo import free_port
 from tests.support.wire import hosted
 
 
@@ -134,9 +135,7 @@ async def test_however_long_there_was_no_gateway_it_is_found_soon(host: EngineHo
         found.set()
         await far.wait_closed()
 
-    async with serve(take, "127.0.0.1", 0) as gone:
-        port = gone.sockets[0].getsockname()[1]
-    now, listening = 0.0, None
+    port, now, listening = free_port(), 0.0, None
 
     async def sleep(seconds: float) -> None:
         nonlocal now, listening

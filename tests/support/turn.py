@@ -13,6 +13,8 @@ from pathlib import Path
 from openrois_signaling.messages import IceServer
 from openrois_signaling.turn import turn_credential
 
+from tests.support.demo import free_port
+
 SECRET = "an example of a secret"
 LISTENS = "127.0.0.1"
 PATIENCE = 10.0
@@ -58,8 +60,8 @@ async def coturn(folder: Path, settings: str = LOOSE, secret: str = SECRET) -> A
         settings: lines of its configuration; by default it relays between loopback addresses, as no real one may.
         secret: what its credentials are made with; empty for none.
     """
-    with socket.create_server((LISTENS, 0)) as probe:
-        port = probe.getsockname()[1]
+    # It listens with TCP and with UDP, and peers take UDP ports all the time.
+    port = free_port()
     program = shutil.which("turnserver")
     assert program is not None
     lines = [settings, f"listening-port={port}", "log-file=stdout", "simple-log"]

@@ -5,7 +5,6 @@ import json
 import os
 import re
 import signal
-import socket
 import sys
 from collections.abc import AsyncIterator, Callable
 from pathlib import Path
@@ -24,6 +23,7 @@ from openrois.profile_xml.parse import MAX_SIZE
 from openrois.profile_xml.write import component_xml, engine_xml
 from openrois.types.profiles import HRIEngineProfile, RoISIdentifier
 from tests.support.certificates import Authority
+from tests.support.demo import free_port
 from tests.support.deployment import gateway, until
 from tests.support.fleet import everything, fleet
 from tests.support.guarded import fresh, guarded
@@ -198,8 +198,7 @@ class TestNoGateway:
         assert process.returncode == 130
 
     async def test_nobody_listens(self, run: Run) -> None:
-        with socket.create_server(("127.0.0.1", 0)) as closed:
-            url = f"ws://127.0.0.1:{closed.getsockname()[1]}/"
+        url = f"ws://127.0.0.1:{free_port()}/"
         status, out, err = await run("export", "--url", url)
         assert (status, out, err.count("\n")) == (1, "", 1)
         assert err.startswith(f"openrois profile: no gateway answers at {url}; `openrois gateway` starts one here (")
