@@ -31,9 +31,9 @@ def run(link: socket.socket) -> None:
     video = {"width": WIDTH, "height": HEIGHT, "fps": FPS, "format": "bgra"}
     hello = {"name": "grey", "version": "1", "video": video, "audio": None, "reactions": ["nod"]}
     link.sendall(message(HELLO, json.dumps({**hello, "secret": os.environ.get("OPENROIS_LINK_SECRET", "")}).encode()))
-    start, unread = time.monotonic(), b""
+    due, unread = time.monotonic(), b""
     for sequence in itertools.count():
-        while select.select([link], [], [], max(0.0, start + sequence / FPS - time.monotonic()))[0]:
+        while select.select([link], [], [], max(0.0, due - time.monotonic()))[0]:
             data = link.recv(65536)
             unread += data
             while len(unread) >= 16 and len(unread) >= (end := 16 + HEADER.unpack_from(unread)[4]):
@@ -47,6 +47,8 @@ def run(link: socket.socket) -> None:
         grey = round(128 + 100 * (sequence / FPS % 1))
         numbers = VIDEO.pack(sequence, time.monotonic_ns(), WIDTH, HEIGHT, 4 * WIDTH, 1, 0, 0)
         link.sendall(message(VIDEO_TYPE, numbers + bytes([grey, grey, grey, 255]) * (WIDTH * HEIGHT)))
+        # What it was too late for is left out.
+        due = max(due + 1 / FPS, time.monotonic())
 
 
 if __name__ == "__main__":

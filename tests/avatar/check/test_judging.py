@@ -1,0 +1,39 @@
+"""What is said of pictures, from their moments alone."""
+
+from openrois_avatar.check.finding import Outcome
+from openrois_avatar.check.judging import pictures
+from openrois_avatar.check.seen import Picture
+
+from tests.support.avatar_link import HELLO
+
+
+def rate(arrivals: list[float], moments: list[float]) -> tuple[Outcome, str]:
+    """What is said of how many there are, when 30 a second were announced."""
+    seen = [
+        Picture(at, claimed, number, (4, 2), "bgra")
+        for number, (at, claimed) in enumerate(zip(arrivals, moments, strict=True))
+    ]
+    (found,) = (each for each in pictures(HELLO, seen, paused=False, opened=0.0) if each.check == "pictures")
+    return found.outcome, found.seen
+
+
+def each(number: float, seconds: float = 2.0) -> list[float]:
+    """So many moments a second."""
+    return [count / number for count in range(round(number * seconds))]
+
+
+def test_too_few_and_too_many() -> None:
+    assert rate(each(30), each(30)) == (Outcome.PASSED, "30.0 a second, 30 announced")
+    assert rate(each(10), each(10)) == (Outcome.FAILED, "10.0 a second, 30 announced")
+    assert rate(each(50), each(50)) == (Outcome.FAILED, "50.0 a second, 30 announced")
+
+
+def test_whoever_looks_late_finds_many_at_once() -> None:
+    assert rate([max(moment, 1.2) for moment in each(30)], each(30)) == (
+        Outcome.PASSED,
+        "30.0 a second, 30 announced",
+    )
+
+
+def test_what_claims_no_moments_is_counted_as_it_comes() -> None:
+    assert rate(each(50), [0.0] * 100)[0] is Outcome.FAILED
