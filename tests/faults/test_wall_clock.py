@@ -14,14 +14,14 @@ from websockets.exceptions import InvalidStatus
 
 from openrois.adapter.running import hosted
 from openrois.authoring.marks import command
-from openrois.component import DEAD_MAN, Component
+from openrois.component import Component
 from openrois.dialer import serve_parent
 from openrois.gateway import applications, server, tenure
 from openrois.gateway.server import run_gateway
 from openrois.gateway.settings import GatewaySettings
 from openrois.leases.model import Rules
 from openrois.tasks import TaskScope
-from tests.support.components import Bell, Lamp
+from tests.support.components import Bell, Lamp, Rover
 from tests.support.ground import Ground, ground, turns
 from tests.support.invariants import Book, Witness, calm
 from tests.support.seeds import SOME
@@ -57,28 +57,6 @@ def test_who_reads_the_wall_clock() -> None:
     assert not [path for path, text in texts.items() if re.search(r"^from time import .*\btime\b", text, re.MULTILINE)]
     readers = {path.relative_to(ROOT).as_posix() for path, text in texts.items() if _READING.search(text)}
     assert {name for name in readers if not name.startswith("openrois/bench/")} == set(FOLLOWS)
-
-
-class Rover(Component, authority="Test", function="actuation"):
-    """Drives until it is stopped, and only while somebody is in control."""
-
-    dead_man = DEAD_MAN
-
-    def __init__(self) -> None:
-        super().__init__("rover")
-        self.driving = asyncio.Event()
-        self.stopped = asyncio.Event()
-
-    @command
-    async def start(self) -> None:
-        """Drive."""
-        self.driving.set()
-        await asyncio.Event().wait()
-
-    @command
-    async def stop(self) -> None:
-        """Stand."""
-        self.stopped.set()
 
 
 class Sloth(Component, authority="Test", function="actuation"):

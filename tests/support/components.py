@@ -4,7 +4,7 @@ import asyncio
 
 from openrois.authoring.marks import command, event, query
 from openrois.authoring.parameters import parameter
-from openrois.component import Component
+from openrois.component import DEAD_MAN, Component
 from openrois.errors import ComponentFailed, TimedOut
 from openrois.types.messages import Result
 
@@ -61,6 +61,34 @@ class Lamp(Component, authority="Test", function="actuation"):
 
     @event
     def switched(self, total: int) -> None: ...
+
+
+class Rover(Component, authority="Test", function="actuation"):
+    """Drives until it is stopped, and only while somebody is in control; its brake can be broken."""
+
+    dead_man = DEAD_MAN
+
+    def __init__(self) -> None:
+        super().__init__("rover")
+        self.driving = asyncio.Event()
+        self.stopped = asyncio.Event()
+        self.fails = False
+
+    @command
+    async def start(self) -> None:
+        self.driving.set()
+        await asyncio.Event().wait()
+
+    @command
+    async def turn(self) -> None:
+        self.driving.set()
+        await asyncio.Event().wait()
+
+    @command
+    async def stop(self) -> None:
+        self.stopped.set()
+        if self.fails:
+            raise ComponentFailed("the brake is broken")
 
 
 class Bell(Component, authority="Test", function="sensing"):

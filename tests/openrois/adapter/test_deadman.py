@@ -13,46 +13,18 @@ from openrois.authoring.marks import command
 from openrois.component import DEAD_MAN, Component
 from openrois.contract import Client
 from openrois.engine import Engine
-from openrois.errors import Aborted, ComponentFailed, Unsupported
+from openrois.errors import Aborted, Unsupported
 from openrois.lifeline import Lifeline
 from openrois.registry import LocalRegistry
 from openrois.tasks import TaskScope
 from openrois.types.streams import HolderNotification
 from tests.support import wire
-from tests.support.components import Lamp
+from tests.support.components import Lamp, Rover
 from tests.support.deployment import patience
 from tests.support.streams import FakeStreams
 
 ROVER = "r/rover"
 COMPLETED = "rois.command.completed"
-
-
-class Rover(Component, authority="Test", function="actuation"):
-    """Drives until it is stopped."""
-
-    dead_man = DEAD_MAN
-
-    def __init__(self) -> None:
-        super().__init__("rover")
-        self.driving = asyncio.Event()
-        self.stopped = asyncio.Event()
-        self.fails = False
-
-    @command
-    async def start(self) -> None:
-        self.driving.set()
-        await asyncio.Event().wait()
-
-    @command
-    async def turn(self) -> None:
-        self.driving.set()
-        await asyncio.Event().wait()
-
-    @command
-    async def stop(self) -> None:
-        self.stopped.set()
-        if self.fails:
-            raise ComponentFailed("the brake is broken")
 
 
 class Winch(Component, authority="Test", function="actuation"):
