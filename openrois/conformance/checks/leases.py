@@ -120,22 +120,27 @@ async def _lease_of_what(stage: Stage) -> None:
 
 @CHECKS("lease-base", *BOTH)
 async def _lease_base(stage: Stage) -> None:
-    """Who has called no method of leases hears nothing of them, whatever others do with what it holds."""
+    """Who neither names leases in its hello nor calls a method of them hears nothing of what others do with them."""
     arm = stage.ref("arm")
     other, base, greeted = await _leasing(stage), await stage.application(), await stage.application()
-    await greeted.granted("openrois.hello", version="1", extensions=["openrois.lease"])
+    await greeted.granted("openrois.hello", version="1", extensions=["rois.stream"])
     for app in (base, greeted):
         await _operating(stage, app, arm, "h")
         asked = (await other.granted(REQUEST, component_ref=arm))["lease"]
         expect("how things stand", (asked["state"], asked["position"]), ("HELD", 1))
-        await app.silent("it has called no method of leases")
+        await app.silent("it has not asked for leases")
         await app.granted(RELEASE, component_ref=arm)
         await _told(other, arm, "MINE")
         await app.refused(BIND, "OUT_OF_RESOURCES", component_ref=arm)
         await stage.probe.finish(arm)
         expect("how the command completed", await app.completed("h"), {"h": "OK"})
-        await app.silent("it has called no method of leases")
+        await app.silent("it has not asked for leases")
         await other.granted(RELEASE, component_ref=arm)
+    named = await stage.application()
+    await named.granted("openrois.hello", version="1", extensions=["openrois.lease"])
+    await named.granted(BIND, component_ref=arm)
+    await other.granted(REQUEST, component_ref=arm)
+    await _asked(named, arm)
 
 
 @CHECKS("lease-hand-over", *BOTH)
