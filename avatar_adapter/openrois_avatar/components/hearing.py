@@ -1,6 +1,5 @@
 """Hearing: what is understood of the operator while the words come, and what was heard last. A component of our own."""
 
-from collections.abc import Callable
 from datetime import UTC, datetime
 
 from openrois_streaming.clock import MediaClock, wall_at
@@ -45,10 +44,9 @@ class Hearing(Sense, components.BasicComponent, authority="OpenRoIS", function="
         self._recognition = recognition
         self._clock = clock
         self._last = LastHeard(text="")
-        self._leave: Callable[[], None] | None = None
         recognition.guessed.add(self._guess)
         recognition.recognized.add(self._tell)
-        self.activity.changed.add(self._work)
+        self.activity.while_working(self._recognition.want)
 
     def condition(self) -> ComponentStatus:
         """READY unless nothing can be recognised now."""
@@ -73,13 +71,6 @@ class Hearing(Sense, components.BasicComponent, authority="OpenRoIS", function="
     async def microphone(self) -> MicrophoneResult:
         """Return what is known of the microphone; speech is known of while somebody listens for it."""
         return MicrophoneResult(channels=self._ear.channels, speaking=self._hears.speaking)
-
-    def _work(self, works: bool) -> None:
-        if self._leave is not None:
-            self._leave()
-            self._leave = None
-        if works:
-            self._leave = self._recognition.want()
 
     def _guess(self, text: str) -> None:
         if self.activity.works:

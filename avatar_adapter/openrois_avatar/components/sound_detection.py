@@ -28,17 +28,12 @@ class SoundDetection(Sense, components.SoundDetection):
         self._ear = ear
         self._clock = clock
         self._presence, self._numbers = Presence(), Numbers()
-        self._leave: Callable[[], None] | None = None
-        self.activity.changed.add(self._work)
+        self.activity.while_working(self._listen)
 
-    def _work(self, works: bool) -> None:
-        if self._leave is not None:
-            self._leave()
-            self._leave = None
-        if works:
-            self._presence = Presence()
-            self._numbers.begin()
-            self._leave = self._ear.listen(self._hear)
+    def _listen(self) -> Callable[[], None]:
+        self._presence = Presence()
+        self._numbers.begin()
+        return self._ear.listen(self._hear)
 
     def _hear(self, sound: RawAudio) -> None:
         number = self._presence.add(sound.samples)

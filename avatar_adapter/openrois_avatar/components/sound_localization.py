@@ -55,17 +55,12 @@ class SoundLocalization(Localizing, components.SoundLocalization):
         self._clock = clock
         self._number = 0
         """Of the sound that is heard, or was last."""
-        self._leave: Callable[[], None] | None = None
         self._begin()
-        self.activity.changed.add(self._work)
+        self.activity.while_working(self._listen)
 
-    def _work(self, works: bool) -> None:
-        if self._leave is not None:
-            self._leave()
-            self._leave = None
-        if works:
-            self._begin()
-            self._leave = self._ear.listen(self._hear)
+    def _listen(self) -> Callable[[], None]:
+        self._begin()
+        return self._ear.listen(self._hear)
 
     def _begin(self) -> None:
         self._presence = Presence()

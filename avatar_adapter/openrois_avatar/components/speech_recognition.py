@@ -1,6 +1,5 @@
 """SpeechRecognition: when the operator speaks, and what is said (component 9)."""
 
-from collections.abc import Callable
 from datetime import UTC, datetime
 from typing import Annotated, Any
 
@@ -45,7 +44,6 @@ class SpeechRecognition(Sense, components.SpeechRecognition):
         self._recognition = recognition
         self._recognizer = recognizer
         self._clock = clock
-        self._leave: Callable[[], None] | None = None
         if not set(self.languages) <= set(recognizer.languages):
             self.languages = recognizer.languages[:1]
         self._works, _ = recognizer.available()
@@ -54,7 +52,7 @@ class SpeechRecognition(Sense, components.SpeechRecognition):
         hearing.speech_ended.add(self._ended)
         recognition.recognized.add(self._tell)
         recognition.failed.add(lambda reason: self.report(ErrorType.COMPONENT_INTERNAL_ERROR, reason))
-        self.activity.changed.add(self._work)
+        self.activity.while_working(self._recognition.want)
 
     def condition(self) -> ComponentStatus:
         """READY where a recogniser is installed and works, else ERROR."""
@@ -80,13 +78,6 @@ class SpeechRecognition(Sense, components.SpeechRecognition):
 
     def _expected(self) -> Expectation:
         return Expectation(tuple(_code(each) for each in self.languages), self.grammar, self.rule)
-
-    def _work(self, works: bool) -> None:
-        if self._leave is not None:
-            self._leave()
-            self._leave = None
-        if works:
-            self._leave = self._recognition.want()
 
     def _moment(self, at: float) -> datetime:
         return datetime.fromtimestamp(wall_at(self._clock, at), UTC)

@@ -1,5 +1,7 @@
 """Whether a sense has to work: RoIS_Common and the subscriptions to its events decide."""
 
+from collections.abc import Callable
+
 from openrois.listeners import Listeners
 
 __all__ = ["Activity"]
@@ -30,6 +32,11 @@ class Activity:
     @property
     def _wanted(self) -> bool:
         return self._started or any(self._subscriptions.values())
+
+    def while_working(self, begin: Callable[[], Callable[[], None]]) -> None:
+        """Call `begin` whenever the sense begins to work, and what that returned when it ends."""
+        ends: list[Callable[[], None]] = []
+        self.changed.add(lambda works: ends.append(begin()) if works else ends.pop()())
 
     def start(self) -> None:
         """Work until `stop`, whoever subscribes."""

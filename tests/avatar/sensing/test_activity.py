@@ -42,3 +42,16 @@ def test_when_it_works(story: list[Callable[[Activity], None]], works: list[bool
         was.append(activity.works)
     assert (was or [activity.works]) == works
     assert told == [now for before, now in zip([False, *was], was, strict=False) if now != before]
+
+
+def test_what_is_begun_is_ended() -> None:
+    activity, told = Activity(), list[str]()
+
+    def begin() -> Callable[[], None]:
+        told.append("begun")
+        return lambda: told.append("ended")
+
+    activity.while_working(begin)
+    for happens in (START, START, STOP, STOP, subscribed(1), SUSPEND):
+        happens(activity)
+    assert told == ["begun", "ended"] * 2
