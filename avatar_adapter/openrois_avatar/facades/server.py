@@ -2,7 +2,6 @@
 
 import asyncio
 import hmac
-import ipaddress
 import logging
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
@@ -11,6 +10,7 @@ from urllib.parse import unquote, urlsplit
 
 from aiohttp import WSCloseCode, WSMsgType, web
 
+from openrois.access.loopback import is_loopback
 from openrois.http_log import HTTP_LOG
 from openrois.rate import RateLimit
 from openrois.tasks import TaskScope
@@ -47,7 +47,7 @@ def facade_address(text: str) -> tuple[str, int]:
     host = host.removeprefix("[").removesuffix("]")
     if not (port.isascii() and port.isdigit() and int(port) < 2**16):
         raise ValueError(f"{text!r} is no address for a game engine: HOST:PORT")
-    if not _is_loopback(host):
+    if not is_loopback(host):
         raise ValueError(f"a game engine is awaited on this machine only: {host!r} is no loopback address")
     return host, int(port)
 
@@ -185,13 +185,6 @@ class StreamerServer:
 
 def _names_loopback(url: str) -> bool:
     try:
-        return _is_loopback(urlsplit(url if "//" in url else f"//{url}").hostname or "")
-    except ValueError:
-        return False
-
-
-def _is_loopback(host: str) -> bool:
-    try:
-        return host == "localhost" or ipaddress.ip_address(host).is_loopback
+        return is_loopback(urlsplit(url if "//" in url else f"//{url}").hostname or "")
     except ValueError:
         return False

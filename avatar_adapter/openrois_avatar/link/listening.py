@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import ipaddress
 import socket
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Final
 
+from openrois.access.loopback import is_loopback
 from openrois_avatar.link.address import Address, TcpAddress, UnixAddress, parse_address
 from openrois_avatar.link.messages import LinkError
 from openrois_avatar.link.private import clear, private_path
@@ -70,9 +70,5 @@ def _address_of(place: Address, listener: socket.socket) -> str:
 
 
 def _check_loopback(host: str) -> None:
-    try:
-        loopback = host == "localhost" or ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        loopback = False
-    if not loopback:
+    if not is_loopback(host):
         raise LinkError(f"the engine link stays on this machine: {host} is not a loopback address")

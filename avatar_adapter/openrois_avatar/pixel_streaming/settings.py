@@ -1,9 +1,10 @@
 """Where and how the avatar is a streamer of Pixel Streaming, and the options that say so. Pure."""
 
 import argparse
-import ipaddress
 from dataclasses import dataclass
 from urllib.parse import urlsplit
+
+from openrois.access.loopback import is_loopback
 
 __all__ = ["PixelStreaming", "add_pixel_streaming_options", "pixel_streaming"]
 
@@ -60,18 +61,9 @@ def pixel_streaming(chosen: argparse.Namespace) -> PixelStreaming | None:
         host = None
     if host is None or parts.scheme not in {"ws", "wss"} or parts.username is not None or parts.fragment:
         raise ValueError(f"--pixel-streaming: {url!r} is no address such as ws://127.0.0.1:8888")
-    if not chosen.pixel_streaming_anywhere and not _is_loopback(host):
+    if not chosen.pixel_streaming_anywhere and not is_loopback(host):
         raise ValueError(
             f"--pixel-streaming: {host} is not this machine, and whoever reaches a signaling server can look:"
             " --pixel-streaming-anywhere allows it"
         )
     return PixelStreaming(url, chosen.pixel_streaming_id or chosen.engine_id, chosen.pixel_streaming_input)
-
-
-def _is_loopback(host: str) -> bool:
-    if host == "localhost":
-        return True
-    try:
-        return ipaddress.ip_address(host).is_loopback
-    except ValueError:
-        return False
