@@ -9,7 +9,7 @@ from openrois.errors import BadParameter
 from openrois.remembered import Remembered
 from openrois.types.messages import Result
 
-__all__ = ["ErrorLog", "error_results"]
+__all__ = ["ErrorLog"]
 
 MAX_ERRORS: Final = 256
 
@@ -28,7 +28,7 @@ class ErrorLog:
 
     def note(self, fault: Fault) -> None:
         """Remember a fault; the oldest of too many is forgotten."""
-        results = error_results(fault)
+        results = _error_results(fault)
         self._told.put(fault.error_id, _Told(fault.component_ref, results), results)
 
     def details(self, error_id: str, sees: Callable[[str], bool] = lambda _component_ref: True) -> tuple[Result, ...]:
@@ -48,7 +48,7 @@ class ErrorLog:
         return told.results
 
 
-def error_results(fault: Fault) -> tuple[Result, ...]:
+def _error_results(fault: Fault) -> tuple[Result, ...]:
     """Return a fault as the results of get_error_detail."""
     return (
         Result(name="component_ref", data_type_ref="RoISIdentifier", value=fault.component_ref),

@@ -32,7 +32,7 @@ from openrois_codegen.ir import (
     Union,
 )
 
-__all__ = ["Reader", "doc_of"]
+__all__ = ["Reader"]
 
 _PLAIN: Final[Mapping[Any, Type]] = {
     bool: Truth(),
@@ -66,14 +66,14 @@ class Reader:
         """
         name = model.__name__
         if name not in self.definitions:
-            self.definitions[name] = Structure(name, doc_of(model), ())  # a profile has profiles of its own kind
+            self.definitions[name] = Structure(name, _doc_of(model), ())  # a profile has profiles of its own kind
             wire_required = _extra(model.model_config).get("required", ())
             said = model.data() if issubclass(model, Payload) else {}
             fields = tuple(
                 self._field(field_name, field, field_name in wire_required, said.get(field_name, Data()))
                 for field_name, field in model.model_fields.items()
             )
-            self.definitions[name] = Structure(name, doc_of(model), fields)
+            self.definitions[name] = Structure(name, _doc_of(model), fields)
             self.sources[name] = model
         return name
 
@@ -122,7 +122,7 @@ class Reader:
             return Named(self.read(annotation))
         if inspect.isclass(annotation) and issubclass(annotation, Enum):
             members = tuple(str(member.value) for member in annotation)
-            return self._define(Enumeration(annotation.__name__, doc_of(annotation), members), annotation)
+            return self._define(Enumeration(annotation.__name__, _doc_of(annotation), members), annotation)
         raise TypeError(f"{annotation!r} is no type of the wire")
 
     def _aliased(self, annotation: Any) -> Type:
@@ -138,7 +138,7 @@ class Reader:
         return Named(definition.name)
 
 
-def doc_of(owner: type) -> str:
+def _doc_of(owner: type) -> str:
     """Return a class's own docstring without indentation."""
     return inspect.cleandoc(owner.__doc__ or "")
 

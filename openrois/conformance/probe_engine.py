@@ -7,7 +7,7 @@ from typing import Any, Final
 from openrois.conformance.probe_profiles import FATES, profile_result, sample
 from openrois.types.profiles import HRIComponentProfile, ParameterProfile
 
-__all__ = ["EXPIRE", "SILENCE", "Answer", "Notices", "ProbeEngine", "values_of"]
+__all__ = ["EXPIRE", "SILENCE", "Answer", "Notices", "ProbeEngine"]
 
 EXPIRE: Final = "2099-01-01T00:00:00+00:00"
 _METHOD_NOT_FOUND: Final = -32601
@@ -32,14 +32,14 @@ _CRASHED: Final = Answer(error=_INTERNAL_ERROR)
 ExtensionAnswers = Callable[[str, dict[str, Any]], Answer | None]
 
 
-def values_of(values: Mapping[str, str], profiles: tuple[ParameterProfile, ...]) -> list[dict[str, str]]:
+def _values_of(values: Mapping[str, str], profiles: tuple[ParameterProfile, ...]) -> list[dict[str, str]]:
     """Return values as Results, Parameters or Arguments stand on the wire, with the types of their profiles."""
     codes = {profile.name: profile.data_type_ref.code for profile in profiles}
     return [{"name": name, "data_type_ref": codes[name], "value": value} for name, value in values.items()]
 
 
 def _samples(profiles: tuple[ParameterProfile, ...]) -> list[dict[str, str]]:
-    return values_of({profile.name: sample(profile.data_type_ref.code) for profile in profiles}, profiles)
+    return _values_of({profile.name: sample(profile.data_type_ref.code) for profile in profiles}, profiles)
 
 
 def _completed(command_id: str, status: str) -> tuple[str, dict[str, Any]]:
@@ -183,7 +183,7 @@ class ProbeEngine:
     def _get_parameter(self, params: dict[str, Any]) -> Answer:
         ref = params["component_ref"]
         values = {name: value for name, value in self._stored[ref].items() if value}
-        return Answer({"return_code": "OK", "parameters": values_of(values, self.profiles[ref].parameter_profiles)})
+        return Answer({"return_code": "OK", "parameters": _values_of(values, self.profiles[ref].parameter_profiles)})
 
     def _get_command_result(self, params: dict[str, Any]) -> Answer:
         return Answer({"return_code": "OK", "results": self._results.get(params["command_id"], [])})

@@ -11,7 +11,7 @@ from openrois.conformance.manifest import Requirement
 from openrois.conformance.suite import Outcome, Verdict
 from openrois.conformance.table import counted
 
-__all__ = ["Report", "Standing", "as_json", "standing_of"]
+__all__ = ["Report", "Standing", "as_json"]
 
 _MARGIN = 9
 _FRAMES = 12
@@ -27,7 +27,7 @@ class Standing(Enum):
     NOT_RUN = "not run"
 
 
-def standing_of(verdicts: Sequence[Verdict]) -> Standing:
+def _standing_of(verdicts: Sequence[Verdict]) -> Standing:
     """Return what the verdicts of its checks mean for a requirement."""
     outcomes = {verdict.outcome for verdict in verdicts}
     if Outcome.FAILED in outcomes:
@@ -62,7 +62,7 @@ class Report:
             verdicts: of its checks.
             column: how wide its id stands.
         """
-        standing = standing_of(verdicts)
+        standing = _standing_of(verdicts)
         self.counts[standing] += 1
         head = f"{standing.value:{_MARGIN}}{requirement.id:{column}}  "
         yield from self._wrapped(f"{head}{requirement.text}", " " * len(head))
@@ -117,7 +117,7 @@ def as_json(requirements: Sequence[Requirement], verdicts: Mapping[str, Verdict]
             "text": requirement.text,
             "clause": requirement.clause,
             "level": requirement.level,
-            "standing": standing_of([verdicts[check] for check in requirement.checks]).value,
+            "standing": _standing_of([verdicts[check] for check in requirement.checks]).value,
             "checks": [_verdict(verdicts[check]) for check in requirement.checks],
         }
         for requirement in requirements

@@ -20,8 +20,8 @@ from openrois import correlation
 from openrois.jsonrpc import protocol
 from openrois.jsonrpc.calls import Calls, RpcError, SessionClosed
 from openrois.jsonrpc.fairness import take_fairly
-from openrois.jsonrpc.handler import MAX_PROBLEMS, Handler, InvalidParams, NotificationHandler, Reply, method
-from openrois.jsonrpc.intake import MAX_RUNNING_REQUESTS, Intake, IntakeRules
+from openrois.jsonrpc.handler import Handler, InvalidParams, NotificationHandler, Reply, method
+from openrois.jsonrpc.intake import Intake, IntakeRules
 from openrois.jsonrpc.latencies import Latencies
 from openrois.jsonrpc.outbox import Outbox, OutboxOverflow
 from openrois.jsonrpc.protocol import Peer, RequestId
@@ -31,8 +31,6 @@ from openrois.loop_lag import STOOD_STILL
 from openrois.transport.stream import MessageStream, StreamClosed
 
 __all__ = [
-    "MAX_PROBLEMS",
-    "MAX_RUNNING_REQUESTS",
     "Handler",
     "InvalidParams",
     "NotificationHandler",

@@ -22,9 +22,9 @@ from openrois.types.profiles import (
 from openrois.types.references import engine_of, flaw_of_name
 from openrois.types.values import check_value
 
-__all__ = ["ENGINE_DOCUMENT", "Profiles", "assemble", "doubts", "write_documents"]
+__all__ = ["Profiles", "assemble", "doubts", "write_documents"]
 
-ENGINE_DOCUMENT: Final = "engine.xml"
+_ENGINE_DOCUMENT: Final = "engine.xml"
 _MAX_NAME: Final = 200
 
 _Message: TypeAlias = CommandMessageProfile | QueryMessageProfile | EventMessageProfile
@@ -52,7 +52,7 @@ def write_documents(engine: HRIEngineProfile, components: Mapping[str, HRICompon
     Raises:
         ValueError: a text has what XML cannot carry, or an id stands twice.
     """
-    documents = {ENGINE_DOCUMENT: engine_xml(engine)}
+    documents = {_ENGINE_DOCUMENT: engine_xml(engine)}
     for number, (component_ref, profile) in enumerate(components.items(), 1):
         xml_id = write_id(component_ref)
         name = xml_id if len(xml_id) <= _MAX_NAME else f"{xml_id[:_MAX_NAME]}-{number}"

@@ -3,14 +3,13 @@
 import json
 import math
 import re
-from collections.abc import Sequence
 from contextlib import suppress
 from datetime import UTC, datetime
 from typing import Any, Final
 
 from openrois.types.codes import ComponentStatus, StreamStatus
 
-__all__ = ["check_value", "date_time", "decode_value", "encode_list", "encode_value", "read_date_time"]
+__all__ = ["check_value", "date_time", "decode_value", "encode_value", "read_date_time"]
 
 MAX_DIGITS: Final = 20
 """Digits of an integer."""
@@ -86,11 +85,6 @@ def _fits_item(code: str, item: Any) -> bool:
     if code in _NUMBERS:
         return (isinstance(item, float) and math.isfinite(item)) or _fits_item("int", item)
     return isinstance(item, str) and _fits_scalar(code, item)
-
-
-def encode_list(items: Sequence[str]) -> str:
-    """Write a `string[]` or `RoISIdentifier[]` value."""
-    return json.dumps(list(items), ensure_ascii=False)
 
 
 def date_time(epoch_seconds: float) -> str:

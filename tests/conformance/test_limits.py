@@ -35,7 +35,7 @@ from openrois.gateway import adapters, applications, frames, places, reloading, 
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import ADAPTER, APPLICATION
 from openrois.interfaces import command, crowding, stream
-from openrois.jsonrpc import calls, intake, outbox, session
+from openrois.jsonrpc import calls, handler, intake, outbox, session
 from openrois.registry import LocalRegistry
 from openrois.transport import websocket
 from openrois.types import access, messages, reasons, references, streams, values
@@ -170,7 +170,7 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
         ),
     ),
     "problems that one -32602 lists": (
-        (session.MAX_PROBLEMS,),
+        (handler.MAX_PROBLEMS,),
         ("tests/conformance/test_envelope.py::test_a_refusal_is_small_however_much_is_wrong", f"{HERE}::test_problems"),
     ),
     "commands of one application, running / finished and remembered": (
@@ -601,8 +601,8 @@ class TestConnections:
 
     async def test_problems(self, app: wire.Application) -> None:
         with pytest.raises(session.RpcError) as refused:
-            await app.ask("rois.system.connect", **{str(number): 1 for number in range(session.MAX_PROBLEMS + 1)})
-        assert len(refused.value.data) == session.MAX_PROBLEMS
+            await app.ask("rois.system.connect", **{str(number): 1 for number in range(handler.MAX_PROBLEMS + 1)})
+        assert len(refused.value.data) == handler.MAX_PROBLEMS
 
     async def test_lists_of_extensions(self, app: wire.Application) -> None:
         answer = await app.ask("openrois.hello", version="1", extensions=["x"] * streams.MAX_EXTENSIONS)

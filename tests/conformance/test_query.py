@@ -3,7 +3,7 @@
 import pytest
 
 from openrois.gateway.server import Gateway
-from openrois.jsonrpc.session import MAX_RUNNING_REQUESTS
+from openrois.jsonrpc.intake import MAX_RUNNING_REQUESTS
 from openrois.registry import MAX_QUERIES
 from openrois.types.codes import ComponentStatus
 from tests.support import deployment

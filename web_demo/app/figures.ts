@@ -82,7 +82,7 @@ export class FiguresPanel {
   }
 }
 
-export function latencyTitle(clock: ClockOffset | null): string {
+function latencyTitle(clock: ClockOffset | null): string {
   if (clock === null) return "Unknown: the avatar's clock has not been read";
   return `From the camera to this screen, read from the stamp in the picture; exact to ${formatNumber(clock.uncertainty + 1, 0)} ms`;
 }

@@ -10,7 +10,7 @@ from openrois_avatar.vision.box import Face
 from openrois_avatar.vision.gallery import Likeness
 from openrois_avatar.vision.view import View, upright
 
-__all__ = ["PatternRecognizer", "likeness_of"]
+__all__ = ["PatternRecognizer"]
 
 _SIDE: Final = 96
 """Pixels of the face that is compared."""
@@ -54,10 +54,10 @@ class PatternRecognizer:
         if size < _SMALLEST:
             return None
         patch, _matrix = upright(view.grey, face, _SIDE / size, _SIDE)
-        return likeness_of(patch)
+        return _likeness_of(patch)
 
 
-def likeness_of(patch: NDArray[np.uint8]) -> Likeness:
+def _likeness_of(patch: NDArray[np.uint8]) -> Likeness:
     """Return the vector, of length 1, of a square grey picture that a face fills."""
     # The corners of the box show hair and what is behind.
     inner = cv2.GaussianBlur(patch, (0, 0), 1.2)[_SIDE // 16 :, _SIDE // 8 : -_SIDE // 8].astype(np.int16)

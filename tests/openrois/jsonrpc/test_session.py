@@ -8,10 +8,10 @@ from typing import Any
 import pytest
 from pydantic import BaseModel
 
+from openrois.jsonrpc.handler import MAX_PROBLEMS
+from openrois.jsonrpc.intake import MAX_RUNNING_REQUESTS
 from openrois.jsonrpc.outbox import Outbox
 from openrois.jsonrpc.session import (
-    MAX_PROBLEMS,
-    MAX_RUNNING_REQUESTS,
     InvalidParams,
     Reply,
     RpcSession,

@@ -13,7 +13,7 @@ import { gist } from "./results_view.ts";
 import { refusal } from "./sentences.ts";
 
 /** How many events of one kind are kept. */
-export const EVENTS_KEPT = 100;
+const EVENTS_KEPT = 100;
 
 interface Heard {
   readonly event: RoISEvent;

@@ -22,8 +22,8 @@ export type Verdict =
  * pair disconnected after seconds of silence, and an engine gives up a receiver that is silent for four.
  */
 export const FIRST_FRAME_WITHIN = 10_000;
-export const SILENCE_LIMIT = 2_000;
-export const DISCONNECTED_LIMIT = 1_000;
+const SILENCE_LIMIT = 2_000;
+const DISCONNECTED_LIMIT = 1_000;
 const LATE_AFTER = 1_000;
 const FIRST_PATIENCE = 5_000;
 const MAX_PATIENCE = 30_000;
