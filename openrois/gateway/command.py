@@ -9,6 +9,7 @@ import resource
 import signal
 import sys
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Final
 
 import uvloop
@@ -65,7 +66,10 @@ def main(arguments: Sequence[str]) -> int:
 def _cannot_start(error: OSError, settings: GatewaySettings) -> str:
     where = f"{settings.host}:{settings.port}"
     if error.filename:
-        return f"{error.filename}: {error.strerror}"
+        why = error.strerror
+        if error.errno == errno.ENOENT:
+            why = f"there is no folder {Path(error.filename).parent}"
+        return f"{error.filename} cannot be written: {why}"
     if error.errno == errno.EADDRINUSE:
         return f"{where} is taken; is a gateway running already? Another port: --port"
     return f"nobody can listen at {where}: {error.strerror or error}"

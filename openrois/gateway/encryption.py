@@ -1,24 +1,37 @@
 """TLS of the gateway's port: at least 1.2, with a certificate that may change while connections go on."""
 
+import logging
 import ssl
+from collections.abc import Callable
 from pathlib import Path
 
+from cryptography import x509
+
 __all__ = ["Certificate"]
+
+_log = logging.getLogger(__name__)
 
 
 class Certificate:
     """A certificate and its key, and the context of every connection that is made with them.
 
+    Args:
+        cert: the file of the certificate, with its chain.
+        key: the file of its key.
+        clock: epoch seconds.
+
     Attributes:
         context: what the server accepts connections with; those that are open keep what they have.
+        ends: epoch seconds; whoever connects later does not trust it.
 
     Raises:
         ValueError: they cannot be used.
     """
 
-    def __init__(self, cert: Path, key: Path) -> None:
+    def __init__(self, cert: Path, key: Path, clock: Callable[[], float]) -> None:
         self._cert = cert
         self._key = key
+        self._clock = clock
         self.context = _context()
         self.load()
 
@@ -37,6 +50,10 @@ class Certificate:
                 raise ValueError(f"{self._cert} and {self._key} cannot be used: {reason}") from None
             except OSError as error:
                 raise ValueError(f"{self._cert} and {self._key} cannot be read: {error.strerror}") from None
+        end = x509.load_pem_x509_certificate(self._cert.read_bytes()).not_valid_after_utc
+        self.ends = end.timestamp()
+        if self.ends <= self._clock():
+            _log.warning("the certificate %s ended on %s: clients do not trust it any more", self._cert, end.date())
 
 
 def _context() -> ssl.SSLContext:

@@ -75,7 +75,7 @@ class Entrance:
             verifier = TokenVerifier(_keys(settings, reloader, tasks), rules, clock, revoked.covers)
         certificate = None
         if settings.tls_cert is not None and settings.tls_key is not None:
-            certificate = Certificate(settings.tls_cert, settings.tls_key)
+            certificate = Certificate(settings.tls_cert, settings.tls_key, clock)
             reloader.add((settings.tls_cert, settings.tls_key), certificate.load, "the certificate")
         tenures = Tenures(clock, revoked.covers, audit, tasks)
         tasks.start(reloader.run())

@@ -12,7 +12,9 @@ from prometheus_client.core import HistogramMetricFamily, Metric
 from openrois.access.jwks import KeySetCache
 from openrois.access.keys import KeySource
 from openrois.application import EngineHost
+from openrois.gateway.encryption import Certificate
 from openrois.gateway.places import MAX_ADAPTERS, MAX_APPLICATIONS, Places
+from openrois.gateway.reloading import Reloader
 from openrois.heads import Heads
 from openrois.jsonrpc.latencies import BOUNDS, Latencies
 from openrois.loop_lag import LoopLag
@@ -22,7 +24,7 @@ from openrois.traffic import Seen
 
 __all__ = ["FIGURES", "HISTOGRAMS", "LABELLED", "Sources", "figures"]
 
-_CODES: Final = frozenset({*range(1000, 1016), 4401})
+_CODES: Final = frozenset({*range(1000, 1016), 4401, 4409})
 KINDS: Final = ("application", "adapter")
 
 CONNECTION: Final[tuple[Figure[Seen], ...]] = (
@@ -233,6 +235,25 @@ KEYS: Final[tuple[Figure[KeySetCache], ...]] = (
 )
 """Where keys come from an issuer."""
 
+FILES: Final[tuple[Figure[Reloader], ...]] = (
+    Figure(
+        "openrois_gateway_unusable_files_total",
+        "counter",
+        "Keys, certificates and lists that had changed and could not be used.",
+        lambda reloader: reloader.failures,
+    ),
+)
+
+CERTIFICATE: Final[tuple[Figure[Certificate], ...]] = (
+    Figure(
+        "openrois_gateway_certificate_end_seconds",
+        "gauge",
+        "When the certificate ends, in seconds since 1970.",
+        lambda certificate: certificate.ends,
+    ),
+)
+"""Where the gateway does TLS."""
+
 LIMITS: Final[tuple[Figure[int], ...]] = (
     Figure("openrois_gateway_connections_limit", "gauge", "Connections that there may be, of each kind.", float),
 )
@@ -258,10 +279,10 @@ ADAPTER: Final[tuple[Figure[int], ...]] = (
 )
 """With the label `engine`."""
 
-LABELLED: Final[tuple[Figure[Any], ...]] = (*KEYS, *TURNED_AWAY, *LEASES_ENDED, *CLOSED, *ADAPTER)
+LABELLED: Final[tuple[Figure[Any], ...]] = (*KEYS, *CERTIFICATE, *TURNED_AWAY, *LEASES_ENDED, *CLOSED, *ADAPTER)
 """Each has as many samples as there are values of its label; at first none."""
 
-FIGURES: Final[tuple[Figure[Any], ...]] = (*CONNECTION, *GATEWAY, *LAG, *HEADS, *PLACES, *LIMITS, *LABELLED)
+FIGURES: Final[tuple[Figure[Any], ...]] = (*CONNECTION, *GATEWAY, *LAG, *HEADS, *PLACES, *FILES, *LIMITS, *LABELLED)
 
 HISTOGRAMS: Final = {
     "openrois_gateway_request_seconds": "Time from a request of an application to its reply, by method.",
@@ -279,6 +300,8 @@ class Sources:
         heads: connections that have not said what they want.
         places: who is let in next.
         keys: where keys for tokens come from; None where nobody needs a token.
+        reloader: reads again what has changed.
+        certificate: what TLS is done with; None for none.
     """
 
     host: EngineHost
@@ -286,6 +309,8 @@ class Sources:
     heads: Heads
     places: Places
     keys: KeySource | None
+    reloader: Reloader
+    certificate: Certificate | None
 
 
 async def figures(sources: Sources, accept: str) -> tuple[bytes, str]:
@@ -302,6 +327,8 @@ def _families(sources: Sources) -> Iterator[Metric]:
     yield from families(HEADS, (), [((), sources.heads)])
     yield from families(PLACES, (), [((), sources.places)])
     yield from families(KEYS, (), [((), sources.keys)] if isinstance(sources.keys, KeySetCache) else [])
+    yield from families(FILES, (), [((), sources.reloader)])
+    yield from families(CERTIFICATE, (), [((), sources.certificate)] if sources.certificate is not None else [])
     limits = [((kind,), limit) for kind, limit in zip(KINDS, (MAX_APPLICATIONS, MAX_ADAPTERS), strict=True)]
     yield from families(LIMITS, ("kind",), limits)
     yield from families(TURNED_AWAY, ("reason",), [((why,), count) for why, count in traffic.turned_away.items()])

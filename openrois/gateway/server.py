@@ -157,7 +157,8 @@ async def run_gateway(
         metrics = ""
         if settings.metrics is not None:
             keys = None if verifier is None else verifier.keys
-            look = partial(figures, Sources(host, lag, heads, places, keys))
+            sources = Sources(host, lag, heads, places, keys, entrance.reloader, entrance.certificate)
+            look = partial(figures, sources)
             serving = serving_metrics(
                 *metrics_address(settings.metrics), look, settings.metrics_token, host.traffic.turn_away
             )

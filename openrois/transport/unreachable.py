@@ -10,6 +10,8 @@ from openrois.transport.websocket import refusal
 __all__ = ["unreachable"]
 
 _UNAUTHORIZED: Final = 401
+_WHOEVER_SIGNED_IT: Final = frozenset({9, 10, 62, 64})
+"""OpenSSL's codes of certificates that no authority makes good: of another time, or for another name or address."""
 
 
 def unreachable(url: str, error: Exception, *, remedies: tuple[str, str]) -> str:
@@ -29,7 +31,8 @@ def unreachable(url: str, error: Exception, *, remedies: tuple[str, str]) -> str
             encrypted = " (or one with TLS: wss://)" if url.startswith("ws:") else ""
             return f"what answers at {url} is no gateway{encrypted}: {error}"
         case ssl.SSLCertVerificationError():
-            return f"no gateway is reached at {url}: {refusal(error)} ({by_authority})"
+            remedy = "" if error.verify_code in _WHOEVER_SIGNED_IT else f" ({by_authority})"
+            return f"no gateway is reached at {url}: {refusal(error)}{remedy}"
         case ssl.SSLError():
             return f"no TLS is spoken at {url}; without it the address begins with ws:// ({error.reason or error})"
         case TimeoutError():

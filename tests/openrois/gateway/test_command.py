@@ -72,6 +72,13 @@ def test_a_journal_that_cannot_be_used_is_one_line(tmp_path: Path, capfd: pytest
     assert shown.err.endswith("diary is no journal of a gateway; name another file, or move it away\n")
 
 
+def test_a_file_whose_folder_is_not_there_is_one_line(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "nowhere" / "trail"
+    assert command.main(["--port", "0", "--audit-file", str(file)]) == 1
+    said = f"openrois gateway: {file} cannot be written: there is no folder {file.parent}\n"
+    assert capfd.readouterr() == ("", said)
+
+
 def test_the_secret_of_a_turn_server_is_read_from_a_file(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:

@@ -3,6 +3,7 @@
 import asyncio
 import socket
 import ssl
+import time
 import warnings
 from pathlib import Path
 
@@ -118,9 +119,19 @@ def test_what_is_no_certificate(tmp_path: Path) -> None:
     authority = Authority(tmp_path)
     cert, key = authority.issue()
     with pytest.raises(ValueError, match="cannot be read: No such file"):
-        Certificate(tmp_path / "nothing", key)
+        Certificate(tmp_path / "nothing", key, time.time)
     with pytest.raises(ValueError, match="cannot be used"):
-        Certificate(key, cert)
+        Certificate(key, cert, time.time)
     authority.issue(password=b"canary-password")
     with pytest.raises(ValueError, match="locked with a password"):
-        Certificate(cert, key)
+        Certificate(cert, key, time.time)
+
+
+def test_one_that_has_ended_is_used_and_said_to_have(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    cert, key = Authority(tmp_path).issue()
+    end = Certificate(cert, key, time.time).ends
+    assert end > time.time()
+    assert not caplog.messages
+    assert Certificate(cert, key, lambda: end).ends == end
+    (said,) = caplog.messages
+    assert said.startswith(f"the certificate {cert} ended on ")

@@ -1,6 +1,7 @@
 """The gateway's figures: what happened is in them, and the table for operators lists them all."""
 
 import asyncio
+import time
 from collections.abc import AsyncIterator
 from pathlib import Path
 
@@ -10,11 +11,14 @@ from prometheus_client import Metric
 from prometheus_client.parser import text_string_to_metric_families
 
 from openrois.gateway import metrics
+from openrois.gateway.encryption import Certificate
 from openrois.gateway.metrics import FIGURES, HISTOGRAMS
 from openrois.gateway.places import MAX_ADAPTERS, MAX_APPLICATIONS
 from openrois.gateway.server import Gateway
 from tests.support import deployment
+from tests.support.certificates import Authority
 from tests.support.deployment import Robot
+from tests.support.guarded import guarded
 
 Samples = dict[tuple[str, ...], float]
 
@@ -90,8 +94,19 @@ async def test_keys_of_an_issuer_are_fetched(tmp_path: Path) -> None:
         assert found["openrois_gateway_key_fetches_total"] == {(): 1}
 
 
+async def test_when_the_certificate_ends_and_what_was_unusable(tmp_path: Path) -> None:
+    cert, key = Authority(tmp_path).issue()
+    async with guarded(tmp_path, tls_cert=cert, tls_key=key, metrics="0") as coming:
+        end = Certificate(cert, key, time.time).ends
+        assert (await scraped(coming.gateway))["openrois_gateway_certificate_end_seconds"] == {(): end}
+        cert.write_text("none")
+        coming.gateway.reload()
+        assert (await scraped(coming.gateway))["openrois_gateway_unusable_files_total"] == {(): 1}
+
+
 def test_codes_that_nobody_knows_are_one() -> None:
-    assert list(metrics._codes({1000: 2, 4401: 1, 4999: 3, 3000: 1})) == [("1000", 2), ("4401", 1), ("other", 4)]
+    codes = metrics._codes({1000: 2, 4401: 1, 4409: 5, 4999: 3, 3000: 1})
+    assert list(codes) == [("1000", 2), ("4401", 1), ("4409", 5), ("other", 4)]
     assert list(metrics._codes({})) == []
 
 

@@ -84,6 +84,17 @@ async def test_a_certificate_of_somebody_unknown(tmp_path: Path) -> None:
     assert said.endswith("its certificate is not trusted: unable to get local issuer certificate (ask a notary)")
 
 
+async def test_a_certificate_for_another_name(tmp_path: Path) -> None:
+    authority = Authority(tmp_path)
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    context.load_cert_chain(*authority.issue())
+    async with serve(hold, "127.0.0.2", 0, ssl=context) as server:
+        url = address(server, "wss").replace("127.0.0.1", "127.0.0.2")
+        said = await said_of(url, Credentials(ca_file=authority.file))
+    assert said.startswith(f"no gateway is reached at {url}: its certificate is not trusted: IP address mismatch")
+    assert "notary" not in said
+
+
 async def test_what_is_to_be_shown_cannot_be_had(tmp_path: Path) -> None:
     said = await said_of("ws://127.0.0.1:9/", Credentials.of_files(tmp_path / "token", None))
     assert said.startswith("ws://127.0.0.1:9/ is not dialled: the token cannot be read from ")
