@@ -33,6 +33,15 @@ from tests.support.streaming import FedSource, VirtualClock, settle
 PERSON, FACE = "urn:x-rois:def:person:OpenRoIS::avatar", "urn:x-rois:def:face:OpenRoIS::avatar"
 NOD, TILT, SHAKE = (f"urn:x-rois:def:gesture:OMG::{number}" for number in (1, 2, 3))
 LOOK = np.ones(3, np.float32)
+EVENTS = (
+    ("PersonDetection", "person_detected"),
+    ("PersonLocalization", "person_localized"),
+    ("PersonIdentification", "person_identified"),
+    ("FaceDetection", "face_detected"),
+    ("FaceLocalization", "face_localized"),
+    ("GestureRecognition", "gesture_recognized"),
+    ("Sight", "seen"),
+)
 
 
 @pytest.fixture
@@ -60,13 +69,32 @@ async def test_the_moment_is_that_of_the_picture(stage: CameraStage) -> None:
     assert "2027-01-15T08:00:00.1" in said[0]
 
 
-async def test_who_listens_later_hears_what_there_is(stage: CameraStage) -> None:
-    first = await stage.listen("FaceDetection", "face_detected")
-    stage.see(somebody())
+@pytest.mark.parametrize(("component", "event"), EVENTS)
+async def test_who_listens_later_hears_what_there_is(stage: CameraStage, component: str, event: str) -> None:
+    ann = somebody(name="Ann", gesture=NOD)
+    first = await stage.listen(component, event)
+    (told,) = stage.see(ann)
     await stage.registry.unsubscribe(first)
-    assert stage.see(somebody()) == []
-    await stage.listen("FaceDetection", "face_detected")
-    assert stage.see(somebody()) == [{"number": 1}]
+    assert stage.see(ann) == []
+    await stage.listen(component, event)
+    assert stage.see(ann) == [told]
+
+
+@pytest.mark.parametrize(("component", "event"), EVENTS)
+async def test_pictures_are_decoded_while_somebody_listens(stage: CameraStage, component: str, event: str) -> None:
+    source: FedSource[RawVideo] = FedSource()
+    stage.camera.inlet.plug("s", source)
+    running = asyncio.ensure_future(stage.senses.run())
+    await settle()
+    assert not source.is_open
+    subscription = await stage.listen(component, event)
+    await settle()
+    assert source.is_open
+    await stage.registry.unsubscribe(subscription)
+    await settle()
+    assert not source.is_open
+    running.cancel()
+    await asyncio.wait({running})
 
 
 @pytest.mark.parametrize(("pause", "go_on"), [("suspend", "resume"), ("stop", "start")])
