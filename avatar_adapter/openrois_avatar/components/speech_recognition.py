@@ -44,6 +44,8 @@ class SpeechRecognition(Sense, components.SpeechRecognition):
         self._recognition = recognition
         self._recognizer = recognizer
         self._clock = clock
+        self._has_begun = False
+        """Whether a beginning was told whose end was not."""
         if not set(self.languages) <= set(recognizer.languages):
             self.languages = recognizer.languages[:1]
         self._works, _ = recognizer.available()
@@ -84,10 +86,12 @@ class SpeechRecognition(Sense, components.SpeechRecognition):
 
     def _began(self, at: float) -> None:
         if self.activity.works:
+            self._has_begun = True
             self.speech_input_started(self._moment(at))
 
     def _ended(self, at: float) -> None:
-        if self.activity.works:
+        if self._has_begun:
+            self._has_begun = False
             self.speech_input_finished(self._moment(at))
 
     def _tell(self, candidates: tuple[str, ...], at: float) -> None:

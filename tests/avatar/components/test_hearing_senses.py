@@ -163,6 +163,19 @@ class TestSpeechRecognition:
         assert room.told("speech_recognized", "recognized_text") == ['["hello", "hollow"]'] * 2
         assert room.told("speech_input_started", "timestamp")[0].startswith("2027-01-15T08:00:00.7")
 
+    @pytest.mark.parametrize("others", [False, True])
+    async def test_what_has_begun_ends_also_when_it_is_suspended(self, room: Room, others: bool) -> None:
+        for event in ("speech_input_started", "speech_input_finished"):
+            await room.subscribe("SpeechRecognition", event)
+        if others:
+            await room.do("Hearing", "start")
+        await room.say(np.concatenate([SILENCE, VOICE]))
+        await room.do("SpeechRecognition", "suspend")
+        await room.say(np.concatenate([SILENCE, VOICE, SILENCE]))
+        await room.do("SpeechRecognition", "resume")
+        await room.say(SILENCE)
+        assert [event.event_type for event in room.events] == ["speech_input_started", "speech_input_finished"]
+
     async def test_what_is_no_speech_is_not_told(self, room: Room) -> None:
         for event in ("speech_input_started", "speech_recognized"):
             await room.subscribe("SpeechRecognition", event)
