@@ -27,7 +27,7 @@ class Authentication(SettingsGroup):
     auth_jwks_file: Path | None = setting(None, "holds the issuer's JSON Web Key Set", metavar="FILE")
     auth_issuer: str = setting("", "what the claim iss of every token has to be", metavar="TEXT")
     auth_audience: str = setting("", "what the claim aud of every token has to name", metavar="TEXT")
-    auth_max_lifetime: float = setting(MAX_LIFETIME, "how long a token may last", metavar="SECONDS")
+    auth_max_lifetime: float = setting(MAX_LIFETIME, "seconds that a token may last", metavar="SECONDS")
     auth_revocations: Path | None = setting(
         None, "lists who is not let in any more: lines `sub NAME` and `jti ID`", metavar="FILE"
     )

@@ -51,7 +51,7 @@ class Streams(SettingsGroup):
     ice_servers: tuple[str, ...] = setting((), "a STUN server for streams, stun:HOST:PORT", metavar="URL")
     turn: tuple[str, ...] = setting((), "a TURN server for streams, turn:HOST:PORT or turns:HOST:PORT", metavar="URL")
     turn_secret: str = setting("", "what the TURN server's credentials are made with", secret=True)
-    turn_ttl: int = setting(600, "how long each credential for the TURN server holds", metavar="SECONDS")
+    turn_ttl: int = setting(600, "seconds that each credential for the TURN server holds", metavar="SECONDS")
 
     @model_validator(mode="after")
     def _check_streams(self) -> Self:
@@ -75,7 +75,7 @@ class Adapters(SettingsGroup):
 
     table: ClassVar[str] = "adapters"
 
-    adapter_timeout: float = setting(CALL_TIMEOUT, "how long an adapter has for each answer", metavar="SECONDS")
+    adapter_timeout: float = setting(CALL_TIMEOUT, "seconds that an adapter has for each answer", metavar="SECONDS")
 
     @model_validator(mode="after")
     def _check_adapters(self) -> Self:
@@ -90,10 +90,10 @@ class Leases(SettingsGroup):
     table: ClassVar[str] = "leases"
 
     lease_grace: float = setting(
-        GRACE, "how long a lease survives a lost connection, 0 for not at all", metavar="SECONDS"
+        GRACE, "seconds that a lease survives a lost connection, 0 for not at all", metavar="SECONDS"
     )
     lease_answer: float = setting(
-        PATIENCE, "how long a holder has to answer who asks for its component", metavar="SECONDS"
+        PATIENCE, "seconds that a holder has to answer who asks for its component", metavar="SECONDS"
     )
 
     @model_validator(mode="after")
@@ -115,7 +115,9 @@ class Operation(SettingsGroup):
     log_file: Path | None = setting(None, "append log lines instead of writing them to standard error", metavar="FILE")
     metrics: str | None = setting(None, "serve figures for Prometheus there, at /metrics", metavar="HOST:PORT")
     metrics_token: str = setting("", "what whoever reads the figures shows as a bearer token", secret=True)
-    drain: float = setting(20.0, "how long what runs has to end when the gateway is told to stop", metavar="SECONDS")
+    drain: float = setting(
+        20.0, "seconds that what runs has to end when the gateway is told to stop", metavar="SECONDS"
+    )
     journal: Path | None = setting(None, "keep what runs, for whoever asks after a restart", metavar="FILE")
     audit_file: Path | None = setting(None, "append who did what and what was refused, as JSON lines", metavar="FILE")
 

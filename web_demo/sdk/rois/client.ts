@@ -100,7 +100,10 @@ export class Client extends Link {
    */
   async find<Component>(type: ComponentClass<Component>, condition = ""): Promise<Component> {
     const [component] = await this.findAll(type, condition);
-    if (component === undefined) throw new RoISError("UNSUPPORTED", `find ${type.componentType}`);
+    if (component === undefined) {
+      const reason = `there is none${condition && ` where ${condition}`}`;
+      throw new RoISError("UNSUPPORTED", `find ${type.componentType}`, "", reason);
+    }
     return component;
   }
 

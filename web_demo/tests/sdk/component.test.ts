@@ -65,7 +65,10 @@ describe("finding", () => {
   });
 
   it("throws where there is none", async () => {
-    await expect(client.find(Navigation)).rejects.toMatchObject({ returnCode: "UNSUPPORTED" });
+    await expect(client.find(Navigation)).rejects.toMatchObject({
+      returnCode: "UNSUPPORTED",
+      reason: "there is none",
+    });
     await expect(client.findAll(Navigation)).resolves.toEqual([]);
   });
 });
