@@ -176,6 +176,9 @@ class Watch:
             await self._clock.sleep_until(max(self._looked_at, self._clock.now()) + BLIND)
             if self._clock.now() - self._looked_at >= BLIND:
                 self._see_nobody()
+                if self._looking is None:
+                    # What failed is not there any more.
+                    self.failure = ""
 
     def _see_nobody(self) -> None:
         if self._last.persons:

@@ -174,11 +174,11 @@ class PathBudget:
         return min(self.budget, self._sent.rate(now))
 
     def _overdrawn(self, now: float) -> bool:
-        """Whether more is sent than the receiver's estimate, and for a while that has not risen."""
+        """Whether more is sent than the receiver's estimate, which has had time to rise and has not."""
         return (
             self._remb is not None
             and self._remb < _BACKED_OFF * self._carried(now)
-            and now - max(self._rose_at, self._lowered_at) > _PATIENCE
+            and now - max(self._rose_at, self._lowered_at, self._raised_at) > _PATIENCE
         )
 
     def _complained(self, bitrate: float, now: float) -> None:

@@ -179,6 +179,24 @@ async def test_what_a_backend_raises_is_told_and_tried_again(stage: Stage, caplo
     assert stage.watch.failure == ""
 
 
+async def test_what_a_backend_raised_is_over_with_the_pictures_of_that_camera(stage: Stage) -> None:
+    stage.camera.inlet.plug("s", stage.source)
+    stage.activity.start()
+    await settle()
+    await stage.until_somebody()
+
+    def fail() -> None:
+        raise ArithmeticError("a bug")
+
+    stage.finder.does = fail
+    await stage.look()
+    stage.camera.inlet.unplug("s")
+    await settle()
+    assert "a bug" in stage.watch.failure
+    await stage.clock.advance(2 * BLIND)
+    assert stage.watch.failure == ""
+
+
 async def test_a_backend_that_does_not_return_is_given_up(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("openrois_avatar.vision.watch.PATIENCE", 0.01)
     ends = asyncio.Event()

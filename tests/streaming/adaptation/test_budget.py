@@ -238,6 +238,18 @@ def test_an_estimate_that_stays_below_what_is_sent_is_believed_in_the_end() -> N
     assert path.budget.budget == 700_000
 
 
+def test_an_estimate_has_time_to_follow_what_a_burst_has_shown() -> None:
+    path = Path(60_000)
+    path.budget.estimated(60_000, path.now)
+    path.pass_time(10.0)
+    path.pass_time(0.1, wanted=1_000_000)
+    path.answer(50_000_000)
+    path.pass_time(3.0)
+    assert path.budget.budget == 120_000
+    path.pass_time(0.3)
+    assert path.budget.budget == 60_000, "it has not followed"
+
+
 @pytest.mark.parametrize(("lost", "rtt"), [(80, 0.02), (0, 0.5)])
 def test_heavy_loss_or_a_long_queue_lower_it_without_an_estimate(lost: int, rtt: float) -> None:
     path = Path(1_000_000)
