@@ -125,17 +125,8 @@ async def run_gateway(
         returning = Returning(host)
         readiness.require("adapters: those of before the restart", lambda: returning.is_over)
         places = Places(host.traffic.turn_away, settings.per_address, returning.wait)
-        server = _Server(
-            host,
-            entrance,
-            places,
-            heads,
-            readiness,
-            settings.metrics_token,
-            settings.adapter_timeout,
-            application,
-            adapter,
-        )
+        readiness.require("room for connections", lambda: not places.is_full)
+        server = _Server(settings, host, entrance, places, heads, readiness, application, adapter)
         runner = web.AppRunner(server.app, shutdown_timeout=_SHUTDOWN_TIMEOUT)
         await runner.setup()
         stack.push_async_callback(runner.cleanup)
@@ -176,27 +167,25 @@ class _Server:
 
     def __init__(
         self,
+        settings: GatewaySettings,
         host: EngineHost,
         entrance: Entrance,
         places: Places,
         heads: Heads,
         readiness: Readiness,
-        metrics_token: str,
-        adapter_timeout: float,
         application: SocketProfile,
         adapter: SocketProfile,
     ) -> None:
         self._host = host
         self._entrance = entrance
         self._places = places
-        self._adapter_timeout = adapter_timeout
+        self._adapter_timeout = settings.adapter_timeout
         self._application_profile = application
         self._adapter_profile = adapter
         self._sockets: set[ServerSocket] = set()
-        readiness.require("room for connections", lambda: not places.is_full)
         self.app = web.Application(middlewares=[heads.middleware(), guard(entrance.admission)])
         self.app.router.add_get("/healthz", healthz)
-        self.app.router.add_get("/readyz", partial(readyz, readiness, metrics_token))
+        self.app.router.add_get("/readyz", partial(readyz, readiness, settings.metrics_token))
         self.app.router.add_get("/admitted", self._admitted)
         self.app.router.add_get("/adapter", self._adapter)
         self.app.router.add_get("/{path:.*}", self._page_or_application)
