@@ -6,7 +6,6 @@ import asyncio
 import logging
 import os
 import signal
-import sys
 from asyncio.subprocess import DEVNULL, PIPE, STDOUT, Process
 from collections import deque
 from collections.abc import AsyncIterator, Mapping
@@ -14,6 +13,8 @@ from contextlib import asynccontextmanager, suppress
 from typing import Final
 
 from openrois_streaming.clock import MediaClock
+
+from openrois_avatar.launch import command_line
 
 TERMINATE_TIMEOUT: Final = 0.5
 """Seconds from SIGTERM to SIGKILL."""
@@ -48,14 +49,7 @@ async def child_process(
         conversation: whether its stdin and stdout are pipes to talk through; else stdin is empty and stdout is output.
     """
     process = await asyncio.create_subprocess_exec(
-        sys.executable,
-        # Whatever lies in the working directory may be called like a module.
-        "-P",
-        "-m",
-        "openrois_avatar.launch",
-        str(os.getpid()),
-        module,
-        *arguments,
+        *command_line(module, *arguments),
         stdin=PIPE if conversation else DEVNULL,
         stdout=PIPE,
         stderr=PIPE if conversation else STDOUT,

@@ -13,6 +13,12 @@ from typing import Final
 _PR_SET_PDEATHSIG: Final = 1
 
 
+def command_line(module: str, *arguments: str) -> list[str]:
+    """Return the command that runs a module as such a child of this process."""
+    # Whatever lies in the working directory may be called like a module.
+    return [sys.executable, "-P", "-m", "openrois_avatar.launch", str(os.getpid()), module, *arguments]
+
+
 def main(arguments: list[str]) -> None:
     """Run a module as `__main__`, to be killed by the kernel when the process `PARENT` ends, however it ends.
 

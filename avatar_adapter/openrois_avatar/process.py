@@ -4,13 +4,13 @@ import asyncio
 import logging
 import os
 import signal
-import sys
 import time
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from typing import Final
 
 from openrois.backoff import Backoff
+from openrois_avatar.launch import command_line
 
 __all__ = ["Program", "ProgramFailed"]
 
@@ -68,14 +68,7 @@ class Program:
 
     async def _run_once(self) -> int:
         process = await asyncio.create_subprocess_exec(
-            sys.executable,
-            # Whatever lies in the working directory may be called like a module.
-            "-P",
-            "-m",
-            "openrois_avatar.launch",
-            str(os.getpid()),
-            "openrois.cli",
-            *self._arguments,
+            *command_line("openrois.cli", *self._arguments),
             stdin=asyncio.subprocess.DEVNULL,
             stdout=asyncio.subprocess.PIPE,
             start_new_session=True,
