@@ -24,6 +24,7 @@ import uvloop
 from prometheus_client.parser import text_string_to_metric_families
 from websockets.asyncio.client import ClientConnection, connect
 
+from benchmarks.soak.findings import is_clean, tell
 from benchmarks.soak.slope import slope
 from benchmarks.soak_gateway.robot import ARMS, ENGINE
 from openrois.bench.conditions import conditions, load
@@ -72,14 +73,10 @@ async def _sampled(cycles: int, gateway: Child, adapter: Child, metrics: str) ->
         cycles,
         round(gateway.memory(), 2),
         round(adapter.memory(), 2),
-        _descriptors(gateway),
-        _descriptors(adapter),
+        gateway.descriptors(),
+        adapter.descriptors(),
         await asyncio.to_thread(scrape),
     )
-
-
-def _descriptors(process: Child) -> int:
-    return len(list(Path(f"/proc/{process.pid}/fd").iterdir()))
 
 
 class _Looping:
@@ -203,10 +200,8 @@ def main() -> int:
     parser.add_argument("--json", type=Path, help="write everything here")
     chosen = parser.parse_args()
     report = uvloop.run(_measure(chosen))
-    if chosen.json:
-        chosen.json.write_text(json.dumps(report, indent=1) + "\n")
-    print(json.dumps({name: value for name, value in report.items() if name != "samples"}, indent=2))
-    return 1 if any(value > 0 for value in report["left_over"].values()) else 0
+    tell(report, chosen.json)
+    return 0 if is_clean(report["left_over"]) else 1
 
 
 if __name__ == "__main__":

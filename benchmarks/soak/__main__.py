@@ -1,27 +1,26 @@
 """`python -m benchmarks.soak --minutes 30`: gateway, avatar and viewers; says what is left over and what has grown."""
 
 import argparse
-import os
+import asyncio
 import subprocess
 import sys
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Awaitable, Callable, Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, Final
 
-import psutil
-
-from benchmarks.soak.findings import figures, is_clean, left_over, tell
+from benchmarks.soak.findings import INTERVAL, figures, is_clean, left_over, sampled, tell
 from benchmarks.soak.slope import slope
+from openrois.bench.conditions import load
+from openrois.bench.processes import Child, child
 
-_INTERVAL: Final = 2.0
 _SETTLING: Final = 40.0
 """Seconds from the last viewer until nothing may be left: one that was killed is gone after 4, its session after 30."""
-_START: Final = 30.0
-_MEGABYTE: Final = 1e6
+_MEGABYTES: Final = 1.048576
+"""Of a MiB."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,7 +28,7 @@ class Sample:
     """The adapter at one moment."""
 
     at: float
-    """Seconds since the beginning."""
+    """Seconds."""
     rss: float
     """Megabytes."""
     cpu: float
@@ -50,42 +49,22 @@ class Visits:
     killed: int = 0
 
 
-class Adapter:
-    """The adapter under test, seen from outside."""
-
-    def __init__(self, process: subprocess.Popen[str], metrics: str) -> None:
-        self._process = psutil.Process(process.pid)
-        self._metrics = metrics
-        self._began = time.monotonic()
-
-    def sample(self) -> Sample:
-        """Measure it now."""
-        told = figures(self._metrics)
-        with self._process.oneshot():
-            times = self._process.cpu_times()
-            return Sample(
-                at=round(time.monotonic() - self._began, 1),
-                rss=round(self._process.memory_info().rss / _MEGABYTE, 2),
-                cpu=round(times.user + times.system, 2),
-                descriptors=self._process.num_fds(),
-                threads=self._process.num_threads(),
-                tasks=int(told["openrois_tasks"]),
-                sessions=int(told["openrois_sessions"]),
-                load=round(os.getloadavg()[0], 2),
-            )
+async def _sample(adapter: Child, metrics: str) -> Sample:
+    told = await asyncio.to_thread(figures, metrics)
+    return Sample(
+        at=round(time.monotonic(), 1),
+        rss=round(adapter.memory() * _MEGABYTES, 2),
+        cpu=round(adapter.cpu(), 2),
+        descriptors=adapter.descriptors(),
+        threads=_threads(adapter),
+        tasks=int(told["openrois_tasks"]),
+        sessions=int(told["openrois_sessions"]),
+        load=load(),
+    )
 
 
-@contextmanager
-def _program(*arguments: str, ready: str = "") -> Iterator[subprocess.Popen[str]]:
-    process = subprocess.Popen([sys.executable, "-m", *arguments], stdout=subprocess.PIPE, text=True)
-    try:
-        assert process.stdout is not None
-        if ready and not process.stdout.readline().startswith(ready):
-            raise SystemExit(f"{arguments} did not start")
-        yield process
-    finally:
-        process.terminate()
-        process.wait(_START)
+def _threads(process: Child) -> int:
+    return len(list(Path(f"/proc/{process.pid}/task").iterdir()))
 
 
 def _viewers(url: str, count: int, seed: int) -> subprocess.Popen[str]:
@@ -103,32 +82,23 @@ def _end_viewers(process: subprocess.Popen[str], visits: Visits) -> None:
     visits.killed += 1
 
 
-def _sampled(adapter: Adapter, seconds: float) -> list[Sample]:
-    samples = []
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        samples.append(adapter.sample())
-        time.sleep(_INTERVAL)
-    return samples
-
-
-def _soak(adapter: Adapter, url: str, chosen: argparse.Namespace) -> dict[str, Any]:
+async def _soak(sample: Callable[[], Awaitable[Sample]], url: str, chosen: argparse.Namespace) -> dict[str, Any]:
     visits = Visits()
 
-    def crowd(seconds: float) -> list[Sample]:
+    async def crowd(seconds: float) -> list[Sample]:
         samples: list[Sample] = []
         end = time.monotonic() + seconds
-        while (left := end - time.monotonic()) > _INTERVAL:
+        while (left := end - time.monotonic()) > INTERVAL:
             viewers = _viewers(url, chosen.viewers, chosen.seed + 1000 * visits.killed)
-            samples += _sampled(adapter, min(left, chosen.kill_every))
+            samples += await sampled(sample, min(left, chosen.kill_every))
             _end_viewers(viewers, visits)
         return samples
 
     # What is loaded once (codecs, modules, caches) is there before anything is counted.
-    warm_up = crowd(chosen.warm_up * 60)
-    rest_before = _sampled(adapter, _SETTLING)[-1]
-    busy = crowd(chosen.minutes * 60)
-    rest_after = _sampled(adapter, _SETTLING)[-1]
+    warm_up = await crowd(chosen.warm_up * 60)
+    rest_before = (await sampled(sample, _SETTLING))[-1]
+    busy = await crowd(chosen.minutes * 60)
+    rest_after = (await sampled(sample, _SETTLING))[-1]
     hours = (rest_after.at - rest_before.at) / 3600
     return {
         "command": ["python", "-m", "benchmarks.soak", *sys.argv[1:]],
@@ -137,13 +107,22 @@ def _soak(adapter: Adapter, url: str, chosen: argparse.Namespace) -> dict[str, A
         "minutes": chosen.minutes,
         "visits": asdict(visits),
         "left_over": left_over(rest_before, rest_after, "descriptors", "threads", "tasks", "sessions"),
-        "rss_slope_mb_per_hour": round(slope([(sample.at, sample.rss) for sample in busy]) * 3600, 2),
+        "rss_slope_mb_per_hour": round(slope([(each.at, each.rss) for each in busy]) * 3600, 2),
         "rss_at_rest_mb": [rest_before.rss, rest_after.rss],
         "rss_at_rest_growth_mb_per_hour": round((rest_after.rss - rest_before.rss) / hours, 2),
         "cpu_seconds_per_second": round((busy[-1].cpu - busy[0].cpu) / (busy[-1].at - busy[0].at), 3),
-        "load": [min(sample.load for sample in busy), max(sample.load for sample in busy)],
-        "samples": [asdict(sample) for sample in (*warm_up, rest_before, *busy, rest_after)],
+        "load": [min(each.load for each in busy), max(each.load for each in busy)],
+        "samples": [asdict(each) for each in (*warm_up, rest_before, *busy, rest_after)],
     }
+
+
+async def _run(chosen: argparse.Namespace) -> dict[str, Any]:
+    metrics = f"http://127.0.0.1:{chosen.port + 1}/metrics"
+    gateway = ("openrois.cli", "gateway", "--port", str(chosen.port))
+    avatar = ("openrois.cli", "avatar", "--engine", "synthetic", "--metrics", str(chosen.port + 1))
+    dial = ("--gateway", f"ws://127.0.0.1:{chosen.port}/adapter")
+    async with child("-m", *gateway), child("-m", *avatar, *dial) as adapter:
+        return await _soak(partial(_sample, adapter, metrics), f"ws://127.0.0.1:{chosen.port}/", chosen)
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -157,12 +136,7 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument("--port", type=int, default=18765, help="of the gateway; metrics are one above (%(default)s)")
     parser.add_argument("--json", type=Path, help="write everything here")
     chosen = parser.parse_args(arguments)
-    gateway = ("openrois.cli", "gateway", "--port", str(chosen.port))
-    avatar = ("openrois.cli", "avatar", "--engine", "synthetic", "--metrics", str(chosen.port + 1))
-    dial = ("--gateway", f"ws://127.0.0.1:{chosen.port}/adapter")
-    with _program(*gateway, ready="listening"), _program(*avatar, *dial, ready="ready") as process:
-        adapter = Adapter(process, f"http://127.0.0.1:{chosen.port + 1}/metrics")
-        report = _soak(adapter, f"ws://127.0.0.1:{chosen.port}/", chosen)
+    report = asyncio.run(_run(chosen))
     tell(report, chosen.json)
     return 0 if is_clean(report["left_over"]) else 1
 

@@ -1,14 +1,32 @@
-"""What the soaks have in common: figures as they are scraped, what is left over at the end, and how it is told."""
+"""What the soaks have in common: samples, figures as they are scraped, what is left over, and how it is told."""
 
+import asyncio
 import json
+import time
 import urllib.request
-from collections.abc import Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, Final, TypeVar
 
 from prometheus_client.parser import text_string_to_metric_families
 
-__all__ = ["figures", "is_clean", "left_over", "tell"]
+__all__ = ["INTERVAL", "figures", "is_clean", "left_over", "sampled", "tell"]
+
+INTERVAL: Final = 2.0
+"""Seconds between two samples."""
+
+Sample = TypeVar("Sample")
+
+
+async def sampled(take: Callable[[], Awaitable[Sample]], seconds: float) -> list[Sample]:
+    """Take samples for so long, the last one at the end of it."""
+    samples = []
+    end = time.monotonic() + seconds
+    while True:
+        samples.append(await take())
+        if time.monotonic() >= end:
+            return samples
+        await asyncio.sleep(INTERVAL)
 
 
 def figures(url: str) -> dict[str, float]:

@@ -7,19 +7,19 @@ import sys
 import time
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
 import uvloop
 
-from benchmarks.soak.findings import figures, is_clean, left_over, tell
+from benchmarks.soak.findings import figures, is_clean, left_over, sampled, tell
 from benchmarks.soak.slope import slope
 from benchmarks.soak_gateway.robot import ENGINE
 from benchmarks.soak_gateway.visits import Visitors
 from openrois.bench.conditions import conditions, load
 from openrois.bench.processes import Child, child
 
-_INTERVAL: Final = 2.0
 _SETTLING: Final = 15.0
 """Seconds until nothing may be left of the last visit: the grace of leases is 10."""
 
@@ -36,20 +36,10 @@ class Sample:
     load: float
 
 
-def _descriptors(process: Child) -> int:
-    return len(list(Path(f"/proc/{process.pid}/fd").iterdir()))
-
-
-async def _sampled(gateway: Child, adapter: Child, metrics: str, seconds: float) -> list[Sample]:
-    samples = []
-    end = time.monotonic() + seconds
-    while True:
-        tasks = int((await asyncio.to_thread(figures, metrics))["openrois_gateway_tasks"])
-        sizes = round(gateway.memory(), 2), round(adapter.memory(), 2)
-        samples.append(Sample(round(time.monotonic(), 1), *sizes, _descriptors(gateway), tasks, load()))
-        if time.monotonic() >= end:
-            return samples
-        await asyncio.sleep(_INTERVAL)
+async def _sample(gateway: Child, adapter: Child, metrics: str) -> Sample:
+    tasks = int((await asyncio.to_thread(figures, metrics))["openrois_gateway_tasks"])
+    sizes = round(gateway.memory(), 2), round(adapter.memory(), 2)
+    return Sample(round(time.monotonic(), 1), *sizes, gateway.descriptors(), tasks, load())
 
 
 async def _soak(chosen: argparse.Namespace) -> dict[str, Any]:
@@ -59,22 +49,23 @@ async def _soak(chosen: argparse.Namespace) -> dict[str, Any]:
     async with child("-m", "openrois.cli", *options) as gateway:
         url = gateway.said.rpartition(" ")[2]
         async with child("-m", "benchmarks.soak_gateway.robot", url) as adapter:
+            sample = partial(_sample, gateway, adapter, metrics)
             visitors, over = Visitors(url, chosen.visitors, chosen.seed), asyncio.Event()
 
             async def crowd(minutes: float) -> list[Sample]:
                 over.clear()
                 visiting = asyncio.ensure_future(visitors.run(over))
-                samples = await _sampled(gateway, adapter, metrics, minutes * 60)
+                samples = await sampled(sample, minutes * 60)
                 over.set()
                 await visiting
                 return samples
 
             # What is made once (modules, caches, the records that are kept) is there before anything is counted.
             warm_up = await crowd(chosen.warm_up)
-            rest = (await _sampled(gateway, adapter, metrics, _SETTLING))[-1]
+            rest = (await sampled(sample, _SETTLING))[-1]
             visitors.visits.clear()
             busy = await crowd(chosen.minutes)
-            end = (await _sampled(gateway, adapter, metrics, _SETTLING))[-1]
+            end = (await sampled(sample, _SETTLING))[-1]
     return {
         "command": ["python", "-m", "benchmarks.soak_gateway", *sys.argv[1:]],
         "engine": ENGINE,

@@ -45,6 +45,10 @@ class Child:
                 return int(value.split()[0]) / _MEBIBYTE
         raise BenchFailed(f"the system does not tell the memory of process {self.pid}")
 
+    def descriptors(self) -> int:
+        """Return how many files and connections it has open."""
+        return len(list(Path(f"/proc/{self.pid}/fd").iterdir()))
+
 
 def own_cpu() -> float:
     """Return the processor seconds that this process has used."""
