@@ -19,7 +19,7 @@ from cryptography.hazmat.primitives.serialization import (
     load_pem_private_key,
 )
 
-from openrois.access.keys import MAX_KEY_FILE, VerificationKey, parse_key, public_key
+from openrois.access.keys import MAX_KEY_FILE, VerificationKey, parse_key, parse_keys, public_key
 from openrois.secret_files import is_exposed
 
 __all__ = ["make_key_files", "read_key_file", "read_keys", "read_signing_key"]
@@ -50,21 +50,21 @@ def read_key_file(path: Path) -> str:
 
 
 def read_keys(paths: Iterable[Path]) -> tuple[VerificationKey, ...]:
-    """Return the keys that tokens are verified with, one from each file.
+    """Return the keys that tokens are verified with, of all files.
 
     Raises:
         ValueError: one of them is no such key; the message names the file.
     """
-    keys = []
+    keys: list[VerificationKey] = []
     for path in paths:
         text = read_key_file(path)
         try:
-            key = parse_key(text)
+            found = parse_keys(text)
         except ValueError as flaw:
             raise ValueError(f"{path}: {flaw}") from None
-        if key.algorithm == "HS256":
+        if found[0].algorithm == "HS256":
             _warn_of_readers(path)
-        keys.append(key)
+        keys += found
     return tuple(keys)
 
 

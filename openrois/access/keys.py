@@ -22,6 +22,7 @@ __all__ = [
     "VerificationKey",
     "parse_key",
     "parse_key_set",
+    "parse_keys",
     "public_key",
 ]
 
@@ -38,10 +39,12 @@ MAX_KEY_FILE: Final = 256 << 10
 """Bytes of a file or an answer with keys."""
 
 MAX_KEYS: Final = 64
-"""Keys of one issuer."""
+"""Keys of one issuer, or in one file."""
 
 _MAX_KEY_ID: Final = 256
 _PEM: Final = "-----BEGIN "
+_PUBLIC: Final = "-----BEGIN PUBLIC KEY-----"
+_CERTIFICATE: Final = "-----BEGIN CERTIFICATE"
 
 
 class KeysUnavailable(Exception):
@@ -120,9 +123,26 @@ def parse_key(text: str) -> VerificationKey:
     return VerificationKey("HS256", secret.encode())
 
 
+def parse_keys(text: str) -> tuple[VerificationKey, ...]:
+    """Return the keys that a text holds: public keys in PEM, one after the other, or what `parse_key` reads.
+
+    Of a certificate with its chain the first one counts: whoever signed that signs no tokens.
+
+    Raises:
+        ValueError: one of them is no key that tokens can be verified with, or there are too many.
+    """
+    first = parse_key(text)
+    blocks = text.split(_PUBLIC)[1:]
+    if len(blocks) < 2 or _CERTIFICATE in text:
+        return (first,)
+    if len(blocks) > MAX_KEYS:
+        raise ValueError(f"it has more than {MAX_KEYS} keys")
+    return tuple(parse_key(_PUBLIC + block) for block in blocks)
+
+
 def _load_pem(pem: bytes) -> object:
     try:
-        if b"-----BEGIN CERTIFICATE" in pem:
+        if _CERTIFICATE.encode() in pem:
             return load_pem_x509_certificate(pem).public_key()
         return load_pem_public_key(pem)
     except (ValueError, UnsupportedAlgorithm):

@@ -21,7 +21,7 @@ class Authentication(SettingsGroup):
     table: ClassVar[str] = "auth"
 
     auth_keys: tuple[Path, ...] = setting(
-        (), "holds a key for tokens: a public one in PEM, or a secret for HS256", metavar="FILE"
+        (), "holds keys for tokens: public ones in PEM, or a secret for HS256", metavar="FILE"
     )
     auth_jwks: str = setting("", "the https address of the issuer's JSON Web Key Set", metavar="URL")
     auth_jwks_file: Path | None = setting(None, "holds the issuer's JSON Web Key Set", metavar="FILE")

@@ -13,7 +13,7 @@ from cryptography.hazmat.primitives.serialization import Encoding
 from hypothesis import given
 from hypothesis import strategies as st
 
-from openrois.access.keys import MAX_KEYS, StoredKeys, parse_key, parse_key_set
+from openrois.access.keys import MAX_KEYS, StoredKeys, parse_key, parse_key_set, parse_keys
 from tests.support.tokens import SECRET, Keys, jwk, pem
 
 
@@ -55,6 +55,22 @@ def test_what_a_key_is_for() -> None:
 def test_what_is_no_key(text: str, words: str) -> None:
     with pytest.raises(ValueError, match=words):
         parse_key(text)
+
+
+def test_several_keys_in_one_file() -> None:
+    old, new = pem(keys().p256), pem(keys().ed25519)
+    assert [key.algorithm for key in parse_keys(old)] == ["ES256"]
+    assert [key.algorithm for key in parse_keys(f"# the former one\n{old}{new}")] == ["ES256", "EdDSA"]
+    assert [key.algorithm for key in parse_keys(SECRET)] == ["HS256"]
+    # Whoever signed a certificate signs no tokens.
+    chain = certificate(keys().rsa) + certificate(keys().p256) + old + new
+    assert [key.algorithm for key in parse_keys(chain)] == ["RS256"]
+    with pytest.raises(ValueError, match="is none"):
+        parse_keys(old + "-----BEGIN PUBLIC KEY-----\nxxxx\n-----END PUBLIC KEY-----")
+    with pytest.raises(ValueError, match="public key only"):
+        parse_keys(old + new + "-----BEGIN PRIVATE KEY-----")
+    with pytest.raises(ValueError, match="more than 64 keys"):
+        parse_keys(old * (MAX_KEYS + 1))
 
 
 def test_weak_keys_and_other_kinds() -> None:
