@@ -15,6 +15,14 @@ const SDP_SHOWN = 120;
 const LONG_ID = /[0-9a-f]{24,32}/g;
 const ID_SHOWN = 6;
 
+const SECRETS = new Set(["token", "credential"]);
+const TELLS_SECRETS = new Set([
+  "openrois.auth.refresh",
+  "openrois.lease.token",
+  "openrois.lease.resume",
+  "signaling.ice_servers",
+]);
+
 export interface LogEntry {
   readonly number: number;
   readonly traffic: Traffic;
@@ -41,7 +49,7 @@ export class LogModel {
   }
 
   add(heard: Traffic): LogEntry {
-    const traffic = withoutToken(heard);
+    const traffic = withoutSecrets(heard);
     const sort = this.#sort(traffic);
     const index = sort === null ? -1 : this.#again(sort);
     const before = this.#entries[index];
@@ -119,10 +127,11 @@ function isFailure({ kind, message }: Traffic): boolean {
   return typeof code === "string" && code !== "OK";
 }
 
-/** A token is nothing to look at: whoever sees the page could use it. */
-function withoutToken(traffic: Traffic): Traffic {
-  if (traffic.method !== "openrois.auth.refresh" || traffic.kind !== "request") return traffic;
-  return { ...traffic, message: { method: traffic.method, params: { token: "…" } } };
+/** A secret is nothing to look at: whoever sees the page could use it. */
+function withoutSecrets(traffic: Traffic): Traffic {
+  if (!TELLS_SECRETS.has(traffic.method)) return traffic;
+  const hide = (name: string, value: unknown): unknown => (SECRETS.has(name) && value !== null ? "…" : value);
+  return { ...traffic, message: JSON.parse(JSON.stringify(traffic.message, hide)) as Json };
 }
 
 function summarize({ kind, message }: Traffic): string {
