@@ -7,31 +7,66 @@ from playwright.async_api import Browser
 
 from tests.support.browser import Visit, running_browser, visiting
 from tests.support.conversation import meet
-from tests.support.demo import Demo, running_demo
+from tests.support.demo import Demo, Demos
+from tests.support.devices import Devices
+from tests.support.people import Sitter
+
+_HERE = Path(__file__).parent
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Those that use a demo with the same game engine follow each other."""
+    items.sort(key=_engine)
+
+
+def _engine(item: pytest.Item) -> str:
+    if not isinstance(item, pytest.Function) or _HERE not in item.path.parents:
+        return ""
+    if "avatar" in item.fixturenames:
+        return str(getattr(item.module, "ENGINE", ""))
+    return "synthetic" if "demo" in item.fixturenames else ""
+
+
+@pytest.fixture(scope="session")
+def devices_of_all(tmp_path_factory: pytest.TempPathFactory) -> Devices:
+    return Devices(tmp_path_factory.mktemp("devices"))
+
+
+@pytest.fixture(scope="module")
+def devices(devices_of_all: Devices) -> Devices:
+    """The browser's devices for the tests of one module: somebody left of the middle of the picture, and beeps."""
+    devices_of_all.see(lambda _: [Sitter("collins", x=0.4)], 0.5)
+    devices_of_all.hear_beeps()
+    return devices_of_all
 
 
 @pytest_asyncio.fixture(scope="session", loop_scope="session")
-async def browser(chromium: Path) -> AsyncIterator[Browser]:
-    async with running_browser(chromium) as browser:
+async def browser(chromium: Path, devices_of_all: Devices) -> AsyncIterator[Browser]:
+    """The browser of all tests. Who opens a camera or microphone in it asks for `devices`, too."""
+    async with running_browser(chromium, *devices_of_all.arguments) as browser:
         yield browser
 
 
-@pytest.fixture(scope="module")
-def demo(chromium: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Demo]:
-    """A demo with colour bars and a marker tone, for the tests of one module. What fails in it unseen is in its log."""
-    with running_demo(tmp_path_factory.mktemp("demo")) as running:
-        yield running
-        assert "Traceback" not in running.log(), running.log()
+@pytest.fixture(scope="session")
+def demos(chromium: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Demos]:
+    with Demos(tmp_path_factory) as demos:
+        yield demos
 
 
 @pytest.fixture(scope="module")
-def avatar(request: pytest.FixtureRequest, chromium: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Demo]:
-    """A demo with an avatar, for the tests of one module, which names its game engine in `ENGINE`."""
+def demo(demos: Demos) -> Iterator[Demo]:
+    """A demo with colour bars and a marker tone. What fails in it unseen is in its log."""
+    with demos.watched("synthetic") as demo:
+        yield demo
+
+
+@pytest.fixture(scope="module")
+def avatar(request: pytest.FixtureRequest, demos: Demos) -> Iterator[Demo]:
+    """A demo with an avatar, for a module that names its game engine in `ENGINE`."""
     engine: str = request.module.ENGINE
     request.getfixturevalue(engine)
-    with running_demo(tmp_path_factory.mktemp("avatar"), engine) as running:
-        yield running
-        assert "Traceback" not in running.log(), running.log()
+    with demos.watched(engine) as demo:
+        yield demo
 
 
 @pytest_asyncio.fixture(loop_scope="session")

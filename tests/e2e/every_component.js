@@ -165,12 +165,13 @@ async (patience) => {
       for (let tries = 0; status === "ABORT" && tries < 5; tries += 1) status = await go();
       return status;
     };
+    const navigation = part("Navigation");
+    await arriving(() => ended(navigation.perform({ target_positions: ["0,0,-1.5708"] }))); // others have used the figure
     const ahead = async () => {
       const [, y] = await where();
       return ended(part("Move").perform({ line: [Math.round(400 + 1000 * y), 0] }));
     };
     found.Move = { status: await arriving(ahead), ended: await where() };
-    const navigation = part("Navigation");
     const targets = await hear("Navigation", navigation.reachedTarget);
     const there = { target_positions: ["-0.5,0,1.5708"], time_limit: 20_000 };
     const status = await arriving(() => ended(navigation.perform(there)));

@@ -1,21 +1,19 @@
 """Every component of the avatar's profile, used from Chromium by the TypeScript SDK, and what each of them gave."""
 
 import asyncio
-import wave
-from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 import pytest
-import pytest_asyncio
 from playwright.async_api import Browser
 
-from tests.support.browser import Visit, running_browser, visiting
+from tests.support.browser import Visit, visiting
 from tests.support.conversation import aloud, meet
 from tests.support.demo import Demo
+from tests.support.devices import Devices
 from tests.support.hearing import spoken, stereo_48k
-from tests.support.people import Sitter, nodding, write_y4m
+from tests.support.people import Sitter, nodding
 
 pytestmark = [
     pytest.mark.browser,
@@ -24,7 +22,7 @@ pytestmark = [
 ]
 
 ENGINE: Final = "puppet"
-PATIENCE: Final = 30_000
+PATIENCE: Final = 60_000
 """Milliseconds for each thing that is waited for; an idle machine needs 8 s for all of them."""
 
 _ALL: Final = (Path(__file__).parent / "every_component.js").read_text(encoding="utf-8")
@@ -34,27 +32,14 @@ _STORY: Final = "Once upon a time there was an avatar that told long stories to 
 _ANN: Final = "urn:x-rois:def:person:OpenRoIS::avatar/enrolled/Ann"
 
 
-@pytest_asyncio.fixture(scope="module", loop_scope="session")
-async def browser(
-    chromium: Path, flite: None, pocketsphinx: None, tmp_path_factory: pytest.TempPathFactory
-) -> AsyncIterator[Browser]:
-    """A browser in front of which somebody nods and says where to go, again and again."""
-    folder = tmp_path_factory.mktemp("operator")
-    write_y4m(folder / "face.y4m", nodding(Sitter("collins"), begin=0.5), 3.0)
-    sound = stereo_48k(np.concatenate([spoken("go to the window"), np.zeros(24_000, np.int16)]))[:, 0]
-    with wave.open(str(folder / "voice.wav"), "wb") as file:
-        file.setparams((1, 2, 48_000, 0, "NONE", ""))
-        file.writeframes(sound.tobytes())
-    async with running_browser(
-        chromium,
-        "--use-fake-device-for-media-stream",
-        "--use-fake-ui-for-media-stream",
-        f"--use-file-for-fake-video-capture={folder / 'face.y4m'}",
-        f"--use-file-for-fake-audio-capture={folder / 'voice.wav'}",
-    ) as browser:
-        yield browser
+@pytest.fixture(scope="module", autouse=True)
+def operator(devices: Devices, flite: None, pocketsphinx: None) -> None:
+    """Somebody before the camera nods and says where to go, again and again."""
+    devices.see(nodding(Sitter("collins"), begin=0.5), 3.0)
+    devices.hear(stereo_48k(np.concatenate([spoken("go to the window"), np.zeros(24_000, np.int16)]))[:, 0])
 
 
+@pytest.mark.timeout(300)
 async def test_every_component_does_what_it_is_for(browser: Browser, avatar: Demo) -> None:
     async with visiting(browser, avatar.page) as visit:
         await meet(visit)
@@ -109,7 +94,8 @@ async def test_a_page_that_is_reloaded_in_the_middle_goes_on_with_a_new_life(bro
 
 
 def _check_streams_and_system(found: dict[str, Any]) -> None:
-    assert found["SystemInformation"] == {"status": "READY", "began": [0, 0, -1.5708]}
+    assert found["SystemInformation"]["status"] == "READY"
+    assert len(found["SystemInformation"]["began"]) == 3
     for name in ("VideoStreaming", "AudioStreaming"):
         assert found[name]["status"] in {"READY", "BUSY"}
         assert found[name]["suspended"] == "STREAMING_SUSPENDED"
@@ -168,10 +154,8 @@ def _check_acting(found: dict[str, Any]) -> None:
     assert found["Reaction"]["status"] == found["Gaze"] == "OK"
     assert len(found["Reaction"]["reactions"]) == 12
     assert found["Move"]["status"] == found["Navigation"]["status"] == "OK"
-    x, y, th = found["Move"]["ended"]
-    assert (abs(x), abs(y + 0.4), abs(th + 1.5708)) < (0.05, 0.05, 0.05)
-    x, y, th = found["Navigation"]["ended"]
-    assert np.allclose((x, y, th), (-0.5, 0, 1.5708), atol=0.05)
+    assert np.allclose(found["Move"]["ended"], (0, -0.4, -1.5708), atol=0.05)
+    assert np.allclose(found["Navigation"]["ended"], (-0.5, 0, 1.5708), atol=0.05)
     assert found["Navigation"]["targets"] == [{"target": "-0.5,0,1.5708", "is_final_target": True}]
     assert found["Follow"]["status"] == "ABORT"  # it was stopped: OK is not among its ends
     assert abs(found["Follow"]["away"] - 0.7) < 0.01

@@ -1,28 +1,19 @@
 """The operator's microphone and camera reach the avatar, and only while the operator wants it."""
 
-from collections.abc import AsyncIterator
-from pathlib import Path
+import re
 
 import pytest
-import pytest_asyncio
-from playwright.async_api import Browser, expect
+from playwright.async_api import expect
 
-from tests.support.browser import PATIENCE, Visit, running_browser
-from tests.support.people import Sitter, write_y4m
+from tests.support.browser import PATIENCE, Visit
 
-pytestmark = [pytest.mark.browser, pytest.mark.asyncio(loop_scope="session")]
+pytestmark = [
+    pytest.mark.browser,
+    pytest.mark.asyncio(loop_scope="session"),
+    pytest.mark.usefixtures("devices"),
+]
 
-_DEVICES = ("--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream")
 _CAMERA = "openrois.client.query('camera', \"component_ref = 'avatar/Operator'\")"
-
-
-@pytest_asyncio.fixture(scope="module", loop_scope="session")
-async def browser(chromium: Path, tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Browser]:
-    """A browser with a beeping microphone and somebody before its camera, whose user says yes to everything."""
-    film = tmp_path_factory.mktemp("camera") / "somebody.y4m"
-    write_y4m(film, lambda _: [Sitter("collins", x=0.4)], 0.5)
-    async with running_browser(chromium, *_DEVICES, f"--use-file-for-fake-video-capture={film}") as browser:
-        yield browser
 
 
 async def test_microphone_and_camera_reach_the_avatar_and_are_let_go(visit: Visit) -> None:
@@ -67,7 +58,7 @@ async def test_the_avatar_looks_only_where_it_is_let_and_remembers_a_face_by_its
     assert (box["x"] + box["width"] / 2 - preview["x"]) / preview["width"] == pytest.approx(0.6, abs=0.04)
 
     await visit.item("enrol-name").fill("Eileen")
-    await visit.press("enrol")
+    await _enrol(visit)
     await expect(face).to_have_text("Eileen", timeout=PATIENCE * 1000)
     await expect(visit.item("sight-words")).to_have_text("It sees Eileen")
     await visit.page.get_by_role("button", name="Forget Eileen").click()
@@ -78,3 +69,14 @@ async def test_the_avatar_looks_only_where_it_is_let_and_remembers_a_face_by_its
     await expect(visit.item("camera-toggle")).not_to_contain_text("looked at")
     await visit.press("camera-toggle")
     await expect(visit.item("sending")).to_be_hidden()
+
+
+async def _enrol(visit: Visit) -> None:
+    """Ask to be remembered; to who is seen too seldom, as by a machine that is too busy, the page says: once more."""
+    words = visit.item("sight-words")
+    for _ in range(3):
+        await visit.press("enrol")
+        await expect(words).to_have_text(re.compile("^It sees Eileen|^Nobody was enrolled"))
+        if "Eileen" in await words.inner_text():
+            return
+        await expect(words).not_to_contain_text("Nobody")

@@ -1,63 +1,42 @@
 """The page of an operator elsewhere: over TLS with a token, from the one that is refused to the one that has ended."""
 
-import asyncio
-import re
 import ssl
 import time
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager, suppress
-from pathlib import Path
 
 import pytest
 import pytest_asyncio
-from openrois_avatar.adapter import run_avatar
-from openrois_avatar.settings import AvatarSettings
 from playwright.async_api import Browser, expect
 
-from openrois.dialer import serve_parent
 from openrois.transport.credentials import Credentials
-from tests.support.browser import GATEWAY_AWAY, Visit, running_browser, visiting
+from tests.support.browser import GATEWAY_AWAY, Visit, visiting
 from tests.support.certificates import Authority
+from tests.support.conversation import all_stopped
 from tests.support.guarded import Guarded, ask, fresh, guarded
+from tests.support.operated import noting_avatar
 
-pytestmark = [pytest.mark.browser, pytest.mark.asyncio(loop_scope="session")]
+pytestmark = [
+    pytest.mark.browser,
+    pytest.mark.asyncio(loop_scope="session"),
+    pytest.mark.usefixtures("devices"),
+]
 
-_DEVICES = ("--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream")
 _REFUSED = (GATEWAY_AWAY, r"Failed to load resource.* 401")
 _MICROPHONE = "openrois.microphone.status === 'STREAMING_RUNNING'"
 
 
 @pytest_asyncio.fixture(scope="module", loop_scope="session")
-async def browser(chromium: Path) -> AsyncIterator[Browser]:
-    async with running_browser(chromium, *_DEVICES) as browser:
-        yield browser
-
-
-@asynccontextmanager
-async def _avatar(coming: Guarded, authority: Authority) -> AsyncIterator[None]:
-    url = f"{coming.address}adapter"
-    shown = Credentials(fresh(sub="avatar", roles="adapter", scope=["avatar/*"]), authority.file)
-    async with run_avatar(AvatarSettings(gateway=url, engine="puppet", credentials=shown)) as avatar:
-        serving = asyncio.create_task(serve_parent(avatar.host, url, credentials=shown))
-        try:
-            yield
-        finally:
-            serving.cancel()
-            with suppress(asyncio.CancelledError):
-                await serving
-
-
-@pytest_asyncio.fixture(scope="module", loop_scope="session")
-async def coming(puppet: None, tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Guarded]:
-    """A gateway with TLS that asks for tokens, and an avatar behind it."""
+async def coming(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Guarded]:
+    """A gateway with TLS that asks for tokens, and an avatar behind it, whose picture is small."""
     folder = tmp_path_factory.mktemp("gateway")
     authority = Authority(folder)
     cert, key = authority.issue()
     revoked = folder / "revoked"
     revoked.write_text("")
+    shown = Credentials(fresh(sub="avatar", roles="adapter", scope=["avatar/*"]), authority.file)
     async with (
         guarded(folder, tls_cert=cert, tls_key=key, auth_revocations=revoked) as coming,
-        _avatar(coming, authority),
+        noting_avatar(folder, f"{coming.address}adapter", shown),
     ):
         yield coming
 
@@ -79,8 +58,6 @@ async def test_an_operator_comes_with_a_token_and_operates_until_it_ends(browser
         await _give(visit, fresh(sub="anna", jti="first"))
         await visit.no_banner()
         await visit.plays()
-        # A picture of this size keeps a slow machine busy.
-        await visit.read("openrois.video.suspend().then(() => true)")
         await visit.press("microphone-toggle")
         await visit.until(_MICROPHONE)
         await expect(visit.item("handover")).to_contain_text("Microphone is on: you have control")
@@ -93,7 +70,7 @@ async def test_an_operator_comes_with_a_token_and_operates_until_it_ends(browser
         await expect(visit.item("say-state")).to_have_attribute("data-state", "speaking")
         await visit.until_executed("avatar/SpeechSynthesis", "start")
         await visit.press("stop-all")
-        await expect(visit.item("stop-all")).to_have_text(re.compile("[Ss]topped"))
+        await all_stopped(visit)
         await expect(visit.item("say-state")).to_have_attribute("data-state", "stopped")
         # Neither the end of a speech nor STOP takes the microphone.
         assert await visit.read(_MICROPHONE)

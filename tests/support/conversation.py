@@ -1,5 +1,6 @@
 """What a person does with an avatar on the page: meet it, speak through it, and hear and see how it does that."""
 
+import re
 from dataclasses import dataclass
 from statistics import mean
 from typing import Final
@@ -8,7 +9,7 @@ from playwright.async_api import expect
 
 from tests.support.browser import PATIENCE, Visit
 
-__all__ = ["SAYING", "Speech", "aloud", "meet", "outcome", "say", "speak"]
+__all__ = ["SAYING", "Speech", "all_stopped", "aloud", "meet", "outcome", "say", "speak"]
 
 SAYING: Final = "document.querySelector('[data-testid=say-state]').dataset.state"
 """What the page says of speech, in JavaScript."""
@@ -53,6 +54,21 @@ async def aloud(visit: Visit) -> None:
     """Wait until a voice is heard from now on."""
     now = await visit.read("performance.now()")
     await visit.until(f"probe.sound.some(({{ at, rms }}) => at > {now} && rms > {_LOUD})")
+
+
+async def all_stopped(visit: Visit) -> None:
+    """Wait until the red button says that all has stopped; what did not say so in time is told once more.
+
+    Raises:
+        AssertionError: something does not stop.
+    """
+    button = visit.item("stop-all")
+    for _ in range(5):
+        await expect(button).to_have_text(re.compile("[Ss]topped"), timeout=PATIENCE * 1000)
+        if await button.inner_text() != "Not stopped":
+            return
+        await visit.press("stop-all")
+    raise AssertionError("a component does not stop")
 
 
 async def outcome(visit: Visit, component_ref: str, command_type: str) -> str:

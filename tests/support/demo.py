@@ -11,11 +11,12 @@ import sys
 import threading
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
-from typing import IO, Final
+from typing import IO, Final, Self
 
 import psutil
+import pytest
 
 _ROOT: Final = Path(__file__).parents[2]
 PATIENCE: Final = 90.0
@@ -115,6 +116,42 @@ def running_demo(folder: Path, engine: str = "synthetic", more: Sequence[str] = 
     finally:
         end(process)
     assert not psutil.wait_procs(tree, timeout=PATIENCE)[1]
+
+
+class Demos:
+    """Demos that tests share. One runs at a time, as a game engine works also while nobody looks.
+
+    Args:
+        folders: where their logs go.
+    """
+
+    def __init__(self, folders: pytest.TempPathFactory) -> None:
+        self._folders = folders
+        self._stack = ExitStack()
+        self._engine = ""
+        self._running: Demo | None = None
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stack.close()
+
+    @contextmanager
+    def watched(self, engine: str) -> Iterator[Demo]:
+        """The demo with this game engine; if another one runs, that is ended.
+
+        Raises:
+            AssertionError: something went wrong in it during the block, and only its log says so.
+        """
+        if self._running is None or self._engine != engine:
+            self._stack.close()
+            folder = self._folders.mktemp(engine)
+            self._running, self._engine = self._stack.enter_context(running_demo(folder, engine)), engine
+        before = len(self._running.log())
+        yield self._running
+        log = self._running.log()[before:]
+        assert "Traceback" not in log, log
 
 
 def first_line(process: subprocess.Popen[str]) -> str:

@@ -4,7 +4,7 @@ import asyncio
 import threading
 import time
 from collections.abc import AsyncIterator, Callable
-from contextlib import AsyncExitStack, asynccontextmanager, suppress
+from contextlib import asynccontextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Self
@@ -18,6 +18,7 @@ from openrois_streaming.clock import SystemClock
 
 from openrois.dialer import serve_parent
 from openrois.gateway.server import Gateway
+from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from tests.support.avatar_link import HELLO
 from tests.support.deployment import gateway, until
 
@@ -70,16 +71,28 @@ class NotingEngine:
 
 @asynccontextmanager
 async def operated_avatar(folder: Path) -> AsyncIterator[tuple[Gateway, NotingEngine]]:
-    """Run the avatar `avatar`; its engine link is in `folder`."""
-    clock, address = SystemClock(), f"unix:{folder}/engine"
-    async with AsyncExitStack() as stack:
-        running = await stack.enter_async_context(gateway())
-        scene = await stack.enter_async_context(external_scene("avatar", address, "secret", clock))
-        avatar = await stack.enter_async_context(serve_scene("avatar", scene, clock))
-        dialling = asyncio.ensure_future(serve_parent(avatar.host, running.url.replace("http", "ws") + "adapter"))
-        engine = stack.enter_context(NotingEngine(address))
+    """Run a gateway and the avatar `avatar` behind it; its engine link is in `folder`."""
+    async with (
+        gateway() as running,
+        noting_avatar(folder, running.url.replace("http", "ws") + "adapter") as engine,
+    ):
         await until(running.engine, lambda ids: "avatar" in ids)
         yield running, engine
-        dialling.cancel()
-        with suppress(asyncio.CancelledError):
-            await dialling
+
+
+@asynccontextmanager
+async def noting_avatar(
+    folder: Path, url: str, credentials: Credentials = NO_CREDENTIALS
+) -> AsyncIterator[NotingEngine]:
+    """Run the avatar `avatar` alone, which dials a gateway; its engine link is in `folder`."""
+    clock, address = SystemClock(), f"unix:{folder}/engine"
+    async with (
+        external_scene("avatar", address, "secret", clock) as scene,
+        serve_scene("avatar", scene, clock) as avatar,
+    ):
+        dialling = asyncio.ensure_future(serve_parent(avatar.host, url, credentials=credentials))
+        with NotingEngine(address) as engine:
+            yield engine
+            dialling.cancel()
+            with suppress(asyncio.CancelledError):
+                await dialling

@@ -7,7 +7,8 @@ import { byTestId, setText } from "./dom.ts";
 import { explain } from "./permission.ts";
 
 const KEY = "x";
-/** Milliseconds for which it says how it went. */
+const LABEL = "STOP";
+/** Milliseconds for which it says that all has stopped; that something has not is said until it is pressed again. */
 const READABLE = 4000;
 
 export class StopButton {
@@ -36,6 +37,7 @@ export class StopButton {
 
   /** @param engineId the avatar's; null while there is none */
   setEngine(engineId: string | null): void {
+    if (engineId !== this.#engineId) this.#say(LABEL);
     this.#engineId = engineId;
     this.#button.hidden = engineId === null;
   }
@@ -48,9 +50,11 @@ export class StopButton {
 
   async press(): Promise<void> {
     if (this.#engineId === null || this.#button.disabled) return;
+    this.#say(LABEL);
     try {
       await this.#stop(this.#engineId);
-      this.#say("Stopped", "");
+      this.#say("Stopped");
+      this.#fading = setTimeout(() => this.#say(LABEL), READABLE);
     } catch (error) {
       this.#say("Not stopped", error instanceof Error ? error.message : String(error));
     }
@@ -67,10 +71,9 @@ export class StopButton {
     }
   }
 
-  #say(words: string, why: string): void {
+  #say(words: string, why = this.#title): void {
     setText(this.#button, words);
-    this.#button.title = why || this.#title;
+    this.#button.title = why;
     clearTimeout(this.#fading);
-    this.#fading = setTimeout(() => setText(this.#button, "STOP"), READABLE);
   }
 }
