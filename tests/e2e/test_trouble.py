@@ -51,7 +51,7 @@ async def test_a_gateway_without_an_avatar_and_then_with_one(browser: Browser, g
         assert (await visit.look()).black
         async with running_avatar(gateway):
             await visit.plays(1)
-            await visit.shows(within=1)
+            await visit.shows()
             await visit.no_banner()
 
 

@@ -78,12 +78,12 @@ class Visit:
         """Click a button as soon as it can be clicked."""
         await self.item(name).click(timeout=PATIENCE * 1000)
 
-    async def until(self, condition: str, within: float = PATIENCE) -> Any:
+    async def until(self, condition: str) -> Any:
         """Return what a JavaScript expression gives as soon as that is true.
 
         Playwright's own `wait_for_function` evaluates text in the page, which the page's security policy forbids.
         """
-        return await self.page.evaluate(f"probe.until(() => ({condition}), {within * 1000})")
+        return await self.page.evaluate(f"probe.until(() => ({condition}), {PATIENCE * 1000})")
 
     async def read(self, expression: str) -> Any:
         """What a JavaScript expression gives now."""
@@ -103,11 +103,11 @@ class Visit:
         """Wait until the page has nothing to complain about."""
         await expect(self.item("banner")).to_be_hidden(timeout=PATIENCE * 1000)
 
-    async def plays(self, count: int = 5, within: float = PATIENCE) -> list[dict[str, float]]:
+    async def plays(self, count: int = 5) -> list[dict[str, float]]:
         """Wait for so many more pictures and return them: their stamps, mean luma, and when they were presented."""
         presented = await self.read("probe.presented")
         frames: list[dict[str, float]] = await self.until(
-            f"probe.presented >= {presented + count} && probe.frames.slice(-{count})", within
+            f"probe.presented >= {presented + count} && probe.frames.slice(-{count})"
         )
         return frames
 
@@ -185,9 +185,9 @@ class Visit:
         middle = picture[height // 5 : height * 3 // 4, width // 8 : width * 7 // 8]
         return Seen(float(middle.mean()), float(middle.std()))
 
-    async def shows(self, within: float) -> None:
-        """Wait until the stage shows a picture, for so many seconds at most."""
-        async with asyncio.timeout(within):
+    async def shows(self) -> None:
+        """Wait until the stage shows a picture."""
+        async with asyncio.timeout(PATIENCE):
             while (await self.look()).black:
                 pass
 
@@ -205,21 +205,23 @@ class Visit:
 
     @asynccontextmanager
     async def watched(self) -> AsyncIterator[list[Seen]]:
-        """Look again and again for as long as the block lasts; yields what was seen so far."""
+        """Look again and again for as long as the block lasts, and once at least; yields what was seen so far."""
         seen: list[Seen] = []
+        ended = asyncio.Event()
 
         async def watch() -> None:
-            while True:
+            while not (seen and ended.is_set()):
                 seen.append(await self.look())
 
         watching = asyncio.create_task(watch())
         try:
             yield seen
+            ended.set()
+            await watching
         finally:
             watching.cancel()
             with suppress(asyncio.CancelledError):
                 await watching
-        assert seen, "nobody looked"
 
     def connected(self, socket: WebSocket) -> None:
         """Take note of what a WebSocket of the page carries."""

@@ -73,7 +73,7 @@ async def said(visit: Visit, text: str) -> Utterance:
     before = len(visit.executed(_VOICE, "start"))
     await say(visit, text)
     await visit.until(f"{SAYING} === 'speaking'")
-    await visit.until(f"{SAYING} === 'done'", within=30)
+    await visit.until(f"{SAYING} === 'done'")
     [command_id] = visit.executed(_VOICE, "start")[before:]
     completed = await visit.read(f"probe.told.find(({{ params }}) => params.command_id === '{command_id}').at")
     playout = await visit.read("openrois.audio.playoutDelay")
