@@ -138,6 +138,8 @@ class LineWriter(Generic[RecordT]):
                 _log.error("%s cannot be written: %s", self._path, error.strerror or error)
             self.failing = True
         else:
+            if self.failing:
+                _log.info("%s is written again", self._path)
             self.failing = False
         return True
 

@@ -183,6 +183,8 @@ class Journal(AbstractContextManager["Journal"]):
             self.failing = True
         else:
             self.written += len(batch)
+            if self.failing:
+                _log.info("the journal %s is written again", file.path)
             self.failing = False
             for _ in batch:
                 self._queue.popleft()

@@ -1,6 +1,7 @@
 """Lines reach the file in order, whatever happens to the file; what does not fit is counted there, too."""
 
 import errno
+import logging
 import os
 import threading
 from pathlib import Path
@@ -82,6 +83,7 @@ def test_a_full_disk_is_tried_again_and_half_a_line_is_ended(
 
     monkeypatch.setattr(os, "write", write)
     path = tmp_path / "lines"
+    caplog.set_level(logging.INFO)
     with writer(path) as lines:
         lines.put(123456)
         while lines.failures < 3:
@@ -93,7 +95,7 @@ def test_a_full_disk_is_tried_again_and_half_a_line_is_ended(
         while lines.failing:
             os.sched_yield()
     assert path.read_text() == "123456\n7\n"
-    assert [record.getMessage() for record in caplog.records] == [f"{path} cannot be written: No space left on device"]
+    assert caplog.messages == [f"{path} cannot be written: No space left on device", f"{path} is written again"]
 
 
 def test_a_disk_that_stays_full_does_not_keep_anybody(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
