@@ -78,6 +78,18 @@ async def test_levels_are_told_when_they_change_and_so_is_the_end(stage: Stage) 
     assert stage.clock.sleepers == 0
 
 
+async def test_the_peak_is_not_the_mean(stage: Stage) -> None:
+    events: list[Any] = []
+    subscription = await stage.registry.subscribe("avatar/Operator", "microphone_level", events.append)
+    stage.microphone.inlet.plug("s", stage.voice)
+    for _ in range(15):
+        await stage.speak(2000, 0.01)
+        await stage.speak(0, 0.01)
+    for told in ({result.name: result.value for result in events[-1].results}, await stage.ask("microphone")):
+        assert (float(told["rms"]), told["peak"]) == (pytest.approx(-27.3, abs=0.3), "-24.3")
+    await stage.registry.unsubscribe(subscription)
+
+
 async def test_each_block_is_heard(stage: Stage) -> None:
     heard: list[RawAudio] = []
     stage.microphone.heard.add(heard.append)

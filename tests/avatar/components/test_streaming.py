@@ -3,7 +3,7 @@
 import json
 
 import pytest
-from openrois_avatar.components.streaming import VideoStreaming
+from openrois_avatar.components.streaming import AudioStreaming, VideoStreaming
 
 from openrois.errors import BadParameter
 from openrois.registry import LocalRegistry
@@ -41,6 +41,12 @@ async def test_what_is_available_is_not_for_applications_to_say(registry: LocalR
     with pytest.raises(BadParameter, match=f"{name} can only be read"):
         await set_parameters(registry, encoding_parameters="{}", **{name: ""})
     assert await parameters(registry) == before
+
+
+@pytest.mark.parametrize("status", [ComponentStatus.READY, ComponentStatus.WARNING, ComponentStatus.ERROR])
+@pytest.mark.parametrize("kind", [VideoStreaming, AudioStreaming])
+def test_it_fares_as_its_source_does(kind: type[VideoStreaming | AudioStreaming], status: ComponentStatus) -> None:
+    assert kind(("a/b",), ("recvonly",), lambda: status).status is status
 
 
 async def test_what_is_available_is_told(registry: LocalRegistry) -> None:

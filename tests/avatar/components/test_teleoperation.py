@@ -1,8 +1,10 @@
 import asyncio
+import json
 
 import pytest
 from openrois_avatar.components.teleoperation import Teleoperation
 from openrois_avatar.teleoperation.seat import Seat
+from openrois_streaming.input.messages import Held
 
 from openrois.contract import Client, Event, SubscriptionLost
 from openrois.errors import Aborted, ComponentFailed, OutOfResources
@@ -27,7 +29,9 @@ class Bench:
         self.component = Teleoperation(self.seat, self.controls, lambda: self.status, self.clock)
         self.registry = LocalRegistry("avatar", [self.component])
         self.client = Client("ann", lambda _method, _params: None)
-        self.hands = self.seat.hands(self.client, lambda _text: None)
+        self.told: list[dict[str, str]] = []
+        """What its application was told at its own channel."""
+        self.hands = self.seat.hands(self.client, lambda said: self.told.append(json.loads(said)))
         self.hand = Hand()
         self.heard: list[str] = []
 
@@ -67,6 +71,42 @@ async def test_it_is_started_by_who_holds_it_and_stopped(bench: Bench) -> None:
     assert bench.heard == ["teleoperation was stopped"]
     operation = await bench.operation()
     assert (operation["operated"], operation["ahead"], operation["taken"]) == ("false", "0.0", "1")
+
+
+async def test_the_operation_is_told_as_it_is(bench: Bench) -> None:
+    bench.press()
+    bench.hold()
+    started = asyncio.ensure_future(bench.registry.invoke(REF, "start"))
+    await settle()
+    assert {name: (await bench.operation())[name] for name in ("operated", "active", "taken", "refused")} == {
+        "operated": "true",
+        "active": "false",
+        "taken": "0",
+        "refused": "1",
+    }
+    bench.hands.input_came("control", "nonsense")
+    bench.hands.input_came("input", text(bench.hand.state(Held(frozenset({"KeyS", "KeyE", "KeyA"})))))
+    assert await bench.operation() == {
+        "operated": "true",
+        "active": "true",
+        "ahead": "-0.8",
+        "left": "-0.4",
+        "turn": "1.5",
+        "stopped_because": "",
+        "taken": "1",
+        "refused": "1",
+        "malformed": "1",
+        "dropped": "0",
+    }
+    await bench.clock.advance(1)
+    assert bench.told[-1] == {"event": "stopped", "reason": "no input came for 0.4 s"}
+    again = asyncio.ensure_future(bench.registry.invoke(REF, "start"))
+    with pytest.raises(Aborted):
+        await started
+    await settle()
+    assert (await bench.operation())["stopped_because"] == ""
+    again.cancel()
+    await asyncio.wait({again})
 
 
 async def test_nobody_holds_it(bench: Bench) -> None:
