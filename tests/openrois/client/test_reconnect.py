@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from openrois.application import EngineHost
+from openrois.change_notice import CHANGES_AT_ONCE
 from openrois.client import (
     BindingLost,
     BindingRestored,
@@ -242,11 +243,11 @@ async def test_renewing_loses_no_event_and_repeats_none(line: Line, client: Clie
     async with client.component("toys/bell").event("rang", buffer=1000) as rang:
         for number in range(300):
             line.bell.ring(str(number))
-            if number % 15 == 0:
+            if number % (300 // CHANGES_AT_ONCE) == 0:
                 # Whatever changes in the tree, every subscription is made again beside the old one.
                 await line.host.engine.attach(everything(f"robot_{number}").registry)
             await asyncio.sleep(0)
-        for _ in range(20):
+        for _ in range(CHANGES_AT_ONCE):
             await anext(changes)
         assert [(await anext(rang))["tune"] for _ in range(300)] == [str(number) for number in range(300)]
         line.bell.ring("the end")
