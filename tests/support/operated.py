@@ -11,7 +11,7 @@ from typing import Self
 
 from openrois_avatar.adapter import serve_scene
 from openrois_avatar.link.client import LinkClient
-from openrois_avatar.link.messages import Command, Input, VideoShape
+from openrois_avatar.link.messages import Command, Input, Place, VideoShape
 from openrois_avatar.link.protocol import PixelFormat
 from openrois_avatar.scene import external_scene
 from openrois_streaming.clock import SystemClock
@@ -46,6 +46,7 @@ class NotingEngine:
     def _run(self, address: str) -> None:
         hello = replace(HELLO, video=SHAPE, audio_channels=None, hears=False, walks=True, input=True)
         with LinkClient.connect(address, hello) as link:
+            link.send_event(Place(0.0, 0.0, 0.0))
             due = 0.0
             while link.connected and not self._ends:
                 if commands := link.poll_commands(0.005):
