@@ -83,8 +83,12 @@ class DeadMan:
             Aborted: it has tripped.
             RoISError: whatever the command raises.
         """
-        if component.dead_man is None or command_type in _AT_ONCE:
+        if component.dead_man is None:
             return await work
+        if command_type in _AT_ONCE:
+            # In a task as what moves, so that they begin in the order in which they came: a `stop` would not end a
+            # `start` that came just before it.
+            return await asyncio.ensure_future(work)
         if self._is_uncontrolled(component_ref, component):
             work.close()
             raise Aborted(f"{component.name} does not move: nobody has control")

@@ -191,6 +191,13 @@ async def test_twice_is_stopped_twice(robot: Robot) -> None:
         assert robot.rover.stopped.is_set()
 
 
+async def test_a_stop_that_comes_at_the_same_moment_ends_the_start_before_it(robot: Robot) -> None:
+    running, stopping = robot.run(), robot.run("stop")
+    assert await aborted(running) == "rover was stopped"
+    await stopping
+    assert not robot.rover.driving.is_set()
+
+
 async def test_who_is_cancelled_does_not_leave_anything_running(robot: Robot) -> None:
     running = await robot.driving()
     running.cancel()
