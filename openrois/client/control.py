@@ -15,6 +15,7 @@ from openrois.client.notices import (
     ControlWithdrawn,
     Disconnected,
     Notice,
+    ProfileChanged,
 )
 from openrois.errors import OutOfResources
 from openrois.types.leases import (
@@ -73,7 +74,7 @@ class Control:
             Unsupported: there is no such component (any more).
             ConnectionLost: the connection ended, and with it the place in line.
         """
-        feed = self._listen(ControlChanged, ControlDeclined, Disconnected)
+        feed = self._listen(ControlChanged, ControlDeclined, ProfileChanged, Disconnected)
         answer = await self._connection.act("openrois.lease.request", _params(component_ref), LeaseRequestResult)
         try:
             if answer.lease is None or answer.lease.state is not LeaseState.MINE:
@@ -90,18 +91,20 @@ class Control:
             match notice:
                 case ControlChanged(ref, LeaseState.MINE) if ref == component_ref:
                     return
-                case ControlDeclined(_, asked, reason) if asked == request_id:
-                    # Declined is also who waits for what is gone, and stands in no line then.
-                    if not (wait and await self._waits(component_ref)):
-                        raise OutOfResources(f"{component_ref}: {reason}")
+                case ControlDeclined(_, asked, reason) if asked == request_id and not wait:
+                    raise OutOfResources(f"{component_ref}: {reason}")
+                case ControlDeclined() | ProfileChanged():
+                    # It may be gone, also for a moment, or not be shown to this application any more.
+                    await self._require_place(component_ref)
                 case Disconnected(reason):
                     raise ConnectionLost(f"openrois.lease.request: {reason}")
         raise ConnectionLost("openrois.lease.request: the client is closed")
 
-    async def _waits(self, component_ref: str) -> bool:
-        """Tell whether one stands in line for a component, or has it by now."""
-        status = await self.status(component_ref)
-        return status.position > 0 or status.state is LeaseState.MINE
+    async def _require_place(self, component_ref: str) -> None:
+        """Do nothing where one stands in line for a component, or has it by now."""
+        lease = (await self._connection.act("openrois.lease.query", _params(component_ref), LeaseResult)).lease
+        if lease is None or not (lease.position or lease.state is LeaseState.MINE):
+            raise OutOfResources(f"{component_ref}: one stands in line for it no more")
 
     async def grant(self, request_id: str) -> None:
         """Let who asks (`ControlRequested`) have the component; what runs there ends with ABORT.

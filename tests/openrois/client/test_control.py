@@ -3,6 +3,7 @@
 import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import AsyncExitStack, asynccontextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,11 +23,14 @@ from openrois.client import (
     resumption,
 )
 from openrois.errors import Aborted, ComponentFailed, OutOfResources, Unsupported
+from openrois.gateway.applications import serve_application
+from openrois.gateway.tenure import Tenure
 from openrois.journal.journal import Journal
 from openrois.tasks import TaskScope
 from openrois.transport.stream import StreamClosed
 from openrois.types.leases import LeaseState
 from tests.support import grounds
+from tests.support.authorization import principal
 from tests.support.grounds import Clock, Line
 
 LAMP = "toys/lamp"
@@ -324,8 +328,20 @@ class TestHandover:
         line.host.leases.keep_only(line.host.engine.directory.component_profiles)
         if comes_back:
             await line.host.engine.attach(line.toys)
-        with pytest.raises((OutOfResources, Unsupported), match="is gone" if comes_back else "there is no component"):
+        with pytest.raises((OutOfResources, Unsupported), match=r"in line for it no more|there is no component"):
             await asyncio.wait_for(asking, 10)
+
+    async def test_what_is_not_shown_any_more_is_waited_for_no_more(self, line: Line, ann: Client) -> None:
+        told = ann.notices(ControlRequested)
+        await ann.bind(LAMP)
+        tenure = Tenure(principal("operator", "toys/*"))
+        line.speaks = partial(serve_application, tenure=tenure)
+        async with Client(dial=line.dial) as carl:
+            asking = asyncio.ensure_future(carl.control.request(LAMP, wait=True))
+            await heard(told)
+            tenure.replace(principal("operator", "toys/bell"))
+            with pytest.raises(Unsupported, match="there is no component"):
+                await asyncio.wait_for(asking, 10)
 
     async def test_a_free_one_and_one_that_is_no_actuation(self, ann: Client) -> None:
         await ann.control.request(LAMP)

@@ -24,7 +24,8 @@ export interface ControlEvents {
 export class Control {
   readonly #client: Link;
   readonly #bindings: Bindings;
-  readonly #left = new Set<(componentRef: string) => void>();
+  /** What looks, for each request that waits, whether it still does. */
+  readonly #looks = new Set<() => void>();
 
   constructor(client: Link, bindings: Bindings) {
     this.#client = client;
@@ -58,24 +59,30 @@ export class Control {
    */
   async request(componentRef: string, { wait = false }: { readonly wait?: boolean } = {}): Promise<void> {
     const client = this.#client;
+    let asked = false;
     let stop = (): void => undefined;
     const granted = new Promise<void>((resolve, reject) => {
       const refuse = (reason: string): void =>
         reject(new RoISError("OUT_OF_RESOURCES", "openrois.lease.request", `(${componentRef})`, reason));
-      const left = (ref: string): void => {
-        if (ref === componentRef) refuse("one has left the line");
+      const look = (): void => {
+        if (!asked) return;
+        this.#waits(componentRef).then(
+          (waits) => waits || refuse("one stands in line for it no more"),
+          reject,
+        );
       };
-      this.#left.add(left);
+      this.#looks.add(look);
       const ends = [
-        () => this.#left.delete(left),
+        () => this.#looks.delete(look),
+        // It may be gone, also for a moment, or not be shown to this application any more.
+        client.on("profile_changed", look),
         this.on("openrois.lease.changed", (told) => {
           if (told.component_ref === componentRef && told.state === "MINE") resolve();
         }),
         this.on("openrois.lease.declined", (told) => {
           if (told.component_ref !== componentRef) return;
           if (wait) {
-            // Declined is also who waits for what is gone: it stands in no line then.
-            this.#waits(componentRef).then((waits) => waits || refuse(told.reason), reject);
+            look();
           } else {
             refuse(told.reason);
             this.leave(componentRef).catch(() => undefined);
@@ -91,6 +98,7 @@ export class Control {
     granted.catch(() => undefined);
     try {
       const { lease } = await client.call("openrois.lease.request", { component_ref: componentRef });
+      asked = true;
       if (lease?.state !== "MINE") await granted;
       this.#bindings.gained(componentRef);
     } finally {
@@ -101,7 +109,7 @@ export class Control {
   /** Asks for a component no more: whoever waits for it in this client is refused. */
   async leave(componentRef: string): Promise<void> {
     await this.#client.call("openrois.lease.leave", { component_ref: componentRef });
-    for (const left of this.#left) left(componentRef);
+    for (const look of this.#looks) look();
   }
 
   /** Whether one stands in line for a component, or has it by now. */

@@ -242,7 +242,11 @@ describe("control", () => {
 
   it("is waited for no more by who leaves the line", async () => {
     gateway.on("openrois.lease.request", () => ({ lease: inLine, request_id: "q" }));
-    gateway.on("openrois.lease.leave", () => ({}));
+    gateway.on("openrois.lease.query", () => ({ lease: inLine }));
+    gateway.on("openrois.lease.leave", ({ component_ref }) => {
+      if (component_ref === ARM) gateway.on("openrois.lease.query", () => ({ lease: status("HELD") }));
+      return {};
+    });
     const refused = expect(client.control.request(ARM, { wait: true })).rejects.toBeInstanceOf(RoISError);
     await vi.advanceTimersByTimeAsync(0);
     await client.control.leave("r/other");
@@ -254,15 +258,23 @@ describe("control", () => {
     ]);
   });
 
+  const declined = { component_ref: ARM, request_id: "q", reason: "it is gone" };
+
   it.each([
-    ["is gone", (): JsonObject => ({ return_code: "UNSUPPORTED" })],
-    ["was gone for a moment", (): JsonObject => ({ lease: status("FREE") })],
-  ])("of a component that %s is waited for no more", async (_, answer) => {
+    ["openrois.lease.declined", declined, "is gone", (): JsonObject => ({ return_code: "UNSUPPORTED" })],
+    [
+      "openrois.lease.declined",
+      declined,
+      "was gone for a moment",
+      (): JsonObject => ({ lease: status("FREE") }),
+    ],
+    ["rois.system.profile_changed", {}, "is not shown", (): JsonObject => ({ return_code: "UNSUPPORTED" })],
+  ])("is waited for no more after %s %o: it %s", async (method, params, _, answer) => {
     gateway.on("openrois.lease.request", () => ({ lease: inLine, request_id: "q" }));
     gateway.on("openrois.lease.query", answer);
     const refused = expect(client.control.request(ARM, { wait: true })).rejects.toBeInstanceOf(RoISError);
     await vi.advanceTimersByTimeAsync(0);
-    gateway.notify("openrois.lease.declined", { component_ref: ARM, request_id: "q", reason: "it is gone" });
+    gateway.notify(method, params);
     await refused;
   });
 
