@@ -129,8 +129,11 @@ class TestSoundLocalization:
         assert math.hypot(x, y) == pytest.approx(ASSUMED_DISTANCE, abs=0.01)
         assert math.degrees(th) == pytest.approx(math.degrees(math.atan2(-y, -x)), abs=0.1)
         assert len(room.events) <= 3
+        room.events.clear()
         await room.say(np.concatenate([from_the_side(0, millimetres / 1000, VOICE), SILENCE]))
-        assert "microphone/2" in room.told("sound_localized", "sound_ref")[-1]
+        assert "microphone/2" in room.told("sound_localized", "sound_ref")[0]
+        x, y, _ = (float(part) for part in room.told("sound_localized", "position_data")[0].strip('[]"').split(","))
+        assert math.degrees(math.atan2(x, y)) == pytest.approx(0, abs=6), "where the sound before was is forgotten"
 
     async def test_a_microphone_with_one_channel_is_said_to_be_of_no_use(self, room: Room) -> None:
         await room.subscribe("SoundLocalization", "sound_localized")
@@ -165,7 +168,7 @@ class TestSpeechRecognition:
 
     @pytest.mark.parametrize("others", [False, True])
     async def test_what_has_begun_ends_also_when_it_is_suspended(self, room: Room, others: bool) -> None:
-        for event in ("speech_input_started", "speech_input_finished"):
+        for event in ("speech_input_started", "speech_input_finished", "speech_recognized"):
             await room.subscribe("SpeechRecognition", event)
         if others:
             await room.do("Hearing", "start")
