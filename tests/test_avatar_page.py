@@ -81,7 +81,7 @@ ENGINE_LINK = (
     f"sends HELLO within {server.GREETING_TIMEOUT:g} s",
     f"more than {server.MAX_STRANGERS} connections have not greeted yet",
     f"leaves {connection.MAX_UNREAD // 1024} KiB of commands unread",
-    f"After its BYE the adapter waits {connection.FAREWELL_TIMEOUT} s and cuts",
+    f"as soon as its BYE is sent, and cuts {connection.FAREWELL_TIMEOUT} s later",
     f"sends no picture for {HUNG:g} s without a pause, or none in the {external.FIRST_PICTURE:g} s after its greeting",
     f"HELLO has to come within {embedded.START_TIMEOUT:g} s of the start",
     f"after {embedded.FIRST_DELAY} s, then twice as long each time, at most {embedded.LONGEST_DELAY:g} s",
