@@ -4,9 +4,10 @@ export function formatNumber(value: number, digits: number): string {
   return value.toFixed(digits);
 }
 
-/** Short times need their first decimal, long ones do not. */
+/** Short times need their first decimal, long ones do not; below zero is an error of the estimated clock. */
 export function formatLatency(ms: number | null): string {
   if (ms === null) return "";
+  if (ms < 0) return "0.0";
   return ms < 10 ? ms.toFixed(1) : ms.toFixed(0);
 }
 

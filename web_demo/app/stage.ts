@@ -72,7 +72,7 @@ export class Stage {
     // A picture from before is to be looked at meanwhile, but it says nothing about now.
     setText(this.#text, awaited && this.picture.shown ? `Frozen: ${AWAITED[look]}` : WORDS[look]);
     this.#latency.hidden = look !== "live" || latency === null;
-    if (latency !== null) setText(this.#latency, `${Math.round(latency)} ms`);
+    if (latency !== null) setText(this.#latency, `${Math.max(0, Math.round(latency))} ms`);
   }
 
   toggleFullscreen(): void {

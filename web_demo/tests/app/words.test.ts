@@ -86,6 +86,7 @@ describe("outcomes in words", () => {
 describe("numbers in words", () => {
   it("have the digits that matter", () => {
     expect([formatLatency(null), formatLatency(3.44), formatLatency(38.6)]).toEqual(["", "3.4", "39"]);
+    expect(formatLatency(-27)).toBe("0.0");
     expect(formatBitrate(812_345)).toEqual(["812", "kbit/s"]);
     expect(formatBitrate(2_345_678)).toEqual(["2.35", "Mbit/s"]);
     expect(formatTime(new Date(2026, 7, 1, 3, 4, 5, 6).getTime())).toBe("03:04:05.006");
