@@ -25,8 +25,8 @@ def approach(
 ) -> list[Point]:
     """Return the points of the way to where `centre` is not further than `metres` and no edge hides it.
 
-    It is empty where that is so at the start. Where there is no room at that distance, for the centre is in an obstacle or
-    too near one, it ends at the clear point next to it.
+    It is empty where that is so at the start. Where there is no room at that distance, for the centre is in an obstacle
+    or too near one, it ends at the clear point next to it.
 
     Raises:
         NoWay: it cannot be reached; the text says why.
