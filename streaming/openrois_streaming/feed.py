@@ -21,7 +21,11 @@ RETRY = 1.0
 """Seconds between further tries, while no frame comes."""
 
 STILL_INTERVAL = 1.5
-"""Seconds between two pictures for a viewer whose path carries nothing else. After 2 s browsers want another path."""
+"""Seconds between two pictures for a viewer whose path carries nothing else. After 2 s our SDK wants another path."""
+
+STILL_LEAST = 0.9
+"""Seconds after which a key frame that is there anyway is taken as the next of these pictures: a little less than
+`keyframes.REPAIR_INTERVAL`, for after one that is left out the next may take that long."""
 
 _log = logging.getLogger(__name__)
 
@@ -101,7 +105,8 @@ class Feed:
         self, kind: str, send: Callable[[EncodedFrame], None], counters: Counters, tasks: OwnedTasks, clock: MediaClock
     ) -> None:
         self.stills = False
-        """Whether key frames alone are sent, one every `STILL_INTERVAL` at least if there are any."""
+        """Whether key frames alone are sent: one is asked for after each `STILL_INTERVAL`, two are never closer than
+        `STILL_LEAST`."""
         self._kind = kind
         self._send = send
         self._counters = counters
@@ -129,8 +134,13 @@ class Feed:
             rendition.demand(self, bitrate)
 
     def repair(self) -> None:
-        """The viewer needs a key frame."""
-        if self._present is not None:
+        """The viewer needs a key frame. Of single pictures the next is one, and would come later if asked for early."""
+        if self._present is None:
+            return
+        if self.stills:
+            # Should they end before that one, what is predicted is of no use.
+            self._present.chain = ReferenceChain(self._kind)
+        else:
             self._present.rendition.request_key_frame(KeyFrameCause.REPAIR)
 
     def close(self) -> None:
@@ -186,12 +196,13 @@ class Feed:
                 part.rendition.request_key_frame(KeyFrameCause.REPAIR)
 
     def _take_still(self, part: _Part, frame: EncodedFrame) -> None:
-        if frame.keyframe and frame.captured_at - self._key_at >= STILL_INTERVAL:
+        since = frame.captured_at - self._key_at
+        if frame.keyframe and since >= STILL_LEAST:
             part.chain.admits(frame)
             self._give(frame)
             return
         self._counters.frames_dropped += 1
-        if frame.captured_at - self._key_at >= STILL_INTERVAL:
+        if since >= STILL_INTERVAL:
             part.rendition.request_key_frame(KeyFrameCause.REPAIR)
 
     def _give(self, frame: EncodedFrame) -> None:

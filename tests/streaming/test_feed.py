@@ -5,8 +5,8 @@ from contextlib import asynccontextmanager
 
 import pytest
 from openrois_streaming.encoded import EncodedFrame
-from openrois_streaming.feed import FIRST_RETRY, RETRY, Feed
-from openrois_streaming.keyframes import KeyFrameCause
+from openrois_streaming.feed import FIRST_RETRY, RETRY, STILL_INTERVAL, Feed
+from openrois_streaming.keyframes import KeyFrameBudget, KeyFrameCause
 from openrois_streaming.stats import Counters
 from openrois_streaming.tasks import OwnedTasks
 
@@ -153,13 +153,56 @@ async def test_a_repair_is_asked_of_what_is_played(feeding: Feeding) -> None:
 async def test_stills_are_key_frames_and_not_many(feeding: Feeding) -> None:
     await feeding.rendition.source.feed(frame(0, keyframe=True))
     feeding.feed.stills = True
-    shown = [frame(number, keyframe=number in (30, 61, 62, 130)) for number in range(1, 131)]
+    shown = [frame(number, keyframe=number in (20, 61, 62, 130)) for number in range(1, 131)]
     await feeding.rendition.source.feed(*shown)
     assert feeding.taken == [0, 61, 130]
     assert feeding.rendition.asked[1:2] == [KeyFrameCause.REPAIR]
     feeding.feed.stills = False
     await feeding.rendition.source.feed(frame(131), frame(133), frame(134, keyframe=True))
     assert feeding.taken == [0, 61, 130, 131, 134]
+
+
+async def test_a_repair_among_stills_is_the_next_key_frame_also_when_they_end_before_it(feeding: Feeding) -> None:
+    await feeding.rendition.source.feed(frame(0, keyframe=True))
+    feeding.feed.stills = True
+    feeding.feed.repair()
+    assert feeding.rendition.asked == [KeyFrameCause.START]
+    feeding.feed.stills = False
+    await feeding.rendition.source.feed(frame(1), frame(2, keyframe=True), frame(3))
+    assert feeding.taken == [0, 2, 3]
+    assert feeding.rendition.asked == [KeyFrameCause.START, KeyFrameCause.REPAIR]
+
+
+@pytest.mark.parametrize("rate", [15, 30])
+@pytest.mark.parametrize("whose", ["its own", "another's"])
+@pytest.mark.parametrize("after", [0.2, 0.95, 1.4])
+async def test_stills_come_in_time_whoever_else_asks_for_key_frames(
+    feeding: Feeding, rate: int, whose: str, after: float
+) -> None:
+    """Some viewer of the rendition asks so many seconds after each key frame, and then again five times a second."""
+    budget, key_at, shown_at, asked_at, gaps = KeyFrameBudget(), 0.0, 0.0, 0.0, []
+    await feeding.rendition.source.feed(frame(0, keyframe=True, at=0.0))
+    feeding.feed.stills = True
+    for number in range(1, 20 * rate):
+        now = number / rate
+        if now - key_at >= after and now - asked_at >= 0.2:
+            asked_at = now
+            if whose == "its own":
+                feeding.feed.repair()
+            else:
+                feeding.rendition.request_key_frame(KeyFrameCause.REPAIR)
+        while feeding.rendition.asked:
+            budget.request(feeding.rendition.asked.pop())
+        keyframe = budget.take(now) is not None
+        await feeding.rendition.source.feed(frame(number, keyframe=keyframe, at=now))
+        if keyframe:
+            key_at = now
+            budget.served()
+        if feeding.taken[-1] == number:
+            gaps.append(now - shown_at)
+            shown_at = now
+    assert max(gaps[1:]) < STILL_INTERVAL + 0.2
+    assert min(gaps) > 0.8
 
 
 async def test_it_leaves_the_rendition_when_it_is_closed_while_it_enters() -> None:
