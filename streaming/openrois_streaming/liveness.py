@@ -42,7 +42,7 @@ class Flow:
     `highest_sequence` is what the receiver has already reported about this sender, for another stream.
     """
 
-    __slots__ = ("_advanced", "_due", "_first", "_highest", "_kind", "_last", "_opened", "_pause")
+    __slots__ = ("_advanced", "_due", "_first", "_highest", "_kind", "_last", "_opened", "_pause", "_renewed")
 
     def __init__(self, kind: str, highest_sequence: int | None = None) -> None:
         self._kind = kind
@@ -53,13 +53,16 @@ class Flow:
         self._pause = 0.0
         """What was meant to follow the last frame, in seconds."""
         self._advanced: float | None = None
-        """When the receiver reported progress last, or when the first frame left since then."""
+        """Since when a report is waited for, if there was one: when the receiver reported progress last, or when the
+        first frame left since then without a gap, or when it was `opened` since then, or sound returned after a gap."""
         self._due = False
         """Whether a frame has left since the receiver reported progress."""
+        self._renewed = False
+        """Whether the wait has begun anew after a gap, since the receiver reported progress or it was opened."""
 
     def opened(self, now: float) -> None:
         """From now on frames are wanted. A receiver that reported progress before is trusted afresh."""
-        self._opened, self._first, self._last = now, None, None
+        self._opened, self._first, self._last, self._renewed = now, None, None, False
         if self._advanced is not None:
             self._advanced = now
 
@@ -69,9 +72,14 @@ class Flow:
 
     def left(self, now: float, pause: float = 0.0) -> None:
         """A frame was handed to the network, and may be followed by a pause of so many seconds."""
-        if self._advanced is not None and not self._due and self._moves(now, pause):
-            # Until now there was nothing to report.
-            self._advanced = now
+        if self._advanced is not None and self._last is not None:
+            if self._moves(now, pause):
+                if not self._due:
+                    # Until now there was nothing to report.
+                    self._advanced = now
+            elif self._kind == "audio" and not self._renewed:
+                # Sound is back, and the next report on it seconds away. Once: gaps alone do not keep a stream flowing.
+                self._advanced, self._renewed = now, True
         self._last, self._pause, self._due = now, pause, True
         if self._first is None:
             self._first = now
@@ -80,7 +88,7 @@ class Flow:
         """The receiver says which packet of this stream is the newest it has (RFC 3550 section 6.4.1)."""
         if highest_sequence != self._highest:
             self._highest = highest_sequence
-            self._advanced, self._due = now, False
+            self._advanced, self._due, self._renewed = now, False, False
 
     def judge(self, now: float, seen: float, pause: float = 0.0) -> Verdict:
         """Whether media reaches the viewer.

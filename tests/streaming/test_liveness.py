@@ -111,6 +111,25 @@ def test_audio_flows_towards_a_viewer_that_is_there_before_its_first_report() ->
     assert flow.judge(2.0, 0.0) is Verdict.FLOWING
 
 
+def test_sound_that_returns_after_a_long_silence_has_its_time_until_it_is_reported() -> None:
+    flow = playing("audio", 5.0, reported=True)
+    flow.left(5.1)
+    assert flow.judge(5.1 + STALL, 5.0) is Verdict.STALLED
+    for tenths in range(150, 230):
+        flow.left(tenths / 10)
+        assert flow.judge(tenths / 10, 15.0) is Verdict.FLOWING
+    for tenths in range(230, 232):
+        flow.left(tenths / 10)
+    assert flow.judge(23.1, 15.0) is Verdict.STALLED, "none of it was reported"
+
+
+def test_sound_with_gaps_that_is_never_reported_does_not_flow_for_ever() -> None:
+    flow = playing("audio", 5.0, reported=True)
+    for seconds in range(6, 30, 2):
+        flow.left(float(seconds))
+    assert flow.judge(28.0, 5.0) is Verdict.STALLED
+
+
 @pytest.mark.parametrize("kind", ["video", "audio"])
 def test_time_in_which_a_stream_is_suspended_does_not_count(kind: str) -> None:
     flow = playing(kind, 1.0, reported=True)
