@@ -1,6 +1,7 @@
 """Keys that tokens are signed with: each is for one algorithm, told by what the key is and never by the token."""
 
 import json
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final, Protocol
@@ -43,7 +44,7 @@ MAX_KEYS: Final = 64
 
 _MAX_KEY_ID: Final = 256
 _PEM: Final = "-----BEGIN "
-_PUBLIC: Final = "-----BEGIN PUBLIC KEY-----"
+_BLOCK: Final = re.compile(r"-----BEGIN ([A-Z0-9 ]{0,40})")
 _CERTIFICATE: Final = "-----BEGIN CERTIFICATE"
 
 
@@ -111,8 +112,7 @@ def parse_key(text: str) -> VerificationKey:
     Raises:
         ValueError: it is no key that tokens can be verified with.
     """
-    if "PRIVATE KEY-----" in text:
-        raise ValueError("a gateway needs the public key only: the private one belongs to who issues tokens")
+    _refuse_private(text)
     if _PEM in text:
         return public_key(_load_pem(text.encode()))
     secret = text.strip()
@@ -126,18 +126,28 @@ def parse_key(text: str) -> VerificationKey:
 def parse_keys(text: str) -> tuple[VerificationKey, ...]:
     """Return the keys that a text holds: public keys in PEM, one after the other, or what `parse_key` reads.
 
-    Of a certificate with its chain the first one counts: whoever signed that signs no tokens.
+    Of a certificate with its chain the first one counts: whoever signed that signs no tokens. Nothing else in PEM is
+    passed over.
 
     Raises:
-        ValueError: one of them is no key that tokens can be verified with, or there are too many.
+        ValueError: one of them is no key that tokens can be verified with, they do not belong in one file, or there
+            are too many.
     """
-    first = parse_key(text)
-    blocks = text.split(_PUBLIC)[1:]
-    if len(blocks) < 2 or _CERTIFICATE in text:
-        return (first,)
-    if len(blocks) > MAX_KEYS:
+    _refuse_private(text)
+    kinds = _BLOCK.findall(text)
+    if len(kinds) < 2 or set(kinds) == {"CERTIFICATE"}:
+        return (parse_key(text),)
+    if not all(kind.endswith("PUBLIC KEY") for kind in kinds):
+        found = ", ".join(sorted(set(kinds)))
+        raise ValueError(f"one file has public keys, or a certificate with its chain, and nothing else; found: {found}")
+    if len(kinds) > MAX_KEYS:
         raise ValueError(f"it has more than {MAX_KEYS} keys")
-    return tuple(parse_key(_PUBLIC + block) for block in blocks)
+    return tuple(parse_key(_PEM + block) for block in text.split(_PEM)[1:])
+
+
+def _refuse_private(text: str) -> None:
+    if "PRIVATE KEY-----" in text:
+        raise ValueError("a gateway needs the public key only: the private one belongs to who issues tokens")
 
 
 def _load_pem(pem: bytes) -> object:

@@ -9,7 +9,7 @@ import pytest
 from cryptography import x509
 from cryptography.hazmat.primitives.asymmetric import dsa, ec, ed448, rsa
 from cryptography.hazmat.primitives.hashes import SHA256
-from cryptography.hazmat.primitives.serialization import Encoding
+from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -63,7 +63,7 @@ def test_several_keys_in_one_file() -> None:
     assert [key.algorithm for key in parse_keys(f"# the former one\n{old}{new}")] == ["ES256", "EdDSA"]
     assert [key.algorithm for key in parse_keys(SECRET)] == ["HS256"]
     # Whoever signed a certificate signs no tokens.
-    chain = certificate(keys().rsa) + certificate(keys().p256) + old + new
+    chain = certificate(keys().rsa) + certificate(keys().p256)
     assert [key.algorithm for key in parse_keys(chain)] == ["RS256"]
     with pytest.raises(ValueError, match="is none"):
         parse_keys(old + "-----BEGIN PUBLIC KEY-----\nxxxx\n-----END PUBLIC KEY-----")
@@ -71,6 +71,24 @@ def test_several_keys_in_one_file() -> None:
         parse_keys(old + new + "-----BEGIN PRIVATE KEY-----")
     with pytest.raises(ValueError, match="more than 64 keys"):
         parse_keys(old * (MAX_KEYS + 1))
+
+
+def pkcs1(key: Any) -> str:
+    return str(key.public_key().public_bytes(Encoding.PEM, PublicFormat.PKCS1).decode())
+
+
+def test_no_key_of_a_file_is_passed_over() -> None:
+    rsa_key, spki = pkcs1(keys().rsa), pem(keys().p256)
+    assert [key.algorithm for key in parse_keys(rsa_key)] == ["RS256"]
+    assert [key.algorithm for key in parse_keys(rsa_key * 2)] == ["RS256"] * 2
+    assert [key.algorithm for key in parse_keys(spki + rsa_key)] == ["ES256", "RS256"]
+    assert [key.algorithm for key in parse_keys(rsa_key + spki * 2)] == ["RS256", "ES256", "ES256"]
+    for other in (certificate(keys().rsa), "-----BEGIN EC PARAMETERS-----\nAAAA\n-----END EC PARAMETERS-----\n"):
+        for text in (spki + other, other + spki, spki * 2 + other):
+            with pytest.raises(ValueError, match=r"(CERTIFICATE|EC PARAMETERS).*PUBLIC KEY"):
+                parse_keys(text)
+    with pytest.raises(ValueError, match="is none"):
+        parse_keys(spki + rsa_key.replace("-----", "----", 2).replace("----BEGIN", "-----BEGIN"))
 
 
 def test_weak_keys_and_other_kinds() -> None:
