@@ -33,9 +33,14 @@ class SoundDetection(Sense, components.SoundDetection):
     def _listen(self) -> Callable[[], None]:
         self._presence = Presence()
         self._numbers.begin()
+        if not self._ear.sounding:
+            # The microphone may have ended in a pause. Its silence would count as background: that is not to be heard.
+            self._tell(0, self._clock.now())
         return self._ear.listen(self._hear)
 
     def _hear(self, sound: RawAudio) -> None:
-        number = self._presence.add(sound.samples)
+        self._tell(self._presence.add(sound.samples), sound.captured_at)
+
+    def _tell(self, number: int, moment: float) -> None:
         if self._numbers.tells(number):
-            self.sound_detected(number, datetime.fromtimestamp(wall_at(self._clock, sound.captured_at), UTC))
+            self.sound_detected(number, datetime.fromtimestamp(wall_at(self._clock, moment), UTC))

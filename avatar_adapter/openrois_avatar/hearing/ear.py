@@ -40,6 +40,11 @@ class Ear:
         """When what comes next was captured, if nothing is missing between."""
         microphone.heard.add(self._hear)
 
+    @property
+    def sounding(self) -> bool:
+        """Whether there is sound, loud or not; if so, those who listen will hear when it ends."""
+        return self._sounding.is_set()
+
     def listen(self, listener: Callable[[RawAudio], None]) -> Callable[[], None]:
         """Pass each block of sound on to `listener` from now on; return what ends that."""
         return self._listeners.add(listener)

@@ -49,7 +49,7 @@ class Watch:
 
     def __init__(self, camera: Camera, clock: MediaClock, analysis: Analysis, failure: str = "") -> None:
         self.seen: Listeners[Seen] = Listeners()
-        """Are told what is seen in each picture; and nobody, once, when no more pictures come."""
+        """Are told what is seen in each picture; and nobody, again and again, while none come: some may begin then."""
         self.figures = SenseFigures()
         self.failure = failure
         """Why nothing can be seen now; empty while all is well."""
@@ -64,7 +64,6 @@ class Watch:
         """What the thread does now: never more than one thing waits for it."""
         self._due = 0.0
         self._anew = True
-        self._last = Seen(clock.now())
         self._looked_at = clock.now()
 
     def serve(self, activity: Activity) -> None:
@@ -140,7 +139,7 @@ class Watch:
         error = looking.exception()
         if error is None:
             self.failure = ""
-            self._tell(looking.result())
+            self.seen.tell(looking.result())
             return 1 / RATE
         if not self.failure:
             _log.error("camera: a picture cannot be analysed", exc_info=error)
@@ -181,12 +180,8 @@ class Watch:
                     self.failure = ""
 
     def _see_nobody(self) -> None:
-        if self._last.persons:
-            self._tell(Seen(self._clock.now()))
-
-    def _tell(self, seen: Seen) -> None:
-        self._last = seen
-        self.seen.tell(seen)
+        # Also if nobody was seen last: who was paused then may have told of somebody before.
+        self.seen.tell(Seen(self._clock.now()))
 
 
 def _stand_back() -> None:

@@ -92,6 +92,20 @@ class TestSoundDetection:
         await room.say(SILENCE)
         assert room.told("sound_detected", "number") == ["1", "0"]
 
+    @pytest.mark.parametrize(("pause", "go_on"), [("suspend", "resume"), ("stop", "start")])
+    async def test_a_sound_that_ended_with_the_microphone_meanwhile_is_told_to_be_over(
+        self, room: Room, pause: str, go_on: str
+    ) -> None:
+        await room.subscribe("SoundDetection", "sound_detected")
+        await room.say(np.concatenate([SILENCE, VOICE[:24_000]]))
+        await room.do("SoundDetection", pause)
+        room.unplug()
+        await room.clock.advance(1.0)
+        await room.do("SoundDetection", go_on)
+        await room.clock.advance(1.0)
+        assert room.told("sound_detected", "number") == ["1", "0"]
+        assert room.events[1].results[-1].value > room.events[0].results[-1].value
+
     async def test_stop_and_start(self, room: Room) -> None:
         await room.subscribe("SoundDetection", "sound_detected")
         await room.do("SoundDetection", "stop")

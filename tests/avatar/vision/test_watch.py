@@ -5,10 +5,12 @@ import threading
 from collections.abc import AsyncIterator, Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
+from datetime import datetime
 from typing import Any
 
 import numpy as np
 import pytest
+from openrois_avatar.components.persons import PersonDetection
 from openrois_avatar.devices import Camera
 from openrois_avatar.sensing.activity import Activity
 from openrois_avatar.vision.analysis import Analysis
@@ -72,6 +74,18 @@ class Stage:
         while not (seen := await self.look()).persons:
             pass
         return seen
+
+
+def counting(watch: Watch) -> tuple[PersonDetection, list[int]]:
+    """A component that counts, and what it tells."""
+    told: list[int] = []
+
+    def tell(number: int, timestamp: datetime | None = None) -> None:
+        told.append(number)
+
+    detection = PersonDetection(watch)
+    detection.person_detected = tell  # type: ignore[method-assign]
+    return detection, told
 
 
 @pytest.fixture
@@ -139,11 +153,49 @@ async def test_when_no_pictures_come_nobody_is_seen(stage: Stage) -> None:
     stage.camera.inlet.unplug("s")
     await stage.clock.advance(3 * BLIND)
     assert stage.seen.get_nowait().persons == ()
-    await stage.clock.advance(3 * BLIND)
-    assert stage.seen.empty()
     stage.camera.inlet.plug("t", stage.source)
     await settle()
     await stage.until_somebody()
+
+
+@pytest.mark.parametrize("others", [False, True])
+async def test_a_camera_that_ended_in_a_pause_leaves_nobody_behind(stage: Stage, others: bool) -> None:
+    detection, told = counting(stage.watch)
+    stage.camera.inlet.plug("s", stage.source)
+    await detection.start()
+    if others:
+        stage.activity.start()
+    await settle()
+    await stage.until_somebody()
+    await detection.suspend()
+    stage.camera.inlet.unplug("s")
+    await stage.clock.advance(3 * BLIND)
+    await detection.resume()
+    await settle()
+    assert told == [1]
+    await stage.clock.advance(6 * BLIND)
+    assert told == [1, 0]
+
+
+async def test_an_analysis_that_fails_since_a_pause_leaves_nobody_behind(stage: Stage) -> None:
+    detection, told = counting(stage.watch)
+    stage.camera.inlet.plug("s", stage.source)
+    await detection.start()
+    await settle()
+    await stage.until_somebody()
+    await detection.suspend()
+    await settle()
+
+    def fail() -> None:
+        raise ArithmeticError("a bug")
+
+    stage.finder.does = fail
+    await detection.resume()
+    await settle()
+    assert (await stage.look()).persons == ()
+    while not stage.watch.failure:
+        await stage.look()
+    assert told == [1, 0]
 
 
 async def test_likenesses_are_given_while_they_are_collected(stage: Stage) -> None:
