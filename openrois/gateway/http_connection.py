@@ -18,25 +18,28 @@ class HttpConnection(Connection):
     """A connection.
 
     Attributes:
-        rules: what holds for the frames of its WebSocket; to be set before the upgrade is answered, and None before.
+        rules: what holds for the frames of its WebSocket; to be set before the upgrade is answered.
     """
 
-    __slots__ = ("rules",)
+    __slots__ = ("_takes_frames", "rules")
+
+    rules: FrameRules
 
     def __init__(self, manager: web.Server, heads: Heads, **options: Any) -> None:
         super().__init__(manager, heads, **options)
-        self.rules: FrameRules | None = None
+        # An upgrade that is refused leaves a connection that takes heads.
+        self._takes_frames = False
 
     def data_received(self, data: bytes) -> None:
         """Take what has come; over a WebSocket no head is waited for, and nothing is looked up for every message."""
-        if self.rules is None:
-            super().data_received(data)
-        else:
+        if self._takes_frames:
             web.RequestHandler.data_received(self, data)
+        else:
+            super().data_received(data)
 
     def set_parser(self, parser: Any, data_received_cb: Callable[[], None] | None = None) -> None:
         """Take what parses the frames from here on, and check them before it does."""
-        assert self.rules is not None
+        self._takes_frames = True
         checked: Any = _Checked(parser, self.rules)
         super().set_parser(checked, data_received_cb)
 

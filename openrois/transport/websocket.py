@@ -24,7 +24,9 @@ MAX_MESSAGE: Final = 4 << 20
 
 OPEN_TIMEOUT: Final = 10.0
 _CLOSE_TIMEOUT: Final = 1.0
+_NORMAL: Final = 1000
 _GOING_AWAY: Final = 1001
+_INTERNAL_ERROR: Final = 1011
 _SILENT: Final = 1011
 _SHOWN: Final = 200
 
@@ -51,16 +53,17 @@ class WebSocketStream:
                 await asyncio.sleep(_PING_INTERVAL)
                 self._heard.clear()
                 due = clock() + _PING_TIMEOUT
-                answer = asyncio.ensure_future(await self._connection.ping())
-                answer.add_done_callback(lambda _answer: self._heard.set())
                 try:
                     async with asyncio.timeout(_PING_TIMEOUT):
+                        # The ping itself waits where the other side takes nothing in.
+                        answer = asyncio.ensure_future(await self._connection.ping())
+                        answer.add_done_callback(lambda _answer: self._heard.set())
                         await self._heard.wait()
                 except TimeoutError:
                     # Else its answer may wait unread: behind what it has said before, or because this process stood
                     # still. The library would end the connection then, and commands with it.
-                    if self._reading and clock() < due + STOOD_STILL:
-                        await self._connection.close(_SILENT, "no answer to a ping")
+                    if self._reading and not self._heard.is_set() and clock() < due + STOOD_STILL:
+                        await self.close(_SILENT, "no answer to a ping")
 
     async def receive(self) -> str:
         """Return the next text message; a binary one ends the connection with 1003."""
@@ -103,8 +106,13 @@ class WebSocketStream:
             transport.write(b"".join([Frame(Opcode.TEXT, text.encode()).serialize(mask=True) for text in texts]))
 
     async def close(self, code: int = 1000, reason: str = "") -> None:
-        """Close with the closing handshake, for at most a second."""
-        await self._connection.close(code, close_reason(reason))
+        """Close with the closing handshake, for at most a second, then cut."""
+        try:
+            # The close frame itself waits for a side that does not read.
+            async with asyncio.timeout(_CLOSE_TIMEOUT):
+                await self._connection.close(code, close_reason(reason))
+        except TimeoutError:
+            self.abort()
 
     def abort(self) -> None:
         """Cut the connection."""
@@ -164,9 +172,14 @@ async def dial(
     ):
         stream = WebSocketStream(connection)
         tasks.start(stream.keep_alive())
+        code = _INTERNAL_ERROR
         try:
             yield stream
+            code = _NORMAL
         except asyncio.CancelledError:
             # Whoever is told to stop takes its leave; the library would call it an internal error.
-            await connection.close(_GOING_AWAY)
+            code = _GOING_AWAY
             raise
+        finally:
+            # The library would wait without end for a side that does not read.
+            await stream.close(code)

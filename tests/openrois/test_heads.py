@@ -75,21 +75,36 @@ async def test_of_too_many_the_oldest_is_cut(monkeypatch: pytest.MonkeyPatch) ->
         b"GET / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000000000\r\n\r\n",
     ],
 )
-async def test_a_flood_in_the_place_of_a_head_is_cut(monkeypatch: pytest.MonkeyPatch, said: bytes) -> None:
-    taken = 0
-    take = web.RequestHandler.data_received
-
-    def count(protocol: web.RequestHandler, data: bytes) -> None:
-        nonlocal taken
-        taken += len(data)
-        take(protocol, data)
-
-    monkeypatch.setattr(web.RequestHandler, "data_received", count)
+async def test_a_flood_in_the_place_of_a_head_is_cut(taken: list[int], said: bytes) -> None:
     async with deployment.gateway() as gateway:
         with pytest.raises((ConnectionResetError, BrokenPipeError)):
             await flood(gateway, said)
     # Each of two heads may have so much: one that is answered, and what comes behind it.
-    assert taken <= 2 * module.MAX_HEAD
+    assert sum(taken) <= 2 * module.MAX_HEAD
+
+
+@pytest.fixture
+def taken(monkeypatch: pytest.MonkeyPatch) -> list[int]:
+    """Of each read, how many bytes the server library was given."""
+    sizes: list[int] = []
+    take = web.RequestHandler.data_received
+
+    def count(protocol: web.RequestHandler, data: bytes) -> None:
+        sizes.append(len(data))
+        take(protocol, data)
+
+    monkeypatch.setattr(web.RequestHandler, "data_received", count)
+    return sizes
+
+
+async def test_after_a_refused_upgrade_heads_are_bounded_still(taken: list[int]) -> None:
+    refused = UPGRADE.replace(b"Connection: Upgrade\r\n", b"") + b"\r\n"
+    async with deployment.gateway() as gateway, knocking(gateway, refused) as near:
+        loop = asyncio.get_running_loop()
+        assert (await loop.sock_recv(near, 4096)).startswith(b"HTTP/1.1 400")
+        with pytest.raises((ConnectionResetError, BrokenPipeError)):
+            await loop.sock_sendall(near, b"GET / HTTP/1.1\r\n" + b"x: y\r\n" * 2**20)
+    assert sum(taken) <= 2 * module.MAX_HEAD
 
 
 async def flood(gateway: Gateway, said: bytes) -> None:

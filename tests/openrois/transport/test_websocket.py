@@ -2,15 +2,16 @@
 
 import asyncio
 from collections.abc import AsyncIterator, Awaitable, Callable
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 
 import pytest
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import InvalidHandshake, InvalidURI
 
+from openrois.tasks import TaskScope
 from openrois.transport import websocket
 from openrois.transport.stream import StreamClosed
-from openrois.transport.websocket import MAX_MESSAGE, dial
+from openrois.transport.websocket import MAX_MESSAGE, WebSocketStream, dial
 
 
 @asynccontextmanager
@@ -89,6 +90,37 @@ async def test_a_side_whose_answers_wait_unread_behind_what_it_said_is_not_blame
         await passing(0.02)
         assert [await near.receive() for _ in range(100)] == [str(number) for number in range(100)]
         await near.send("x")
+
+
+async def test_a_side_that_takes_nothing_in_is_left_and_can_be_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(websocket, "_PING_INTERVAL", 0.01)
+    monkeypatch.setattr(websocket, "_PING_TIMEOUT", 0.01)
+    left = asyncio.Event()
+
+    async def read_nothing(far: ServerConnection) -> None:
+        far.transport.pause_reading()
+        await left.wait()
+        far.transport.abort()
+
+    async with serving(read_nothing) as url:
+        async with asyncio.timeout(60):
+            async with dial(url) as near, TaskScope() as tasks:
+                full = tasks.start(_fill(near))
+                with pytest.raises(StreamClosed):
+                    await near.receive()
+                await full
+            monkeypatch.undo()
+            async with dial(url) as near, TaskScope() as tasks:
+                full = tasks.start(_fill(near))
+                while not near._connection.transport.get_write_buffer_size():
+                    await passing(0.01)
+        left.set()
+
+
+async def _fill(near: WebSocketStream) -> None:
+    with suppress(StreamClosed):
+        while True:
+            await near.send("x" * 1_000_000)
 
 
 async def passing(seconds: float) -> None:
