@@ -235,7 +235,9 @@ class Fanout(Generic[T]):
                 run.end(None)
         except Exception as error:
             _log.warning("%s: the source failed: %r", self.name, error)
-            self.failure = error
-            run.end(error)
+            if not run.ended:
+                # What fails while it closes is not why it ended.
+                self.failure = error
+                run.end(error)
         finally:
             run.end(None)

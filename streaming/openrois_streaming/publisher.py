@@ -109,12 +109,13 @@ class Publisher(Generic[RawT]):
     @property
     def failure(self) -> str:
         """A sentence on what failed of what is wanted, if no frame has come since; empty where nothing did."""
-        failed = next((each for each in self._made.values() if each.failure is not None), None)
-        if failed is None:
+        failed = [each for each in self._made.values() if each.failure is not None]
+        if not failed:
             return ""
-        if self._raw.failure is not None:
+        # What the source failed with may be of an earlier play; what failed now of the source has the same failure.
+        if any(each.failure is self._raw.failure for each in failed):
             return f"the source of {self._raw.name} has failed: {self._raw.failure!r}"
-        return f"the encoder of {self._raw.name} ({failed.mime_type}) has failed: {failed.failure!r}"
+        return f"the encoder of {self._raw.name} ({failed[0].mime_type}) has failed: {failed[0].failure!r}"
 
     @property
     def last_frame_at(self) -> float | None:

@@ -174,6 +174,27 @@ async def test_a_source_that_does_not_close_is_not_waited_for_for_ever_and_never
     assert source.open_now == 0
 
 
+async def test_what_fails_while_the_source_closes_is_not_why_it_ended() -> None:
+    class Brittle(FedSource[int]):
+        @asynccontextmanager
+        async def open(self) -> AsyncIterator[AsyncIterator[int]]:
+            try:
+                async with super().open() as items:
+                    yield items
+            finally:
+                raise ValueError("cannot be closed")
+
+    source = Brittle()
+    fanout = Fanout(source, name="brittle")
+    failure = OSError("the camera is gone")
+    async with fanout.subscribe() as reader:
+        await source.end(failure)
+        with pytest.raises(SourceEnded) as told:
+            await reader.get()
+        await settle()
+    assert told.value.__cause__ is fanout.failure is failure
+
+
 async def test_a_failure_is_told_before_the_source_has_closed() -> None:
     class Failing(_Stubborn):
         async def _items(self) -> AsyncIterator[int]:

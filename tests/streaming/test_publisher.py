@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from openrois_streaming import stamp
 from openrois_streaming.codecs import CodecUnavailable
+from openrois_streaming.fanout import SourceEnded
 from openrois_streaming.publisher import AudioPublisher, VideoPublisher
 from openrois_streaming.source import RawAudio, RawVideo
 from openrois_streaming.stamp import Stamp
@@ -83,6 +84,45 @@ async def test_a_source_that_was_opened_anew_has_to_advance_anew(clock: VirtualC
         await clock.advance(0)
         assert publisher.last_frame_at is None
         assert publisher.frames == 2
+
+
+async def test_an_encoder_that_fails_is_not_told_as_the_source_that_failed_once(
+    clock: VirtualClock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    source: FedSource[RawVideo] = FedSource()
+    publisher = VideoPublisher(source, clock=clock)
+    rendition = publisher.renditions("video/VP8")[0]
+    with rendition.wanted():
+        async with rendition.subscribe() as viewer:
+            await source.end(OSError("unplugged"))
+            async with asyncio.timeout(60):
+                with pytest.raises(SourceEnded):
+                    await viewer.get()
+        assert publisher.failure == "the source of video has failed: OSError('unplugged')"
+    monkeypatch.setattr("openrois_streaming.encoding.MAX_ABANDONED", 0)
+    with rendition.wanted():
+        async with rendition.subscribe() as viewer:
+            async with asyncio.timeout(60):
+                with pytest.raises(SourceEnded):
+                    await viewer.get()
+        told = "the encoder of video (video/VP8) has failed: EncoderHung('0 encoders do not return')"
+        assert publisher.failure == told
+
+
+async def test_a_source_that_fails_again_for_one_viewer_has_not_become_an_encoder_for_another(
+    clock: VirtualClock,
+) -> None:
+    source: FedSource[RawVideo] = FedSource()
+    publisher = VideoPublisher(source, clock=clock)
+    first, second = publisher.renditions("video/VP8")[0], publisher.renditions("video/H264")[0]
+    with first.wanted(), second.wanted():
+        for rendition, failure in ((first, "unplugged"), (second, "busy")):
+            async with rendition.subscribe() as viewer:
+                await source.end(OSError(failure))
+                async with asyncio.timeout(60):
+                    with pytest.raises(SourceEnded):
+                        await viewer.get()
+        assert publisher.failure == "the source of video has failed: OSError('busy')"
 
 
 def test_there_is_one_rendition_of_each_codec(clock: VirtualClock) -> None:
