@@ -9,7 +9,6 @@ from openrois_streaming.publisher import Publishing
 from openrois_streaming.supervision import LOOK_INTERVAL
 
 from openrois.component import Component
-from openrois.types.codes import ComponentStatus
 from openrois_avatar.health import Health, Observed
 
 __all__ = ["Supervised", "seen_of", "supervise"]
@@ -33,20 +32,20 @@ class Supervised:
 
     def look(self, now: float) -> None:
         """Judge it, and report what is new."""
-        before = self.health.status
+        missed = self.health.missed
         trouble = self.health.look(now, self.observe())
         if trouble is not None:
             _log.warning("%s", trouble.description)
             for component in self.components:
                 component.report(trouble.error_type, trouble.description)
-        elif before is not ComponentStatus.READY and self.health.status is ComponentStatus.READY:
+        elif missed and not self.health.missed:
             _log.info("%s is there again", self.health.what)
 
 
 def seen_of(publisher: Publishing) -> Observed:
     """What is seen of a publisher: it gives frames only while somebody plays it."""
     wanted = publisher.running_encoders > 0
-    return Observed(publisher.last_frame_at, publisher.frames, wanted=wanted, failure=publisher.failure)
+    return Observed(publisher.last_frame_at, publisher.frames, wanted, publisher.failure, unseen=not wanted)
 
 
 async def supervise(sources: Sequence[Supervised], clock: MediaClock) -> None:

@@ -72,6 +72,34 @@ def test_nobody_misses_what_nobody_wants(patient: Patient) -> None:
     assert (patient.wait(60), patient.reported) == (READY, [])
 
 
+def test_what_nobody_plays_has_not_come_back(patient: Patient) -> None:
+    broken, unseen = Observed(None, failure="unplugged"), Observed(None, wanted=False, unseen=True)
+    for _ in range(2):
+        for patient.seen, status in ((broken, ERROR), (unseen, READY), (Observed(None), READY), (broken, ERROR)):
+            assert (patient.wait(QUIET - 0.2), patient.health.missed) == (status, True)
+    assert patient.reported == [Trouble(ErrorType.COMPONENT_INTERNAL_ERROR, "unplugged")]
+    assert (patient.plays(), patient.health.missed) == (READY, False)
+    patient.seen = broken
+    assert (patient.wait(QUIET), len(patient.reported)) == (ERROR, 2)
+
+
+def test_a_frame_from_before_the_trouble_is_no_return(patient: Patient) -> None:
+    before = patient.now
+    patient.seen = Observed(before, failure="unplugged")
+    patient.wait(0.5)
+    patient.seen = Observed(before)
+    assert (patient.wait(0.1), patient.health.missed) == (READY, True)
+
+
+def test_what_is_seen_without_frames_comes_back_without_them(patient: Patient) -> None:
+    for _ in range(2):
+        patient.seen = Observed(None, wanted=False, failure="the game engine is gone")
+        assert patient.wait(1.0) is ERROR
+        patient.seen = Observed(None, wanted=False)
+        assert (patient.wait(1.0), patient.health.missed) == (READY, False)
+    assert len(patient.reported) == 2
+
+
 def test_the_worst_of_several_counts() -> None:
     assert worst(READY) is READY
     assert worst(READY, WARNING) is worst(WARNING, READY) is WARNING

@@ -64,11 +64,27 @@ async def test_an_adapter_that_was_stopped_blames_nobody(post: Post) -> None:
     assert (post.health.status, post.reported) == (ComponentStatus.READY, [])
 
 
+async def test_a_broken_source_is_reported_once_however_many_viewers_come_and_go(
+    post: Post, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level(logging.INFO)
+    for _ in range(2):
+        post.seen = Observed(None, failure="unplugged")
+        await post.clock.advance(0.5)
+        post.seen = Observed(None, wanted=False, unseen=True)
+        await post.clock.advance(30)
+    assert post.reported == [(ErrorType.COMPONENT_INTERNAL_ERROR, "unplugged")]
+    assert caplog.messages == ["unplugged"]
+    post.seen = Observed(post.clock.now())
+    await post.clock.advance(0.3)
+    assert caplog.messages == ["unplugged", "the picture is there again"]
+
+
 async def test_a_publisher_is_seen_to_play_to_stall_and_to_fail(monkeypatch: pytest.MonkeyPatch) -> None:
     clock, source, encoders = VirtualClock(), FedSource[RawVideo](), FakeEncoders()
     monkeypatch.setattr("openrois_streaming.publisher.VideoEncoder", lambda _, *, bitrate, **__: encoders(bitrate))
     publisher = VideoPublisher(source, clock=clock, name="bars")
-    assert seen_of(publisher) == Observed(None, wanted=False)
+    assert seen_of(publisher) == Observed(None, wanted=False, unseen=True)
     rendition = publisher.renditions("video/H264")[0]
     async with rendition.subscribe() as viewer:
         await source.feed(picture(0))
@@ -134,7 +150,7 @@ async def test_what_failed_is_nobodys_concern_when_nobody_plays_it() -> None:
         with pytest.raises(SourceEnded):
             await viewer.get()
         assert seen_of(publisher).failure == "the source of video has failed: OSError('unplugged')"
-    assert seen_of(publisher) == Observed(None, wanted=False)
+    assert seen_of(publisher) == Observed(None, wanted=False, unseen=True)
 
 
 async def test_a_source_that_cannot_be_opened_has_failed() -> None:
