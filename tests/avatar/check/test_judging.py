@@ -35,5 +35,24 @@ def test_whoever_looks_late_finds_many_at_once() -> None:
     )
 
 
+def test_one_wrong_moment_neither_hides_nor_makes_a_rate() -> None:
+    assert rate(each(30), [-5000.0, *each(30)[1:]]) == (Outcome.PASSED, "30.0 a second, 30 announced")
+    assert rate(each(50), [-5000.0, *each(50)[1:]]) == (Outcome.FAILED, "50.0 a second, 30 announced")
+    assert rate(each(50), [*each(50)[:-1], 5000.0]) == (Outcome.FAILED, "50.0 a second, 30 announced")
+    assert rate(each(10), [-5000.0, *each(10)[1:]]) == (Outcome.FAILED, "10.0 a second, 30 announced")
+
+
+def test_what_is_told_is_how_they_came_if_that_is_right() -> None:
+    slower = [moment * 1.2 - 0.4 for moment in each(40)]
+    assert rate(each(40), slower) == (Outcome.PASSED, "40.0 a second, 30 announced")
+
+
+def test_whoever_looks_very_late_judges_what_is_not_too_old() -> None:
+    assert rate([max(moment, 4.0) for moment in each(30, 6.0)], each(30, 6.0)) == (
+        Outcome.PASSED,
+        "30.0 a second, 30 announced",
+    )
+
+
 def test_what_claims_no_moments_is_counted_as_it_comes() -> None:
     assert rate(each(50), [0.0] * 100)[0] is Outcome.FAILED
