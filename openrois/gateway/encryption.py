@@ -1,5 +1,6 @@
 """TLS of the gateway's port: at least 1.2, with a certificate that may change while connections go on."""
 
+import datetime as dt
 import logging
 import ssl
 from collections.abc import Callable
@@ -41,16 +42,18 @@ class Certificate:
         Raises:
             ValueError: they cannot be used; what was read before holds on.
         """
-        # Tried on a context of its own: half of a pair must not stand in the one that is used.
-        for context in (_context(), self.context):
-            try:
-                context.load_cert_chain(self._cert, self._key, password=_no_password)
-            except ssl.SSLError as error:
-                reason = error.reason or "they are no certificate and key"
-                raise ValueError(f"{self._cert} and {self._key} cannot be used: {reason}") from None
-            except OSError as error:
-                raise ValueError(f"{self._cert} and {self._key} cannot be read: {error.strerror}") from None
-        end = x509.load_pem_x509_certificate(self._cert.read_bytes()).not_valid_after_utc
+        try:
+            # Tried on a context of its own: half of a pair must not stand in the one that is used.
+            _context().load_cert_chain(self._cert, self._key, password=_no_password)
+            end = _end(self._cert)
+            self.context.load_cert_chain(self._cert, self._key, password=_no_password)
+        except ssl.SSLError as error:
+            reason = error.reason or "they are no certificate and key"
+            raise ValueError(f"{self._cert} and {self._key} cannot be used: {reason}") from None
+        except OSError as error:
+            raise ValueError(f"{self._cert} and {self._key} cannot be read: {error.strerror}") from None
+        except ValueError as error:
+            raise ValueError(f"{self._cert} and {self._key} cannot be used: {error}") from None
         self.ends = end.timestamp()
         if self.ends <= self._clock():
             _log.warning("the certificate %s ended on %s: clients do not trust it any more", self._cert, end.date())
@@ -62,6 +65,14 @@ def _context() -> ssl.SSLContext:
     context.options |= ssl.OP_NO_RENEGOTIATION | ssl.OP_NO_COMPRESSION
     context.set_alpn_protocols(["http/1.1"])
     return context
+
+
+def _end(cert: Path) -> dt.datetime:
+    """Return when a certificate ends; OpenSSL also takes some of which this cannot be told."""
+    try:
+        return x509.load_pem_x509_certificate(cert.read_bytes()).not_valid_after_utc
+    except (ValueError, x509.InvalidVersion):
+        raise ValueError("the first has no X.509 certificate in PEM (BEGIN CERTIFICATE)") from None
 
 
 def _no_password() -> str:

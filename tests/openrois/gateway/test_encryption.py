@@ -123,7 +123,26 @@ def test_what_is_no_certificate(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="cannot be used"):
         Certificate(key, cert, time.time)
     authority.issue(password=b"canary-password")
-    with pytest.raises(ValueError, match="locked with a password"):
+    with pytest.raises(ValueError, match=r"cert\.pem.*locked with a password"):
+        Certificate(cert, key, time.time)
+
+
+def distrusted(cert: Path) -> None:
+    """Make a certificate one that OpenSSL takes, and what reads its dates does not."""
+    cert.write_text(cert.read_text().replace(" CERTIFICATE", " TRUSTED CERTIFICATE"))
+
+
+async def test_what_only_one_of_two_readers_takes_is_not_used(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    authority = Authority(tmp_path)
+    cert, key = authority.issue()
+    async with guarded(tmp_path, tls_cert=cert, tls_key=key) as coming:
+        before = await asyncio.to_thread(serial_of, coming, authority)
+        authority.issue()
+        distrusted(cert)
+        coming.gateway.reload()
+        assert await asyncio.to_thread(serial_of, coming, authority) == before
+        assert any(f"{cert} and {key} cannot be used: " in said for said in caplog.messages)
+    with pytest.raises(ValueError, match=r"cert\.pem and .* cannot be used: .*BEGIN CERTIFICATE"):
         Certificate(cert, key, time.time)
 
 
