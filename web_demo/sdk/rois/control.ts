@@ -59,17 +59,19 @@ export class Control {
    */
   async request(componentRef: string, { wait = false }: { readonly wait?: boolean } = {}): Promise<void> {
     const client = this.#client;
-    let asked = false;
+    /** Whether the gateway may have a place in line for it, or the component. */
+    let kept = false;
     let stop = (): void => undefined;
     const granted = new Promise<void>((resolve, reject) => {
       const refuse = (reason: string): void =>
         reject(new RoISError("OUT_OF_RESOURCES", "openrois.lease.request", `(${componentRef})`, reason));
       const look = (): void => {
-        if (!asked) return;
-        this.#waits(componentRef).then(
-          (waits) => waits || refuse("one stands in line for it no more"),
-          reject,
-        );
+        if (!kept) return;
+        this.#waits(componentRef).then((waits) => {
+          if (waits) return;
+          kept = false;
+          refuse("one stands in line for it no more");
+        }, reject);
       };
       this.#looks.add(look);
       const ends = [
@@ -81,12 +83,8 @@ export class Control {
         }),
         this.on("openrois.lease.declined", (told) => {
           if (told.component_ref !== componentRef) return;
-          if (wait) {
-            look();
-          } else {
-            refuse(told.reason);
-            this.leave(componentRef).catch(() => undefined);
-          }
+          if (wait) look();
+          else refuse(told.reason);
         }),
         client.on("state", ({ name }) => {
           if (name !== "connected")
@@ -98,9 +96,16 @@ export class Control {
     granted.catch(() => undefined);
     try {
       const { lease } = await client.call("openrois.lease.request", { component_ref: componentRef });
-      asked = true;
+      kept = true;
       if (lease?.state !== "MINE") await granted;
       this.#bindings.gained(componentRef);
+    } catch (error) {
+      if (kept) {
+        this.leave(componentRef).catch(() => undefined);
+        // It may have become ours in the same moment.
+        client.call("rois.command.release", { component_ref: componentRef }).catch(() => undefined);
+      }
+      throw error;
     } finally {
       stop();
     }

@@ -1,9 +1,9 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import type { JsonObject } from "../../sdk/jsonrpc/peer.ts";
-import { ConnectionLost } from "../../sdk/jsonrpc/session.ts";
+import { ConnectionLost, RpcError } from "../../sdk/jsonrpc/session.ts";
 import { Client } from "../../sdk/rois/client.ts";
 import { RoISError } from "../../sdk/rois/errors.ts";
-import { FakeGateway } from "../support/fake_gateway.ts";
+import { FakeGateway, Refusal } from "../support/fake_gateway.ts";
 
 const ARM = "r/arm";
 const unit = { component_ref: ARM, command_type: "start", arguments: [] };
@@ -227,6 +227,7 @@ describe("control", () => {
     gateway.notify("openrois.lease.declined", { component_ref: ARM, request_id: "q", reason: "no" });
     await refused;
     expect(gateway.called("openrois.lease.leave")).toHaveLength(1);
+    expect(gateway.called("rois.command.release")).toHaveLength(1);
   });
 
   it("is waited for when the holder says no, and had when it is given back", async () => {
@@ -256,6 +257,7 @@ describe("control", () => {
       { component_ref: "r/other" },
       { component_ref: ARM },
     ]);
+    expect(gateway.called("rois.command.release")).toEqual([]);
   });
 
   const declined = { component_ref: ARM, request_id: "q", reason: "it is gone" };
@@ -276,6 +278,31 @@ describe("control", () => {
     await vi.advanceTimersByTimeAsync(0);
     gateway.notify(method, params);
     await refused;
+  });
+
+  it("is not kept at the gateway, place nor lease, by a request that fails", async () => {
+    gateway.on("openrois.lease.request", () => ({ lease: inLine, request_id: "q" }));
+    gateway.on("openrois.lease.query", () => {
+      throw new Refusal(-32000, "too many requests");
+    });
+    for (const name of ["openrois.lease.leave", "rois.command.release"])
+      gateway.on(name, () => ({ return_code: "ERROR" }));
+    const refused = expect(client.control.request(ARM, { wait: true })).rejects.toBeInstanceOf(RpcError);
+    await vi.advanceTimersByTimeAsync(0);
+    gateway.notify("rois.system.profile_changed", {});
+    await refused;
+    const sent = gateway.calls.slice(-2).map(({ method, params }) => [method, params]);
+    expect(sent).toEqual([
+      ["openrois.lease.leave", { component_ref: ARM }],
+      ["rois.command.release", { component_ref: ARM }],
+    ]);
+  });
+
+  it("that was never waited for is not given back", async () => {
+    gateway.on("openrois.lease.request", () => ({ return_code: "OUT_OF_RESOURCES" }));
+    await expect(client.control.request(ARM)).rejects.toBeInstanceOf(RoISError);
+    expect(gateway.called("openrois.lease.leave")).toEqual([]);
+    expect(gateway.called("rois.command.release")).toEqual([]);
   });
 
   it("is asked for by somebody, granted, declined and taken", async () => {
