@@ -45,7 +45,6 @@ MAX_KEYS: Final = 64
 _MAX_KEY_ID: Final = 256
 _PEM: Final = "-----BEGIN "
 _BLOCK: Final = re.compile(r"-----BEGIN ([A-Z0-9 ]{0,40})")
-_CERTIFICATE: Final = "-----BEGIN CERTIFICATE"
 
 
 class KeysUnavailable(Exception):
@@ -152,7 +151,7 @@ def _refuse_private(text: str) -> None:
 
 def _load_pem(pem: bytes) -> object:
     try:
-        if _CERTIFICATE.encode() in pem:
+        if b"-----BEGIN CERTIFICATE" in pem:
             return load_pem_x509_certificate(pem).public_key()
         return load_pem_public_key(pem)
     except (ValueError, UnsupportedAlgorithm):
