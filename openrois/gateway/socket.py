@@ -12,8 +12,8 @@ from aiohttp import WebSocketError, WSCloseCode, WSMessage, WSMsgType, web
 from openrois.gateway.admission import SUBPROTOCOL
 from openrois.gateway.frames import BROKEN, CONTROL_FRAMES_AT_ONCE, CONTROL_FRAMES_PER_SECOND, FrameRules
 from openrois.gateway.http_connection import HttpConnection
-from openrois.loop_lag import STOOD_STILL
 from openrois.rate import RateLimit
+from openrois.transport.silence import Silence
 from openrois.transport.stream import StreamClosed, close_reason
 
 __all__ = ["ADAPTER", "APPLICATION", "ServerSocket", "SocketProfile"]
@@ -65,8 +65,7 @@ class ServerSocket:
         self._request = request
         self._profile = profile
         self._rules = FrameRules(RateLimit(CONTROL_FRAMES_AT_ONCE, CONTROL_FRAMES_PER_SECOND, time.monotonic))
-        self._heard = asyncio.Event()
-        self._reading = False
+        self._silence = Silence()
         self._ended: StreamClosed | None = None
 
     async def prepare(self) -> None:
@@ -83,23 +82,13 @@ class ServerSocket:
 
     async def keep_alive(self) -> None:
         """Ping for ever; a side that stays silent after a ping is cut off: it may not read a close frame either."""
-        clock = asyncio.get_running_loop().time
         while True:
             await asyncio.sleep(self._profile.ping_interval)
-            self._heard.clear()
-            due = clock() + self._profile.ping_timeout
-            self._ping()
-            try:
-                async with asyncio.timeout(self._profile.ping_timeout):
-                    await self._heard.wait()
-            except TimeoutError:
-                if self._reading and clock() < due + STOOD_STILL:
-                    self.abort()
-                    return
-                # Its answer may wait here unread, behind requests that take their time, or because this process stood
-                # still: that is not its fault.
+            if await self._silence.follows(self._ping, self._profile.ping_timeout):
+                self.abort()
+                return
 
-    def _ping(self) -> None:
+    async def _ping(self) -> None:
         """Ping without waiting: in aiohttp all who wait to write share a future, and a timeout of one cancels all."""
         transport = self._request.transport
         if transport is not None and not self.response.closed and not transport.is_closing():
@@ -107,11 +96,11 @@ class ServerSocket:
 
     async def receive(self) -> str:
         """Return the next text message; a binary one ends the connection with 1003, a wrong frame with its code."""
-        self._reading = True
+        self._silence.reading = True
         try:
             while True:
                 message = await self.response.receive()
-                self._heard.set()
+                self._silence.heard.set()
                 if message.type is WSMsgType.TEXT:
                     text: str = message.data
                     return text
@@ -125,7 +114,7 @@ class ServerSocket:
                 elif self._rules.fault is not None and message.data == BROKEN:
                     await self._refuse(self._rules.fault.code, self._rules.fault.reason)
         finally:
-            self._reading = False
+            self._silence.reading = False
 
     async def _refuse(self, code: int, reason: str) -> None:
         await self.close(code, reason)

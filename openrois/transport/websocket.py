@@ -9,12 +9,12 @@ from typing import Final
 
 from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed, InvalidStatus
-from websockets.frames import Frame, Opcode
+from websockets.frames import CloseCode, Frame, Opcode
 from websockets.protocol import State
 
-from openrois.loop_lag import STOOD_STILL
 from openrois.tasks import TaskScope
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
+from openrois.transport.silence import Silence
 from openrois.transport.stream import StreamClosed, close_reason
 
 __all__ = ["WebSocketStream", "dial", "refusal"]
@@ -24,10 +24,6 @@ MAX_MESSAGE: Final = 4 << 20
 
 OPEN_TIMEOUT: Final = 10.0
 _CLOSE_TIMEOUT: Final = 1.0
-_NORMAL: Final = 1000
-_GOING_AWAY: Final = 1001
-_INTERNAL_ERROR: Final = 1011
-_SILENT: Final = 1011
 _SHOWN: Final = 200
 
 _frames = logging.getLogger(f"{__name__}.frames")
@@ -42,39 +38,32 @@ class WebSocketStream:
 
     def __init__(self, connection: ClientConnection) -> None:
         self._connection = connection
-        self._heard = asyncio.Event()
-        self._reading = False
+        self._silence = Silence()
 
     async def keep_alive(self) -> None:
         """Ping until the connection ends; a side that is read from and stays silent after a ping is left."""
-        clock = asyncio.get_running_loop().time
         with suppress(ConnectionClosed):
             while True:
                 await asyncio.sleep(_PING_INTERVAL)
-                self._heard.clear()
-                due = clock() + _PING_TIMEOUT
-                try:
-                    async with asyncio.timeout(_PING_TIMEOUT):
-                        # The ping itself waits where the other side takes nothing in.
-                        answer = asyncio.ensure_future(await self._connection.ping())
-                        answer.add_done_callback(lambda _answer: self._heard.set())
-                        await self._heard.wait()
-                except TimeoutError:
-                    # Else its answer may wait unread: behind what it has said before, or because this process stood
-                    # still. The library would end the connection then, and commands with it.
-                    if self._reading and not self._heard.is_set() and clock() < due + STOOD_STILL:
-                        await self.close(_SILENT, "no answer to a ping")
+                if await self._silence.follows(self._ping, _PING_TIMEOUT):
+                    await self.close(CloseCode.INTERNAL_ERROR, "no answer to a ping")
+                    return
+
+    async def _ping(self) -> None:
+        """Ping; that itself waits where the other side takes nothing in."""
+        answer = asyncio.ensure_future(await self._connection.ping())
+        answer.add_done_callback(lambda _answer: self._silence.heard.set())
 
     async def receive(self) -> str:
         """Return the next text message; a binary one ends the connection with 1003."""
-        self._reading = True
+        self._silence.reading = True
         try:
             message = await self._connection.recv()
         except ConnectionClosed as closed:
             raise _closed(closed) from closed
         finally:
-            self._reading = False
-        self._heard.set()
+            self._silence.reading = False
+        self._silence.heard.set()
         if isinstance(message, bytes):
             await self.close(1003, "text messages only")
             raise StreamClosed(1003, "text messages only")
@@ -172,13 +161,13 @@ async def dial(
     ):
         stream = WebSocketStream(connection)
         tasks.start(stream.keep_alive())
-        code = _INTERNAL_ERROR
+        code = CloseCode.INTERNAL_ERROR
         try:
             yield stream
-            code = _NORMAL
+            code = CloseCode.NORMAL_CLOSURE
         except asyncio.CancelledError:
             # Whoever is told to stop takes its leave; the library would call it an internal error.
-            code = _GOING_AWAY
+            code = CloseCode.GOING_AWAY
             raise
         finally:
             # The library would wait without end for a side that does not read.

@@ -333,7 +333,7 @@ class TestPings:
     ) -> None:
         monkeypatch.setattr("openrois.jsonrpc.intake.MAX_RUNNING_REQUESTS", 2)
         # The application is in this process too, and stands still with it where the machine is busy.
-        monkeypatch.setattr("openrois.gateway.socket.STOOD_STILL", 0.02)
+        monkeypatch.setattr("openrois.transport.silence.STOOD_STILL", 0.02)
         async with (
             deployment.gateway(application=QUICK) as gateway,
             deployment.adapter(gateway, *robot.parts()),

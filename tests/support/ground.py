@@ -18,13 +18,14 @@ from openrois.application import EngineHost
 from openrois.component import Component
 from openrois.dialer import serve_parent
 from openrois.engine import Engine
-from openrois.gateway import server, socket
+from openrois.gateway import server
 from openrois.gateway.server import Gateway, run_gateway
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import ADAPTER, APPLICATION
 from openrois.registry import LocalRegistry
 from openrois.tasks import TaskScope
 from openrois.testing import FaultRelay
+from openrois.transport import silence
 from tests.support.components import Bell, Lamp
 from tests.support.invariants import LONGEST_BLOCK, PATIENCE, Book, Witness, calm, check_audit
 
@@ -142,7 +143,7 @@ async def ground(
     with pytest.MonkeyPatch.context() as lasting:
         if quick:
             # Who answers is in this process too, and stands still with it for moments where the machine is busy.
-            lasting.setattr(socket, "STOOD_STILL", 0.1)
+            lasting.setattr(silence, "STOOD_STILL", 0.1)
         async with calm(log, longest):
             with pytest.MonkeyPatch.context() as patch:
                 patch.setattr(server, "EngineHost", make)

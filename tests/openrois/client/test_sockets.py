@@ -19,7 +19,7 @@ from openrois.client import Client, Connected, ConnectionFailed, Disconnected, P
 from openrois.client.components import PersonDetection
 from openrois.gateway.server import run_gateway
 from openrois.gateway.settings import GatewaySettings
-from openrois.transport import websocket
+from openrois.transport import silence, websocket
 from tests.support.demo import free_port
 from tests.support.fleet import everything
 from tests.support.grounds import Clock
@@ -211,7 +211,7 @@ async def test_a_pulled_cable_is_noticed(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(websocket, "_PING_INTERVAL", 0.05)
     monkeypatch.setattr(websocket, "_PING_TIMEOUT", 0.05)
     # The gateway is in this process too, and stands still with it where the machine is busy.
-    monkeypatch.setattr(websocket, "STOOD_STILL", 0.02)
+    monkeypatch.setattr(silence, "STOOD_STILL", 0.02)
     port = free_port()
     async with (
         gateway_at(port),

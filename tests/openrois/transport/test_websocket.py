@@ -20,6 +20,23 @@ async def serving(handle: Callable[[ServerConnection], Awaitable[None]]) -> Asyn
         yield f"ws://127.0.0.1:{server.sockets[0].getsockname()[1]}/"
 
 
+@asynccontextmanager
+async def deaf() -> AsyncIterator[str]:
+    """A server that reads nothing, and is gone when the block ends."""
+    left = asyncio.Event()
+
+    async def read_nothing(far: ServerConnection) -> None:
+        far.transport.pause_reading()
+        await left.wait()
+        far.transport.abort()
+
+    async with serving(read_nothing) as url:
+        try:
+            yield url
+        finally:
+            left.set()
+
+
 async def echo(far: ServerConnection) -> None:
     async for message in far:
         await far.send(message)
@@ -58,18 +75,10 @@ async def test_a_side_that_says_nothing_is_left(monkeypatch: pytest.MonkeyPatch)
     monkeypatch.setattr(websocket, "_PING_INTERVAL", 0.01)
     monkeypatch.setattr(websocket, "_PING_TIMEOUT", 0.01)
 
-    left = asyncio.Event()
-
-    async def say_nothing(far: ServerConnection) -> None:
-        far.transport.pause_reading()
-        await left.wait()
-        far.transport.abort()
-
-    async with serving(say_nothing) as url, asyncio.timeout(60), dial(url) as near:
+    async with deaf() as url, asyncio.timeout(60), dial(url) as near:
         with pytest.raises(StreamClosed) as raised:
             await near.receive()
         assert (raised.value.code, raised.value.reason) == (1011, "no answer to a ping")
-        left.set()
 
 
 async def test_a_side_whose_answers_wait_unread_behind_what_it_said_is_not_blamed(
@@ -95,14 +104,7 @@ async def test_a_side_whose_answers_wait_unread_behind_what_it_said_is_not_blame
 async def test_a_side_that_takes_nothing_in_is_left_and_can_be_left(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(websocket, "_PING_INTERVAL", 0.01)
     monkeypatch.setattr(websocket, "_PING_TIMEOUT", 0.01)
-    left = asyncio.Event()
-
-    async def read_nothing(far: ServerConnection) -> None:
-        far.transport.pause_reading()
-        await left.wait()
-        far.transport.abort()
-
-    async with serving(read_nothing) as url:
+    async with deaf() as url:
         async with asyncio.timeout(60):
             async with dial(url) as near, TaskScope() as tasks:
                 full = tasks.start(_fill(near))
@@ -114,7 +116,6 @@ async def test_a_side_that_takes_nothing_in_is_left_and_can_be_left(monkeypatch:
                 full = tasks.start(_fill(near))
                 while not near._connection.transport.get_write_buffer_size():
                     await passing(0.01)
-        left.set()
 
 
 async def _fill(near: WebSocketStream) -> None:
