@@ -18,7 +18,7 @@ PACKAGES = (
     "codegen/openrois_codegen/",
 )
 GENERATED = ("openrois/adapter/components.py", "openrois/client/components.py")
-MODULE_LINES, CLASS_LINES, METHODS, MAKEFILE_LINES = 400, 300, 20, 40
+MODULE_LINES, CLASS_LINES, METHODS, MAKEFILE_LINES = 500, 400, 25, 40
 
 # Each in two halves, so that this file does not hold them.
 FORBIDDEN = {
