@@ -41,6 +41,15 @@ def chromium() -> Path:
 
 
 @pytest.fixture(scope="session")
+def firefox_program() -> Path:
+    """The program of a Firefox browser that can be driven over WebDriver BiDi."""
+    found = shutil.which("firefox-esr") or shutil.which("firefox")
+    if found is None:
+        _lack("no Firefox is found; install it to run the tests in it (Debian: apt install firefox-esr)")
+    return Path(found)
+
+
+@pytest.fixture(scope="session")
 def mono() -> Mono:
     """Compiles and runs C#."""
     found = Mono.found()
