@@ -6,6 +6,7 @@ from openrois_signaling.messages import (
     Answer,
     Bye,
     Candidate,
+    CaptureClocks,
     Direction,
     IceServer,
     MediaKind,
@@ -52,6 +53,9 @@ _SIGNALING: Final = (
 _SIGNALS: Final = (
     NotificationType(Offer.method, Offer, "An engine offers a peer connection.", "signaling"),
     NotificationType(Candidate.method, Candidate, "An engine has a candidate.", "signaling"),
+    NotificationType(
+        CaptureClocks.method, CaptureClocks, "An engine says when what it sends was captured.", "signaling"
+    ),
     NotificationType(Bye.method, Bye, "An engine has ended a peer connection.", "signaling"),
 )
 

@@ -37,6 +37,19 @@ class _Candidate(Model):
     sdp_m_line_index: int | None = None
 
 
+class _SenderClock(Model):
+    mid: str
+    ssrc: int
+    clock_rate: int
+    rtp_origin: int
+    wall: int
+
+
+class _CaptureClocks(Model):
+    peer_id: str
+    senders: tuple[_SenderClock, ...] = Field(strict=False)
+
+
 class _Bye(Model):
     peer_id: str
     reason: str
@@ -61,6 +74,7 @@ _EXTENSION_NOTIFICATIONS: Final[Mapping[str, type[BaseModel]]] = {
     **{notification.name: notification.params for notification in NOTIFICATIONS if notification.extension},
     "signaling.offer": _Offer,
     "signaling.candidate": _Candidate,
+    "signaling.capture_clocks": _CaptureClocks,
     "signaling.bye": _Bye,
 }
 _BASE_METHODS: Final = frozenset(method.name for method in METHODS if not method.extension)

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any, Final
 
-from openrois_signaling.messages import Answer, Bye, Candidate, IceServer, Offer, Restart
+from openrois_signaling.messages import Answer, Bye, Candidate, CaptureClocks, IceServer, Offer, Restart
 from openrois_signaling.methods import IceServers, TooLong, signaling_methods
 from openrois_signaling.methods import InvalidParams as InvalidSignaling
 from openrois_signaling.relay import PEERS_PER_OWNER, Refused, Relay, Upward
@@ -41,7 +41,7 @@ _WITHOUT_HANDSHAKE: Final = 1006
 RESUMED: Final = 4409
 """The close code of a connection whose session another one has resumed."""
 
-_TO_APPLICATION: Final = {message.method: message for message in (Offer, Candidate, Bye)}
+_TO_APPLICATION: Final = {message.method: message for message in (Offer, Candidate, CaptureClocks, Bye)}
 
 
 MAX_ENDING: Final = 2 * PEERS_PER_OWNER

@@ -38,6 +38,7 @@ EXTENSION_NOTIFICATIONS: Final = (
     "rois.stream.notify_stream_status",
     "signaling.offer",
     "signaling.candidate",
+    "signaling.capture_clocks",
     "signaling.bye",
 )
 """What a sub-engine tells its parent for an application, with `client_id` beside the params."""

@@ -32,6 +32,10 @@ MID_LIMIT = 64
 GENERATION_LIMIT = 2**31 - 1
 """The greatest generation; a peer that renegotiates every second reaches it after 68 years."""
 
+_UINT32 = 2**32 - 1  # of an SSRC and of an RTP timestamp (RFC 3550 section 5.1)
+_CLOCK_RATE = 1_000_000  # Hz; video has 90,000
+_EXACT = 2**53 - 1  # the greatest integer that JavaScript counts exactly
+
 TOO_LONG = "too_long_for_signaling"
 """The pydantic error type of a value that has the right shape and exceeds a limit of this module."""
 
@@ -138,7 +142,31 @@ class Bye(_Message):
     reason: Annotated[str, Field(max_length=REASON_LIMIT)]
 
 
-Downward: TypeAlias = Offer | Candidate | Bye
+class SenderClock(_Value):
+    """What one sender's RTP timestamps mean: a frame with the timestamp `rtp_origin` was captured at `wall`.
+
+    `wall` is in milliseconds since the epoch, on the engine's clock; timestamps count `clock_rate` units a second and
+    wrap around at 2**32.
+    """
+
+    mid: Mid
+    ssrc: Annotated[int, Field(strict=True, ge=0, le=_UINT32)]
+    clock_rate: Annotated[int, Field(strict=True, ge=1, le=_CLOCK_RATE)]
+    rtp_origin: Annotated[int, Field(strict=True, ge=0, le=_UINT32)]
+    wall: Annotated[int, Field(strict=True, ge=0, le=_EXACT)]
+
+
+class CaptureClocks(_Message):
+    """The clocks of the senders of a peer connection, each by the m-section and the SSRC that it sends with.
+
+    They are told when media begins to pass and every few seconds after that, because the engine's clock may be set.
+    """
+
+    method: ClassVar[str] = "signaling.capture_clocks"
+    senders: Annotated[tuple[SenderClock, ...], FailFast(), Field(strict=False, max_length=SECTIONS_LIMIT)]
+
+
+Downward: TypeAlias = Offer | Candidate | Bye | CaptureClocks
 """What an engine tells an application."""
 
 

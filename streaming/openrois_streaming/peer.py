@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Protocol
 
-from openrois_signaling.messages import Answer, Bye, Candidate, Downward, IceServer
+from openrois_signaling.messages import Answer, Bye, Candidate, CaptureClocks, Downward, IceServer
 from openrois_signaling.negotiation import Negotiation, Verdict
 
 from openrois_streaming.channels import InputPath, MakeChannels
@@ -32,6 +32,9 @@ from openrois_streaming.tasks import OwnedTasks, Task
 
 CONNECT_TIMEOUT = 15.0
 """Seconds from the first answer in place until media can pass."""
+
+CLOCKS_INTERVAL = 5.0
+"""Seconds after which the application is told anew when what it receives was captured: the clock may have been set."""
 
 _log = logging.getLogger(__name__)
 
@@ -104,6 +107,8 @@ class Peer:
         )
         """For what a person does, after the first stream."""
         self._answered_at: float | None = None
+        self._clocks_told: tuple[str, ...] = ()
+        self._clocks_due = 0.0
         self._work: Task[object] | None = None
         self.ended = False
         """Whether it is over for good."""
@@ -208,6 +213,7 @@ class Peer:
         else:
             for leg in self.legs.values():
                 leg.tick(now)
+            self._tell_clocks(now)
             self.viewer.excuse(late)
             self._watch(self.viewer, now)
 
@@ -292,11 +298,21 @@ class Peer:
         if state == "connected" and self.viewer is None:
             self.viewer = Viewer(self._clock.now())
             self.follow()
+            self._tell_clocks(self._clock.now())
             self._owner.peer_changed(self)
         elif state == "failed":
             self.end("the media path to the application was lost")
         elif state == "closed":
             self.end("the application closed the peer connection")
+
+    def _tell_clocks(self, now: float) -> None:
+        """Say when what is sent was captured: of other senders than before at once, of the same ones now and then."""
+        clocks = tuple(clock for clock in (leg.capture_clock() for leg in self.legs.values()) if clock is not None)
+        mids = tuple(clock.mid for clock in clocks)
+        if not clocks or (mids == self._clocks_told and now < self._clocks_due):
+            return
+        self._clocks_told, self._clocks_due = mids, now + CLOCKS_INTERVAL
+        self._owner.peer_says(CaptureClocks(peer_id=self.peer_id, senders=clocks))
 
     def _watch(self, viewer: Viewer, now: float) -> None:
         if viewer.gone(now):

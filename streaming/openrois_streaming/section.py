@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Final
 
 from aiortc import RTCPeerConnection, RTCRtpSender, RTCRtpTransceiver
-from openrois_signaling.messages import Direction, MediaKind
+from openrois_signaling.messages import Direction, MediaKind, SenderClock
 
 from openrois_streaming.arrival import both
 from openrois_streaming.clock import MediaClock
@@ -114,6 +114,18 @@ class Leg:
         self._stop_sending()
         if self._uplink is not None:
             self._uplink.close()
+
+    def capture_clock(self) -> SenderClock | None:
+        """The capture time of what is sent, by its RTP timestamps; None while nothing can be sent here."""
+        ssrc = self.section.sender.ssrc
+        if ssrc is None or self._downlink is None or not self._downlink.is_open:
+            return None
+        # A whole millisecond of the time of day, and the timestamp of that moment, so that nothing is lost by rounding.
+        wall = int(self._clock.wall() * 1000)
+        moment = self._clock.now() - (self._clock.wall() - wall / 1000)
+        rate = _CLOCK_RATES[self.stream.kind]
+        origin = self.section.sender.timestamp(round(moment * rate))
+        return SenderClock(mid=self.section.mid, ssrc=ssrc, clock_rate=rate, rtp_origin=origin, wall=wall)
 
     def tick(self, now: float) -> None:
         """Decide anew what the viewer is sent."""

@@ -92,6 +92,21 @@ class TestSignaling:
         monkeypatch.setattr(gateway.engine, "_children", [])
         assert await app.code("signaling.restart", peer_id=peer_id) == "UNSUPPORTED"
 
+    async def test_capture_times_reach_the_application_as_they_are(
+        self, app: Application, robot: Robot, caplog: pytest.LogCaptureFixture
+    ) -> None:
+        stream_id = await stream_of(app)
+        clock = {"mid": "0", "ssrc": 2**32 - 1, "clock_rate": 90_000, "rtp_origin": 7, "wall": 1_800_000_000_000}
+        told = {"peer_id": await peer_of(app), "senders": [clock]}
+        client = robot.streams.streams[stream_id].client
+        with caplog.at_level(logging.INFO):
+            client.notify("signaling.capture_clocks", {**told, "senders": [{**clock, "ssrc": 2**32}]})
+            client.notify("signaling.capture_clocks", {**told, "senders": [clock] * 17})
+            client.notify("signaling.capture_clocks", told)
+            assert await app.next("signaling.capture_clocks") == told
+        assert "signaling.capture_clocks" not in await app.settled()
+        assert "malformed messages of signaling" in caplog.text
+
     async def test_an_ended_peer_is_unknown(self, app: Application, robot: Robot) -> None:
         stream_id = await stream_of(app)
         peer_id = await peer_of(app)
@@ -154,6 +169,7 @@ class TestSignaling:
         app.told.clear()
         client = second.streams[other_stream].client
         client.notify("signaling.bye", {"peer_id": peer_id, "reason": "mischief"})
+        client.notify("signaling.capture_clocks", {"peer_id": peer_id, "senders": []})
         notice = {"component_ref": CAMERA, "status": "STREAMING_NOT_CONNECTED", "timestamp": "now"}
         client.notify(STATUS, {**notice, "stream_id": stream_id})
         client.notify(STATUS, {**notice, "stream_id": "second/1"})

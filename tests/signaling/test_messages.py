@@ -2,7 +2,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from openrois_signaling import messages
-from openrois_signaling.messages import Answer, Bye, Candidate, IceServer, Offer, Restart
+from openrois_signaling.messages import Answer, Bye, Candidate, CaptureClocks, IceServer, Offer, Restart
 from pydantic import BaseModel, ValidationError
 
 SECTION = {
@@ -21,6 +21,7 @@ CANDIDATE = {
     "sdp_mid": "0",
     "sdp_m_line_index": 0,
 }
+CLOCK = {"mid": "0", "ssrc": 2**32 - 1, "clock_rate": 90_000, "rtp_origin": 0, "wall": 1_800_000_000_000}
 EXAMPLES: list[tuple[type[BaseModel], dict[str, object]]] = [
     (Offer, OFFER),
     (Offer, {**OFFER, "replaces": "engine/o"}),
@@ -28,6 +29,7 @@ EXAMPLES: list[tuple[type[BaseModel], dict[str, object]]] = [
     (Candidate, CANDIDATE),
     (Candidate, {"peer_id": "engine/p", "generation": 1, "candidate": None}),
     (Restart, {"peer_id": "engine/p"}),
+    (CaptureClocks, {"peer_id": "engine/p", "senders": [CLOCK]}),
     (Bye, {"peer_id": "engine/p", "reason": "because"}),
     (IceServer, {"urls": ["turn:turn.example.org"], "username": "u", "credential": "c"}),
     (IceServer, {"urls": ["stun:stun.example.org"]}),
@@ -37,7 +39,7 @@ EXAMPLES: list[tuple[type[BaseModel], dict[str, object]]] = [
 @pytest.mark.parametrize(("model", "params"), EXAMPLES)
 def test_the_wire_form_comes_back_as_it_was(model: type[BaseModel], params: dict[str, object]) -> None:
     message = model.model_validate(params)
-    assert isinstance(message, Offer | Answer | Candidate | Restart | Bye | IceServer)
+    assert isinstance(message, Offer | Answer | Candidate | Restart | CaptureClocks | Bye | IceServer)
     assert message.wire() == params
 
 

@@ -3,10 +3,12 @@ import logging
 from collections.abc import AsyncIterator
 
 import pytest
-from openrois_signaling.messages import SDP_LIMIT, Answer, Bye, Candidate, Downward, Offer
+from aiortc.rtp import RtpPacket
+from openrois_signaling.messages import SDP_LIMIT, Answer, Bye, Candidate, CaptureClocks, Downward, Offer
 from openrois_signaling.negotiation import ANSWER_TIMEOUT, APPLY_TIMEOUT, PREPARE_TIMEOUT
 from openrois_streaming import peer as peer_module
 from openrois_streaming.channels import Channels
+from openrois_streaming.clock import wall_at
 from openrois_streaming.errors import (
     InvalidCandidate,
     InvalidDescription,
@@ -21,8 +23,8 @@ from openrois_streaming.keyframes import KeyFrameCause
 from openrois_streaming.liveness import SILENCE, Verdict
 from openrois_streaming.network.guard import GuardFigures
 from openrois_streaming.network.settings import NetworkSettings
-from openrois_streaming.peer import CONNECT_TIMEOUT, Peer
-from openrois_streaming.state import StreamInput
+from openrois_streaming.peer import CLOCKS_INTERVAL, CONNECT_TIMEOUT, Peer
+from openrois_streaming.state import Party, StreamInput
 from openrois_streaming.stats import Counters
 from openrois_streaming.stream import Stream
 from openrois_streaming.tasks import OwnedTasks
@@ -95,6 +97,10 @@ class Owner:
         await self.publisher.renditions("video/VP8")[0].show(keyframe=True)
         self.connection.report(1)
         return stream
+
+    @property
+    def clocks(self) -> list[CaptureClocks]:
+        return [message for message in self.said if isinstance(message, CaptureClocks)]
 
     @property
     def reasons(self) -> list[str]:
@@ -204,7 +210,7 @@ async def test_a_suspended_stream_leaves_its_rendition_and_a_resumed_one_starts_
     await settle()
     assert rendition.readers == 1
     assert rendition.asked == [KeyFrameCause.START] * 2
-    assert len(owner.said) == 1
+    assert [type(message) for message in owner.said] == [Offer, CaptureClocks]
 
 
 async def test_a_key_frame_that_the_viewer_asks_for_is_a_repair(owner: Owner) -> None:
@@ -433,7 +439,7 @@ async def test_a_stream_can_be_taken_from_a_peer_that_has_ended(owner: Owner) ->
     owner.peer.detach(stream)
     await settle()
     assert owner.peer.legs == {}
-    assert [type(message) for message in owner.said] == [Offer, Bye]
+    assert [type(message) for message in owner.said] == [Offer, CaptureClocks, Bye]
 
 
 async def test_rtcp_before_the_connection_is_there_is_no_sign(owner: Owner) -> None:
@@ -479,3 +485,49 @@ async def test_without_a_way_out_the_application_is_told_why(
     await settle()
     assert owner.reasons == ["there is no way"]
     assert not caplog.records
+
+
+async def test_the_application_is_told_when_what_it_receives_was_captured(owner: Owner) -> None:
+    owner.clock._move(1000.0123)
+    await owner.play()
+    [told] = owner.clocks
+    [clock] = told.senders
+    assert (told.peer_id, clock.mid, clock.ssrc, clock.clock_rate) == ("engine/p", "0", 0xCAFE, 90_000)
+    packet = RtpPacket.parse(owner.connection.wires[0].packets[0])
+    since = (packet.timestamp - clock.rtp_origin + 2**31) % 2**32 - 2**31
+    captured = clock.wall / 1000 + since / clock.clock_rate
+    # `FedRendition` begins at 0 of the media clock.
+    assert captured == pytest.approx(wall_at(owner.clock, 0.0), abs=0.0001)
+
+
+async def test_capture_times_are_told_anew_because_the_clock_may_be_set(owner: Owner) -> None:
+    await owner.play()
+    before = owner.clocks[0].senders[0]
+    owner.clock.step_wall(-3600.0)
+    owner.clock._move(owner.clock.now() + CLOCKS_INTERVAL - 0.1)
+    owner.connection.hear()
+    owner.peer.tick(owner.clock.now())
+    assert len(owner.clocks) == 1
+    owner.clock._move(owner.clock.now() + 0.1)
+    owner.peer.tick(owner.clock.now())
+    after = owner.clocks[1].senders[0]
+    assert after.wall - before.wall == (CLOCKS_INTERVAL - 3600) * 1000
+    assert (after.rtp_origin - before.rtp_origin) % 2**32 == CLOCKS_INTERVAL * 90_000
+
+
+async def test_capture_times_of_a_further_sender_are_told_at_once(owner: Owner) -> None:
+    await owner.play()
+    owner.attach("b")
+    await owner.answer(2)
+    owner.peer.tick(owner.clock.now())
+    assert [[clock.mid for clock in told.senders] for told in owner.clocks] == [["0"], ["0", "1"]]
+
+
+async def test_a_suspended_stream_has_no_capture_time(owner: Owner) -> None:
+    stream = await owner.play()
+    stream.suspend(Party.APPLICATION)
+    owner.peer.follow()
+    owner.clock._move(owner.clock.now() + CLOCKS_INTERVAL)
+    owner.connection.hear()
+    owner.peer.tick(owner.clock.now())
+    assert len(owner.clocks) == 1

@@ -122,7 +122,7 @@ class Engine:
             self.candidates.append(message)
             if self.trickled is not None:
                 self._start(self.trickled(message))
-        else:
+        elif isinstance(message, Offer):
             self.offers.append(message)
             if self.application is not None:
                 self._start(self.application(message))

@@ -154,6 +154,10 @@ NOTIFICATIONS: dict[str, dict[str, Any]] = {
         "sdp_mid": Absent(Optional(str)),
         "sdp_m_line_index": Absent(Optional(int)),
     },
+    "signaling.capture_clocks": {
+        "peer_id": str,
+        "senders": [{"mid": str, "ssrc": int, "clock_rate": int, "rtp_origin": int, "wall": int}],
+    },
     "signaling.bye": {"peer_id": str, "reason": str},
 }
 

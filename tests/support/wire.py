@@ -91,6 +91,7 @@ NOTIFICATIONS = (
     "rois.stream.notify_stream_status",
     "signaling.offer",
     "signaling.candidate",
+    "signaling.capture_clocks",
     "signaling.bye",
 )
 

@@ -349,6 +349,17 @@ async def _signaling_of_others(stage: Stage) -> None:
     await app.granted("signaling.restart", peer_id=peer_id)
 
 
+@CHECKS("signaling-capture-clocks", *BOTH)
+async def _signaling_capture_clocks(stage: Stage) -> None:
+    """`signaling.capture_clocks` reaches the application that has the peer."""
+    second, streams, camera = await _streaming(stage)
+    app = await _greeted(stage)
+    clock = {"mid": "0", "ssrc": 2**32 - 1, "clock_rate": 90_000, "rtp_origin": 0, "wall": 1_800_000_000_000}
+    told = {"peer_id": (await _peer(app, camera))["peer_id"], "senders": [clock]}
+    await second.tell("signaling.capture_clocks", client_id=streams.owner, **told)
+    expect("the capture times", await app.next("signaling.capture_clocks"), told)
+
+
 @CHECKS("signaling-bye", *BOTH)
 async def _signaling_bye(stage: Stage) -> None:
     """`signaling.bye` reaches the application with its reason, and the peer is unknown afterwards."""

@@ -1,6 +1,6 @@
 """Header extensions of the one-byte form (RFC 8285 section 4.2), as each packet of a sender carries them. Pure."""
 
-from openrois_streaming.rtp.ntp import abs_send_time
+from openrois_streaming.rtp.ntp import abs_send_time, capture_time
 
 MID = "urn:ietf:params:rtp-hdrext:sdes:mid"
 """Which m-section a packet belongs to (RFC 9143 section 15)."""
@@ -10,6 +10,9 @@ ABS_SEND_TIME = "http://www.webrtc.org/experiments/rtp-hdrext/abs-send-time"
 
 PLAYOUT_DELAY = "http://www.webrtc.org/experiments/rtp-hdrext/playout-delay"
 """How long a browser shall hold pictures back at least and at most: 12 bits each, in units of 10 ms."""
+
+ABS_CAPTURE_TIME = "http://www.webrtc.org/experiments/rtp-hdrext/abs-capture-time"
+"""When what a packet belongs to was captured, as 64 bits of NTP."""
 
 _AT_ONCE = bytes(3)
 _AS_IT_LIKES = (1000).to_bytes(3, "big")  # 0 to 10 s
@@ -26,32 +29,48 @@ class Extensions:
         mid: the name of the m-section.
         abs_send_time_id: the negotiated id of ABS_SEND_TIME; None to leave it out.
         playout_delay_id: the negotiated id of PLAYOUT_DELAY; None to leave it out.
+        capture_time_id: the negotiated id of ABS_CAPTURE_TIME; None to leave it out.
     """
 
-    __slots__ = ("_known", "_named", "_timed")
+    __slots__ = ("_capture", "_delays", "_others", "_prepared", "_time")
 
     def __init__(
-        self, mid_id: int | None, mid: str, abs_send_time_id: int | None, playout_delay_id: int | None = None
+        self,
+        mid_id: int | None,
+        mid: str,
+        abs_send_time_id: int | None,
+        playout_delay_id: int | None = None,
+        capture_time_id: int | None = None,
     ) -> None:
-        self._timed = abs_send_time_id is not None
-        time_header = b"" if abs_send_time_id is None else bytes((abs_send_time_id << 4 | 2,))
+        self._capture = b"" if capture_time_id is None else bytes((capture_time_id << 4 | 7,))
+        self._time = b"" if abs_send_time_id is None else bytes((abs_send_time_id << 4 | 2,))
         name = mid.encode()[:16]
         element = b"" if mid_id is None or not name else bytes((mid_id << 4 | len(name) - 1,)) + name
-        delays = [b"", b""]
+        self._delays = (b"", b"")  # by whether to play at once, and so is what follows
         if playout_delay_id is not None:
-            delays = [bytes((playout_delay_id << 4 | 2,)) + value for value in (_AS_IT_LIKES, _AT_ONCE)]
-        # By whether to play at once.
-        self._known = tuple(_framed(time_header, delay) for delay in delays)
-        self._named = tuple(_framed(time_header, delay + element) for delay in delays)
+            header = bytes((playout_delay_id << 4 | 2,))
+            self._delays = (header + _AS_IT_LIKES, header + _AT_ONCE)
+        self._name(element)
 
     def acknowledged(self) -> None:
         """The receiver knows the sender by its SSRC: MID is left out from now on."""
-        self._named = self._known
+        self._name(b"")
 
-    def block(self, moment: float, *, at_once: bool = False) -> bytes:
-        """The block of a packet that leaves at `moment` (epoch seconds); empty, and no extension then, if unused."""
-        before, after = self._named[at_once]
-        return before + abs_send_time(moment) + after if self._timed else before
+    def block(self, moment: float, *, at_once: bool = False, captured: float | None = None) -> bytes:
+        """The block of a packet that leaves at `moment` (epoch seconds); empty, and no extension then, if unused.
+
+        It says that the packet's frame was `captured` then (epoch seconds), if that is given and the receiver takes it.
+        """
+        before, after = self._prepared[at_once]
+        if captured is not None and self._capture:
+            told = self._capture + capture_time(captured)
+            before, after = _framed(self._time, told + self._others[at_once])
+        return before + abs_send_time(moment) + after if self._time else before
+
+    def _name(self, element: bytes) -> None:
+        """Prepare blocks with this element of MID."""
+        self._others = tuple(delay + element for delay in self._delays)
+        self._prepared = tuple(_framed(self._time, others) for others in self._others)
 
 
 def _framed(time_header: bytes, others: bytes) -> tuple[bytes, bytes]:

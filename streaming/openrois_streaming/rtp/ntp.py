@@ -8,6 +8,11 @@ def ntp(moment: float) -> int:
     return round((moment + _TO_1900) * 2**32) & (2**64 - 1)
 
 
+def capture_time(moment: float) -> bytes:
+    """`moment` (epoch seconds) as the eight bytes of abs-capture-time."""
+    return ntp(moment).to_bytes(8, "big")
+
+
 def middle(timestamp: int) -> int:
     """The middle 32 bits of an NTP timestamp, by which a report is recognised (RFC 3550 section 6.4.1)."""
     return timestamp >> 16 & 0xFFFFFFFF

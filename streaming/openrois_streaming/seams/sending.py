@@ -37,7 +37,7 @@ from aiortc.rtp import (
 
 from openrois_streaming.clock import SystemClock
 from openrois_streaming.encoded import EncodedFrame
-from openrois_streaming.rtp.extensions import ABS_SEND_TIME, MID, PLAYOUT_DELAY
+from openrois_streaming.rtp.extensions import ABS_CAPTURE_TIME, ABS_SEND_TIME, MID, PLAYOUT_DELAY
 from openrois_streaming.rtp.reports import ReceiverReport
 from openrois_streaming.seams import srtp
 from openrois_streaming.seams.code import names_in
@@ -48,9 +48,11 @@ from openrois_streaming.sending.sender import Negotiated, RtpSender
 
 _COMPONENT: Final = 1  # of ICE: RTP and RTCP share it (RFC 5761)
 
-_PLAYOUT_DELAY_ID: Final = 4
-if all(each.uri != PLAYOUT_DELAY for each in HEADER_EXTENSIONS["video"]):
-    HEADER_EXTENSIONS["video"].append(RTCRtpHeaderExtensionParameters(id=_PLAYOUT_DELAY_ID, uri=PLAYOUT_DELAY))
+# Ids are the same in all sections of a bundle; aiortc's own end at 3.
+_OURS: Final = {PLAYOUT_DELAY: 4, ABS_CAPTURE_TIME: 5}
+for _uri, _id in _OURS.items():
+    if all(each.uri != _uri for each in HEADER_EXTENSIONS["video"]):
+        HEADER_EXTENSIONS["video"].append(RTCRtpHeaderExtensionParameters(id=_id, uri=_uri))
 
 _log = logging.getLogger(__name__)
 
@@ -179,8 +181,8 @@ async def differences(connection: RTCPeerConnection) -> list[str]:
     nack = RtcpRtpfbPacket.parse(bytes(RtcpRtpfbPacket(fmt=RTCP_RTPFB_NACK, ssrc=1, media_ssrc=2, lost=[7, 9]))[4:], 1)
     offered = (await connection.createOffer()).sdp
     checks = {
-        "an extension is not offered": f"a=extmap:{_PLAYOUT_DELAY_ID} {PLAYOUT_DELAY}" in offered
-        and len({each.id for kind in HEADER_EXTENSIONS.values() for each in kind}) == _PLAYOUT_DELAY_ID,
+        "an extension is not offered": all(f"a=extmap:{id_} {uri}" in offered for uri, id_ in _OURS.items())
+        and len({each.id for kind in HEADER_EXTENSIONS.values() for each in kind}) == max(_OURS.values()),
         "reports do not arrive": heard.heard == [ReceiverReport(7, 0.25, 3, 5), "key frame", 1_000_000],
         "packets that are missed are told otherwise": nack.lost == [7, 9],
         "senders are started otherwise": "send" in names_in(RTCPeerConnection._RTCPeerConnection__connect),  # type: ignore[attr-defined]
@@ -237,6 +239,7 @@ def _negotiated(replaced: RTCRtpSender, parameters: RTCRtpSendParameters) -> Neg
         mid_id=ids.get(MID),
         abs_send_time_id=ids.get(ABS_SEND_TIME),
         playout_delay_id=ids.get(PLAYOUT_DELAY),
+        capture_time_id=ids.get(ABS_CAPTURE_TIME),
     )
 
 

@@ -19,6 +19,9 @@ _EXTENDED = 0x90  # version 2, with a header extension (RFC 3550 section 5.1)
 _PLAIN = 0x80
 _MARKER = 0x80
 
+# Seconds between two packets that say when their frame was captured, between which a receiver counts on by timestamps.
+_CAPTURE_INTERVAL = 1.0
+
 # Packets of padding at once: 10 ms of 40 Mbit/s.
 _PADDING_LIMIT = 48
 
@@ -74,6 +77,7 @@ class Negotiated:
     mid_id: int | None
     abs_send_time_id: int | None
     playout_delay_id: int | None = None
+    capture_time_id: int | None = None
 
 
 @dataclass(slots=True)
@@ -125,18 +129,31 @@ class RtpSender:
         self._wire: Wire | None = None
         self._broken = False
         self._last: EncodedFrame | None = None
-        self._next_report = 0.0
+        self._next_report = self._next_capture = 0.0
 
     @property
     def figures(self) -> SenderFigures:
         """What it has done so far, as a copy."""
         return replace(self._figures, refused=self._history.refused, round_trip_time=self._round_trip.smoothed)
 
+    @property
+    def ssrc(self) -> int | None:
+        """The source that it sends as (RFC 3550 section 3); None before it was started."""
+        return None if self._wire is None else self._negotiated.ssrc
+
+    def timestamp(self, pts: int) -> int:
+        """Return the RTP timestamp of what has this `EncodedFrame.pts`."""
+        return (self._timestamp_origin + pts) & 0xFFFFFFFF
+
     def start(self, negotiated: Negotiated, wire: Wire) -> None:
         """From now on frames can be sent over `wire`."""
         self._negotiated = negotiated
         self._extensions = Extensions(
-            negotiated.mid_id, negotiated.mid, negotiated.abs_send_time_id, negotiated.playout_delay_id
+            negotiated.mid_id,
+            negotiated.mid,
+            negotiated.abs_send_time_id,
+            negotiated.playout_delay_id,
+            negotiated.capture_time_id,
         )
         self._wire = wire
         if self._broken:
@@ -174,14 +191,17 @@ class RtpSender:
         now = self._clock.now()
         payloads = frame.payloads if end - first == len(frame.payloads) else frame.payloads[first:end]
         last = end == len(frame.payloads)
-        timestamp = (self._timestamp_origin + frame.pts) & 0xFFFFFFFF
+        timestamp = self.timestamp(frame.pts)
         if not self._predicted:
             self._outlet.sound_at = now
         record = SentFrame(self._sequence, timestamp, last and self._predicted, payloads)
         octets = sum(map(len, payloads))
         if frame.keyframe and first == 0 and self._predicted:
             self._history.key_frame(self._sequence, len(frame.data))
-        wire.send(self._written(record, now))
+        captured = None
+        if first == 0 and now >= self._next_capture:
+            captured, self._next_capture = frame.captured_at + self._wall_offset, now + _CAPTURE_INTERVAL
+        wire.send(self._written(record, now, captured))
         self._history.add(record, octets)
         self._sequence = (self._sequence + len(payloads)) & 0xFFFF
         self._figures.packets += len(payloads)
@@ -247,7 +267,8 @@ class RtpSender:
         """The viewer needs a key frame."""
         self._listener.key_frame_wanted()
 
-    def _written(self, frame: SentFrame, now: float) -> list[bytes]:
+    def _written(self, frame: SentFrame, now: float, captured: float | None) -> list[bytes]:
+        """The packets of a frame; the first says when it was `captured` (epoch seconds), if that is given."""
         negotiated = self._negotiated
         extensions = self._block(now)
         first, kind = _EXTENDED if extensions else _PLAIN, negotiated.payload_type
@@ -260,18 +281,22 @@ class RtpSender:
         if frame.marked:
             last = (sequence + len(packets) - 1) & 0xFFFF
             packets[-1] = pack(first, _MARKER | kind, last, timestamp, ssrc, extensions) + frame.payloads[-1]
+        if captured is not None and negotiated.capture_time_id is not None:
+            told = self._block(now, captured)
+            header, payload = packets[0][1:12], packets[0][12 + len(extensions) :]
+            packets[0] = bytes((_EXTENDED,)) + header + told + payload
         return packets
 
-    def _block(self, now: float) -> bytes:
+    def _block(self, now: float, captured: float | None = None) -> bytes:
         """The header extensions of packets that leave now. Pictures that no sound belongs to are shown at once."""
-        return self._extensions.block(now + self._wall_offset, at_once=not self._outlet.sounds(now))
+        return self._extensions.block(now + self._wall_offset, at_once=not self._outlet.sounds(now), captured=captured)
 
     def _report(self, now: float) -> bytes:
         """Pairs the time of day with the RTP clock as it is now, going by when the last frame was captured."""
         moment, timestamp = now + self._wall_offset, 0
         if self._last is not None:
             passed = round((now - self._last.captured_at) * self._last.clock_rate)
-            timestamp = (self._timestamp_origin + self._last.pts + passed) & 0xFFFFFFFF
+            timestamp = self.timestamp(self._last.pts + passed)
         self._round_trip.sent(ntp(moment), now)
         figures, negotiated = self._figures, self._negotiated
         return sender_report(negotiated.ssrc, moment, timestamp, figures.packets, figures.octets, negotiated.cname)

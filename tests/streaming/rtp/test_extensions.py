@@ -2,6 +2,7 @@ import pytest
 from aiortc.rtcrtpparameters import RTCRtpHeaderExtensionParameters, RTCRtpParameters
 from aiortc.rtp import HeaderExtensions, HeaderExtensionsMap
 from openrois_streaming.rtp.extensions import ABS_SEND_TIME, MID, Extensions
+from openrois_streaming.rtp.ntp import ntp
 
 MOMENT = 1_800_000_000.25
 
@@ -46,3 +47,21 @@ def test_the_receiver_is_told_whether_to_play_at_once(abs_send_time_id: int | No
         block = extensions.block(MOMENT)
         assert len(block) == 4 + 4 * int.from_bytes(block[2:4], "big") <= 20
         extensions.acknowledged()
+
+
+@pytest.mark.parametrize("abs_send_time_id", [3, None])
+def test_a_capture_time_stands_where_it_is_given_and_the_receiver_takes_it(abs_send_time_id: int | None) -> None:
+    extensions = Extensions(1, "0", abs_send_time_id, 4, 5)
+    told = b"\x57" + ntp(MOMENT - 0.25).to_bytes(8, "big")
+    for known in (False, True):
+        block = extensions.block(MOMENT, at_once=True, captured=MOMENT - 0.25)
+        assert told in block
+        assert b"\x42\x00\x00\x00" in block
+        values = read(block, (MID, 1), (ABS_SEND_TIME, 3))
+        assert values.mid == (None if known else "0")
+        assert values.abs_send_time == (None if abs_send_time_id is None else int(MOMENT % 64 * 2**18))
+        assert len(block) <= 24
+        assert told[:1] not in extensions.block(MOMENT, at_once=True)[4:]
+        extensions.acknowledged()
+    plain = Extensions(1, "0", abs_send_time_id, 4)
+    assert plain.block(MOMENT, captured=MOMENT) == plain.block(MOMENT)

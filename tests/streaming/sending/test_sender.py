@@ -270,3 +270,21 @@ def test_what_still_waits_at_the_end_is_not_sent(sending: Sending) -> None:
     sending.sender.stop()
     sending.alarms.advance(1.0)
     assert len(sending.packets) == sent
+
+
+@pytest.mark.parametrize("abs_send_time_id", [3, None])
+def test_once_a_second_the_first_packet_of_a_picture_says_when_it_was_captured(abs_send_time_id: int | None) -> None:
+    sending = Sending()
+    named = replace(NEGOTIATED, mid_id=None, abs_send_time_id=abs_send_time_id, capture_time_id=5)
+    sending.sender.start(named, sending.wire)
+    for number in range(45):
+        sending.sender.send(picture(number, b"a", b"b", keyframe=number == 0))
+        sending.clock._move(sending.clock.now() + 1 / 30)
+    telling = [index for index, data in enumerate(sending.wire.packets) if b"\x57" in data[16:21]]
+    assert (telling[0], len(telling)) == (0, 2)
+    later = telling[1] // 2
+    assert 30 <= later <= 31
+    assert [packet.payload for packet in sending.packets] == [b"a", b"b"] * 45
+    told = sending.wire.packets[2 * later].partition(b"\x57")[2][:8]
+    captured = int.from_bytes(told, "big") / 2**32 - 2_208_988_800
+    assert captured == pytest.approx(1000.0 + later / 30 + OFFSET, abs=1e-5)

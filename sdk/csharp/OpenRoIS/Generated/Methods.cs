@@ -164,6 +164,9 @@ namespace OpenRoIS
         /// <summary>An engine has a candidate.</summary>
         public static readonly Notification<Candidate> SignalingCandidate =
             new Notification<Candidate>("signaling.candidate");
+        /// <summary>An engine says when what it sends was captured.</summary>
+        public static readonly Notification<CaptureClocks> SignalingCaptureClocks =
+            new Notification<CaptureClocks>("signaling.capture_clocks");
         /// <summary>An engine has ended a peer connection.</summary>
         public static readonly Notification<Bye> SignalingBye =
             new Notification<Bye>("signaling.bye");

@@ -94,6 +94,19 @@ namespace OpenRoIS
     }
 
     /// <summary>
+    /// The clocks of the senders of a peer connection, each by the m-section and the SSRC that it sends
+    /// with.
+    /// </summary>
+    public sealed class CaptureClocks
+    {
+        [JsonProperty("peer_id", Required = Required.Always)]
+        public string PeerId { get; set; }
+
+        [JsonProperty("senders", Required = Required.Always)]
+        public List<SenderClock> Senders { get; set; } = new List<SenderClock>();
+    }
+
+    /// <summary>
     /// A command: what it takes, what <c>get_command_result</c> gives, and the milliseconds it may take.
     /// </summary>
     public sealed class CommandMessageProfile
@@ -896,6 +909,28 @@ namespace OpenRoIS
 
         [JsonProperty("component_ref_list")]
         public List<string> ComponentRefList { get; set; } = new List<string>();
+    }
+
+    /// <summary>
+    /// What one sender's RTP timestamps mean: a frame with the timestamp <c>rtp_origin</c> was captured at
+    /// <c>wall</c>.
+    /// </summary>
+    public sealed class SenderClock
+    {
+        [JsonProperty("mid", Required = Required.Always)]
+        public string Mid { get; set; }
+
+        [JsonProperty("ssrc", Required = Required.Always)]
+        public long Ssrc { get; set; }
+
+        [JsonProperty("clock_rate", Required = Required.Always)]
+        public int ClockRate { get; set; }
+
+        [JsonProperty("rtp_origin", Required = Required.Always)]
+        public long RtpOrigin { get; set; }
+
+        [JsonProperty("wall", Required = Required.Always)]
+        public long Wall { get; set; }
     }
 
     /// <summary>One item of a command sequence; items run one after another.</summary>

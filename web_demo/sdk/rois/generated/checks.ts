@@ -295,6 +295,19 @@ const isCandidate: Check = object({
   sdp_m_line_index: optional(orNull(integer)),
 });
 
+const isSenderClock: Check = object({
+  mid: text,
+  ssrc: integer,
+  clock_rate: integer,
+  rtp_origin: integer,
+  wall: integer,
+});
+
+const isCaptureClocks: Check = object({
+  peer_id: text,
+  senders: list(isSenderClock),
+});
+
 const isBye: Check = object({
   peer_id: text,
   reason: text,
@@ -357,5 +370,6 @@ export const NOTIFICATIONS: { readonly [Name in NotificationName]: Check } = {
   "openrois.lease.withdrawn": isLeaseWithdrawnNotification,
   "signaling.offer": isOffer,
   "signaling.candidate": isCandidate,
+  "signaling.capture_clocks": isCaptureClocks,
   "signaling.bye": isBye,
 };

@@ -7,6 +7,7 @@ import type {
   AuthRefreshResult,
   Bye,
   Candidate,
+  CaptureClocks,
   CommandResultParams,
   Completed,
   ComponentParams,
@@ -167,6 +168,8 @@ export interface Notifications {
   readonly "signaling.offer": Offer;
   /** An engine has a candidate. */
   readonly "signaling.candidate": Candidate;
+  /** An engine says when what it sends was captured. */
+  readonly "signaling.capture_clocks": CaptureClocks;
   /** An engine has ended a peer connection. */
   readonly "signaling.bye": Bye;
 }

@@ -48,6 +48,12 @@ export interface Candidate {
   readonly sdp_m_line_index?: number | null;
 }
 
+/** The clocks of the senders of a peer connection, each by the m-section and the SSRC that it sends with. */
+export interface CaptureClocks {
+  readonly peer_id: string;
+  readonly senders: readonly SenderClock[];
+}
+
 /** A command: what it takes, what `get_command_result` gives, and the milliseconds it may take. */
 export interface CommandMessageProfile {
   readonly name: string;
@@ -467,6 +473,15 @@ export interface RoISIdentifier {
 export interface SearchResult {
   readonly return_code: ReturnCode;
   readonly component_ref_list?: readonly string[];
+}
+
+/** What one sender's RTP timestamps mean: a frame with the timestamp `rtp_origin` was captured at `wall`. */
+export interface SenderClock {
+  readonly mid: string;
+  readonly ssrc: number;
+  readonly clock_rate: number;
+  readonly rtp_origin: number;
+  readonly wall: number;
 }
 
 /** One item of a command sequence; items run one after another. */
