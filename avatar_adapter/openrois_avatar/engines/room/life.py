@@ -9,7 +9,7 @@ from openrois_avatar.engines.room.plan import HOME, RADIO, ROOM
 from openrois_avatar.engines.room.scene import Scene, Somebody
 from openrois_avatar.engines.room.shot import Camerawork
 from openrois_avatar.engines.room.visitor import Visitor
-from openrois_avatar.engines.room.walking import Walker
+from openrois_avatar.engines.room.walking import Walker, turned
 from openrois_avatar.link.messages import Completed, Drive, Event, Halt, Place, Thing, Things, Walk
 from openrois_avatar.link.messages.motion import Point
 
@@ -18,6 +18,8 @@ _THINGS: Final = 1 / 10
 """Seconds between two reports, at least."""
 _EARSHOT: Final = 2.0
 """Metres from which the radio is heard."""
+_ASIDE: Final = 0.35
+"""Radians by which a figure faces past the viewer before it turns to speak."""
 _NEARLY: Final = 1e-6
 
 _Value = TypeVar("_Value")
@@ -31,6 +33,8 @@ class Life:
         self._walker, self._visitor = Walker(ROOM, HOME, time), Visitor(ROOM, time, seed)
         self._steps, self._visitors = Steps(), Steps()
         self._camera = Camerawork(time)
+        self._expressive = self._addressing = False
+        """Whether it says something with face or hands, and whether it is still to turn to the viewer for that."""
         self._floor_is_told = False
         self._places: _Reports[Place] = _Reports(_PLACES)
         self._things: _Reports[tuple[Thing, ...]] = _Reports(_THINGS)
@@ -43,6 +47,8 @@ class Life:
     def obey(self, time: float, command: Walk | Drive | Halt) -> None:
         """Let the figure go or stand from this time on."""
         self._walker.advance(time, self._crowd)
+        # One that walks somewhere turns when it is there, unless it was told where to face.
+        self._addressing &= isinstance(command, Walk) and command.path[-1].th is None
         if isinstance(command, Walk):
             self._walker.walk(command)
         elif isinstance(command, Drive):
@@ -55,11 +61,21 @@ class Life:
         seconds, self._time = time - self._time, time
         visitor = self._visitor
         self._walker.advance(time, self._crowd)
+        self._address(expressive)
         visitor.advance(time, self._walker.place)
         for steps, pace in ((self._steps, self._walker.pace), (self._visitors, visitor.pace)):
             steps.take(pace.ahead, pace.left, pace.turn, seconds)
         shot = self._camera.follow(time, self._walker.place, self._walker.pace, expressive)
         return Scene(self._walker.place, Somebody(visitor.place, self._visitors.channels()), shot)
+
+    def _address(self, expressive: bool) -> None:
+        """Turn to the viewer when it begins to say something with its back or its side to that viewer."""
+        self._addressing = expressive and (self._addressing or not self._expressive)
+        self._expressive = expressive
+        if self._addressing and not (self._walker.is_walking or self._walker.is_driven):
+            self._addressing = False
+            if abs(turned(self._walker.place.th - HOME.th)) > _ASIDE:
+                self._walker.turn(HOME.th)
 
     @property
     def radio(self) -> float:

@@ -83,6 +83,8 @@ class Walker:
         self._way: _Way | None = None
         self._drive = Drive(0.0, 0.0, 0.0)
         self._until = float("-inf")
+        self._bearing: float | None = None
+        """Where it turns to on the spot."""
         self._news: list[Reached | Completed] = []
 
     @property
@@ -101,6 +103,11 @@ class Walker:
         """Whether it is on its way along a path."""
         return self._way is not None
 
+    @property
+    def is_driven(self) -> bool:
+        """Whether the last `Drive` still holds."""
+        return self._time < self._until
+
     def news(self) -> list[Reached | Completed]:
         """What it has reached and completed since the last call."""
         news, self._news = self._news, []
@@ -109,18 +116,22 @@ class Walker:
     def walk(self, walk: Walk) -> None:
         """Follow a path from where it is; one that it was following is given up."""
         self._give_up()
-        self._until = float("-inf")
+        self._until, self._bearing = float("-inf"), None
         self._way = _Way(walk, limits((self._x, self._y), walk))
 
     def drive(self, time: float, drive: Drive) -> None:
         """Go by hand for `HOLD` seconds at most; a path is given up."""
         self._give_up()
-        self._drive, self._until = drive, time + HOLD
+        self._drive, self._until, self._bearing = drive, time + HOLD, None
+
+    def turn(self, bearing: float) -> None:
+        """Turn on the spot to a bearing, in radians, unless a command comes before."""
+        self._bearing = bearing
 
     def halt(self) -> None:
         """Stand still at once."""
         self._give_up()
-        self._until = float("-inf")
+        self._until, self._bearing = float("-inf"), None
         self._stand()
 
     def advance(self, time: float, others: Iterable[Point] = ()) -> None:
@@ -138,7 +149,17 @@ class Walker:
             self._follow(self._way, others)
         elif time < self._until:
             self._obey(self._until - time, others)
+        elif self._bearing is not None:
+            self._turn_to(self._bearing)
         else:
+            self._stand()
+
+    def _turn_to(self, bearing: float) -> None:
+        """One tick of a turn on the spot."""
+        self._vx = self._vy = 0.0
+        self._face(bearing)
+        if abs(turned(bearing - self._th)) <= _FACING:
+            self._th, self._bearing = turned(bearing), None
             self._stand()
 
     def _stand(self) -> None:

@@ -1,20 +1,23 @@
+from itertools import pairwise
 from math import pi
 
+import pytest
 from openrois_avatar.engines.room.life import Life
 from openrois_avatar.engines.room.plan import HOME, ROOM
 from openrois_avatar.engines.room.scene import AT_HOME, Scene
+from openrois_avatar.engines.room.walking import turned
 from openrois_avatar.link.messages import Completed, Drive, Event, Floor, Halt, Place, Reached, Things, Walk, Waypoint
 
 FRAME = 1 / 30
 
 
 def lived(
-    life: Life, seconds: float, start: float = 0.0, rate: float = 30.0
+    life: Life, seconds: float, start: float = 0.0, rate: float = 30.0, expressive: bool = False
 ) -> tuple[list[Scene], list[tuple[float, Event]]]:
     scenes, told = [], []
     for number in range(round(seconds * rate) + 1):
         time = start + number / rate
-        scenes.append(life.advance(time, False))
+        scenes.append(life.advance(time, expressive))
         told += [(time, event) for event in life.news()]
     return scenes, told
 
@@ -83,3 +86,69 @@ def test_the_visitor_is_in_the_scene_where_things_say() -> None:
             assert ROOM.fits(scene.visitor.place.x, scene.visitor.place.y, 0.2)
     scenes, _ = lived(life, 30.0, 20.0)
     assert any(scene.visitor is not None and scene.visitor.steps for scene in scenes)
+
+
+AWAY = Waypoint(0.5, 1.0, pi / 2)
+"""With its back to the viewer."""
+
+
+def away() -> tuple[Life, float]:
+    """A figure that has walked and stands with its back to the viewer, and when that is."""
+    life = Life(0.0)
+    life.obey(0.0, Walk("a", (AWAY,), 1.0))
+    scenes, _ = lived(life, 5.0)
+    assert scenes[-1].place == Place(AWAY.x, AWAY.y, pi / 2)
+    return life, 5.0
+
+
+def test_it_turns_to_the_viewer_when_it_begins_to_speak() -> None:
+    life, now = away()
+    scenes, told = lived(life, 8.0, now, expressive=True)
+    assert scenes[-1].place == Place(AWAY.x, AWAY.y, HOME.th)
+    assert [event for _, event in told if isinstance(event, Place)][-1] == scenes[-1].place
+    turns = [abs(turned(b.place.th - a.place.th)) for a, b in pairwise(scenes)]
+    assert max(turns) < 0.15  # it turns, it does not jump
+    assert scenes[-1].shot.is_close
+
+
+def test_it_stays_as_it_is_where_it_nearly_faces_the_viewer() -> None:
+    life = Life(0.0)
+    life.obey(0.0, Walk("a", (Waypoint(0.0, 0.0, HOME.th + 0.3),), 1.0))
+    place = lived(life, 2.0)[0][-1].place
+    assert lived(life, 3.0, 2.0, expressive=True)[0][-1].place == place != HOME
+
+
+def test_one_that_walks_and_speaks_turns_when_it_has_arrived() -> None:
+    life = Life(0.0)
+    life.obey(0.0, Walk("a", (Waypoint(0.0, 1.0),), 1.0))
+    scenes, _ = lived(life, 6.0, expressive=True)
+    assert scenes[60].place.th == pytest.approx(pi / 2, abs=0.2)
+    assert scenes[-1].place == Place(0.0, 1.0, HOME.th)
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        Halt(),
+        Drive(0.0, 0.0, 0.0),
+        Walk("b", (Waypoint(AWAY.x, AWAY.y, 0.0),), 1.0),
+    ],
+    ids=["halted", "driven", "sent where it faces elsewhere"],
+)
+def test_what_is_commanded_comes_before_turning(command: Halt | Drive | Walk) -> None:
+    life, now = away()
+    lived(life, 0.3, now, expressive=True)
+    life.obey(now + 0.3, command)
+    first = lived(life, 2.0, now + 0.3, expressive=True)[0][-1].place
+    later = lived(life, 2.0, now + 2.3, expressive=True)[0][-1].place
+    assert first == later
+    assert abs(turned(later.th - HOME.th)) > 1.0
+
+
+def test_one_that_was_halted_turns_with_its_next_sentence() -> None:
+    life, now = away()
+    lived(life, 0.3, now, expressive=True)
+    life.obey(now + 0.3, Halt())
+    lived(life, 1.0, now + 0.3, expressive=True)
+    lived(life, 1.0, now + 1.3)
+    assert lived(life, 3.0, now + 2.3, expressive=True)[0][-1].place.th == HOME.th
