@@ -70,6 +70,20 @@ async def test_a_click_sends_the_avatar_there_and_it_arrives(guest: Visit) -> No
     assert await guest.read("document.querySelectorAll('.map-target').length") == 0
 
 
+async def test_it_comes_back_to_where_it_began(guest: Visit) -> None:
+    await _figure(guest)
+    await _click(guest, 0.6, 0.4)
+    await _says(guest, "^Arrived after|no sign of life")
+    for _ in range(5):
+        await guest.press("map-back")
+        await _says(guest, "^Walking to the front$")
+        await _says(guest, "^Arrived after|no sign of life")
+        if "no sign of life" not in await guest.item("map-words").inner_text():
+            break
+    assert math.dist(await _figure(guest), (0.0, 0.0)) < 0.1
+    await expect(guest.item("map-back")).to_be_hidden()
+
+
 async def test_it_is_stopped_and_what_is_out_of_reach_is_named(guest: Visit) -> None:
     x, y = await _figure(guest)
     across, along = "Right" if x < -0.5 else "Left", "Up" if y < 0.5 else "Down"  # not towards a wall, wherever it is

@@ -12,6 +12,11 @@ export interface Place {
   readonly th: number;
 }
 
+/** Where a figure begins: in front, facing the viewer. Every engine's floor has it there. */
+export const HOME: Place = { x: 0, y: 0, th: -Math.PI / 2 };
+/** Metres and radians from `HOME` within which a figure counts as being there. */
+const NEAR_HOME = { metres: 0.2, radians: 0.4 };
+
 /** What of the drawing is shown, in its own coordinates. */
 export interface Extent {
   readonly left: number;
@@ -100,6 +105,12 @@ export function positionText([x, y]: Point): string {
 /** Returns a point as people read it. */
 export function pointWords([x, y]: Point): string {
   return [x, y].map((value) => (value.toFixed(1) === "-0.0" ? "0.0" : value.toFixed(1))).join(", ");
+}
+
+/** Whether a figure has left where it begins, or faces elsewhere. */
+export function isAway({ x, y, th }: Place): boolean {
+  const aside = Math.abs(Math.atan2(Math.sin(th - HOME.th), Math.cos(th - HOME.th)));
+  return Math.hypot(x - HOME.x, y - HOME.y) > NEAR_HOME.metres || aside > NEAR_HOME.radians;
 }
 
 /** Degrees by which something that points to the right is turned to face `th`. */

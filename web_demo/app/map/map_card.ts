@@ -8,7 +8,16 @@ import { byRole, icon, make, setText } from "../dom.ts";
 import { Surroundings } from "../own_components.ts";
 import { FloorView } from "./floor_view.ts";
 import type { Ground } from "./floor_view.ts";
-import { moved, nearest, pointWords, positionText, readCorners, readPlace } from "./geometry.ts";
+import {
+  HOME,
+  isAway,
+  moved,
+  nearest,
+  pointWords,
+  positionText,
+  readCorners,
+  readPlace,
+} from "./geometry.ts";
 import type { Place, Point } from "./geometry.ts";
 import { readThings } from "./scene.ts";
 import type { Thing } from "./scene.ts";
@@ -36,6 +45,11 @@ export class MapCard {
     "button",
     { type: "button", class: "button small", "data-testid": "map-stop" },
     "Stop",
+  );
+  readonly #back = make(
+    "button",
+    { type: "button", class: "button small", "data-testid": "map-back", hidden: "" },
+    "Come back",
   );
   readonly #open: HTMLButtonElement;
   readonly #body = make("div", { class: "map-body", id: "map-body" });
@@ -76,13 +90,17 @@ export class MapCard {
     );
     const title = make("h2", { id: "map-title" }, this.#open);
     this.#body.append(this.#view.element, this.#choice, this.#words);
-    this.#element.append(make("header", {}, title, this.#stop), this.#body);
+    this.#element.append(make("header", {}, title, this.#back, this.#stop), this.#body);
     this.#open.addEventListener("click", () => {
       this.#body.hidden = !this.#body.hidden;
       this.#open.setAttribute("aria-expanded", String(!this.#body.hidden));
       this.#look();
     });
     this.#stop.addEventListener("click", () => this.#walk.stop());
+    this.#back.addEventListener("click", () => {
+      const { x, y, th } = HOME;
+      this.#walk.go({ text: `${x},${y},${th.toFixed(4)}`, words: "the front", place: HOME }, false);
+    });
     this.#listen();
     this.#render();
   }
@@ -177,6 +195,7 @@ export class MapCard {
     const first = this.#figure === null;
     this.#figure = place;
     this.#view.showFigure(place);
+    this.#renderBack();
     this.#view.showWay(place, this.#walk.targets);
     if (first && this.#ground.outline.length === 0) this.#drawGround();
   }
@@ -246,6 +265,12 @@ export class MapCard {
     options[0]?.focus({ preventScroll: true });
   }
 
+  /** One that is on its way is stopped, not called back. */
+  #renderBack(): void {
+    const away = this.#figure !== null && isAway(this.#figure);
+    this.#back.hidden = !away || this.#walks !== true || !this.#stop.hidden;
+  }
+
   #render(): void {
     const { state, words, targets, followed } = this.#walk;
     const idle = this.#walks === false ? NO_WALK : this.#ground.outline.length === 0 ? NO_FLOOR : HINT;
@@ -253,6 +278,7 @@ export class MapCard {
     this.#words.dataset["state"] = this.#walks ? state : "idle";
     this.#view.element.classList.toggle("walks", this.#walks === true);
     this.#stop.hidden = state !== "walking";
+    this.#renderBack();
     this.#view.showWay(this.#figure, targets);
     this.#element.dataset["followed"] = followed?.ref ?? "";
   }

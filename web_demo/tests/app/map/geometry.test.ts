@@ -3,6 +3,8 @@ import {
   drawn,
   extentOf,
   gridLines,
+  HOME,
+  isAway,
   moved,
   nearest,
   pointWords,
@@ -34,6 +36,15 @@ describe("places", () => {
     ["a,b", null],
     ["1,Infinity", null],
   ])("are read: %s", (text, place) => expect(readPlace(text)).toEqual(place));
+
+  it.each([
+    [HOME, false],
+    [{ x: 0.1, y: -0.1, th: HOME.th + 0.2 }, false],
+    [{ x: 0, y: 0, th: HOME.th + 2 * Math.PI }, false],
+    [{ x: 0.5, y: 0, th: HOME.th }, true],
+    [{ x: 0, y: 0, th: Math.PI / 2 }, true],
+    [{ x: 0, y: 0, th: Math.PI }, true],
+  ])("are those from where one can be called back: %o", (place, away) => expect(isAway(place)).toBe(away));
 
   it("are left out of corners where they cannot be read", () => {
     expect(readCorners(["0,0", "x", "1.5,2"])).toEqual([
