@@ -1,4 +1,4 @@
-"""docs/limits.md: every limit of a gateway and its wire stands there, with its number, its figure and its test."""
+"""docs/limits.md: every limit of a gateway, its wire and of media, with its number, its figure and its test."""
 
 import ast
 import importlib
@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 from openrois_avatar.metrics import figures as avatar
+from openrois_streaming.network.admission import AdmissionSettings
 
 from openrois.gateway.configuration import settings_of
 from openrois.gateway.metrics import FIGURES, HISTOGRAMS
@@ -15,6 +16,9 @@ ROOT = Path(__file__).parents[1]
 
 ELSEWHERE = ("authoring", "bench", "client", "conformance", "profile_command", "profile_xml", "testing")
 """Packages that are no part of a gateway or of what an adapter is written with."""
+
+MEDIA = ("admission", "guard", "turns")
+"""Modules of `openrois_streaming.network` that bound what comes in."""
 
 NO_LIMITS = {
     "openrois.gateway.applications.RESUMED": "a code",
@@ -33,7 +37,7 @@ NO_LIMITS = {
 
 
 def constants() -> dict[str, float]:
-    """Return every public number that a module of the control plane or of signaling has, by its dotted name."""
+    """Return every public number of the control plane, of signaling and of what bounds media, by its dotted name."""
     found: dict[str, float] = {}
     for folder in (ROOT / "openrois", ROOT / "signaling" / "openrois_signaling"):
         for path in sorted(folder.rglob("*.py")):
@@ -41,6 +45,10 @@ def constants() -> dict[str, float]:
             if parts[1] not in ELSEWHERE:
                 module = ".".join(part for part in parts if part != "__init__")
                 found |= {f"{module}.{name}": value for name, value in numbers(module, path)}
+    for name in MEDIA:
+        module = f"openrois_streaming.network.{name}"
+        path = ROOT / "streaming" / "openrois_streaming" / "network" / f"{name}.py"
+        found |= {f"{module}.{constant}": value for constant, value in numbers(module, path)}
     return {name: value for name, value in found.items() if name not in NO_LIMITS}
 
 
@@ -63,6 +71,13 @@ def settings() -> dict[str, float]:
     return {f"[{each.table}] {each.key}": float(each.info.default) for each in numeric}
 
 
+def options() -> dict[str, float]:
+    """Return what `openrois avatar` can be told to bound, by the options' names."""
+    admission = AdmissionSettings()
+    names = ("peer_packets", "peer_bytes", "total_packets", "total_bytes")
+    return {f"--{name.replace('_', '-')}": float(getattr(admission, name)) for name in names}
+
+
 def profiles() -> dict[str, float]:
     """Return the bounds of both kinds of connection."""
     return {
@@ -81,7 +96,7 @@ def rows() -> dict[str, tuple[str, str, str, str]]:
 
 
 def test_every_limit_has_a_row_and_every_row_a_limit() -> None:
-    assert set(rows()) == set(constants()) | set(settings()) | set(profiles())
+    assert set(rows()) == set(constants()) | set(settings()) | set(options()) | set(profiles())
 
 
 def test_what_is_no_limit_is_there() -> None:
@@ -91,7 +106,7 @@ def test_what_is_no_limit_is_there() -> None:
 
 
 def test_the_numbers_are_those_that_hold() -> None:
-    known = constants() | settings() | profiles()
+    known = constants() | settings() | options() | profiles()
     wrong = {
         name: (value, known.get(name))
         for name, (value, *_) in rows().items()
@@ -101,7 +116,8 @@ def test_the_numbers_are_those_that_hold() -> None:
 
 
 def test_the_figures_are_served() -> None:
-    served = {figure.name for figure in FIGURES} | {figure.name for figure in avatar.ADAPTER} | set(HISTOGRAMS)
+    media = {figure.name for figure in avatar.ADAPTER} | {figure.name for figure in avatar.GUARD}
+    served = {figure.name for figure in FIGURES} | media | set(HISTOGRAMS)
     named = {name for _, _, figures, _ in rows().values() for name in re.findall(r"`([^`]+)`", figures)}
     assert named <= served
     assert {figures for _, _, figures, _ in rows().values() if "`" not in figures} <= {"none: it refuses nothing"}

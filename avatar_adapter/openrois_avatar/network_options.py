@@ -3,6 +3,7 @@
 import argparse
 from collections.abc import Sequence
 
+from openrois_streaming.network.admission import AdmissionSettings
 from openrois_streaming.network.interfaces import host_addresses
 from openrois_streaming.network.settings import PROFILES, NetworkSettings, PortRange
 
@@ -31,6 +32,15 @@ def add_network_options(parser: argparse.ArgumentParser) -> None:
         "--candidates", choices=tuple(PROFILES), default="lan", help="whose addresses are used (%(default)s)"
     )
     group.add_argument("--relay-only", action="store_true", help="media passes over TURN servers and no other way")
+    defaults = AdmissionSettings()
+    for option, told in (
+        ("peer-packets", "packets a second that are admitted of one peer connection"),
+        ("peer-bytes", "bytes a second that are admitted of one peer connection"),
+        ("total-packets", "packets a second that are admitted of all peer connections"),
+        ("total-bytes", "bytes a second that are admitted of all peer connections"),
+    ):
+        default = getattr(defaults, option.replace("-", "_"))
+        group.add_argument(f"--{option}", type=int, default=default, metavar="N", help=f"{told} (%(default)s)")
 
 
 def _ports(text: str) -> PortRange:
@@ -43,7 +53,12 @@ def _ports(text: str) -> PortRange:
 def network_settings(chosen: argparse.Namespace) -> NetworkSettings:
     """What was chosen. Raises ValueError with a sentence, also for an interface that is not there."""
     settings = NetworkSettings(
-        tuple(chosen.interface), chosen.udp_ports, chosen.public_address, chosen.relay_only, chosen.candidates
+        tuple(chosen.interface),
+        chosen.udp_ports,
+        chosen.public_address,
+        chosen.relay_only,
+        chosen.candidates,
+        AdmissionSettings(chosen.peer_packets, chosen.peer_bytes, chosen.total_packets, chosen.total_bytes),
     )
     host_addresses(settings.interfaces)
     return settings

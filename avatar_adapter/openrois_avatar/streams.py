@@ -18,6 +18,7 @@ from openrois_streaming.feed import MediaPublisher
 from openrois_streaming.inlet import MediaInlet
 from openrois_streaming.network.guard import GuardFigures
 from openrois_streaming.network.settings import NetworkSettings
+from openrois_streaming.network.turns import Ingress
 from openrois_streaming.session import StreamSession
 from openrois_streaming.sessions import StreamSessions
 from openrois_streaming.stream import StreamChange
@@ -136,7 +137,8 @@ class AvatarStreams:
         self._seat = seat
         self.guarded = GuardFigures()
         """What did not get in from the network, of all sessions together."""
-        self._network = network
+        self._network = network or NetworkSettings()
+        self._ingress = Ingress(self._network.admission)
         self._engine_id = engine_id
         self._published = published
         self._clock = clock
@@ -294,6 +296,7 @@ class AvatarStreams:
             clock=self._clock,
             network=self._network,
             guarded=self.guarded,
+            ingress=self._ingress,
             name=f"session {session_name}",
             sink=sink if own is None else own.hands(tell),
             channels=Channels if own is None else own.make,

@@ -18,6 +18,7 @@ from openrois_streaming.network.gathering import Gathering
 from openrois_streaming.network.guard import GuardFigures
 from openrois_streaming.network.servers import read_servers
 from openrois_streaming.network.settings import NetworkSettings
+from openrois_streaming.network.turns import Ingress
 from openrois_streaming.receiving.receiver import RtpReceiver
 from openrois_streaming.receiving.remote_time import RemoteClock
 from openrois_streaming.sdp import OfferedSection, clean_answer, mids_of, read_candidate
@@ -45,6 +46,7 @@ class BundledConnection:
         ice_servers: STUN and TURN servers; nothing waits for them unless there must be a relay.
         network: what of the network is used.
         guarded: where is counted what does not get in.
+        ingress: how much gets in, of all connections.
         clock: by which frames are captured.
         wall_offset: the time of day (epoch seconds) at which the media clock was 0. It does not follow a clock that is
             stepped, because sound and pictures would part for a while.
@@ -59,6 +61,7 @@ class BundledConnection:
         ice_servers: Sequence[IceServer],
         network: NetworkSettings,
         guarded: GuardFigures,
+        ingress: Ingress,
         clock: MediaClock,
         wall_offset: float,
         on_state: Callable[[str], None],
@@ -68,6 +71,7 @@ class BundledConnection:
         self.sections: list[Section] = []
         self._policy = network.policy
         self._guarded = guarded
+        self._ingress = ingress
         self._clock = clock
         self._remote = RemoteClock()
         self._outlet = Outlet.made(clock, wall_offset, asyncio.get_running_loop().call_later)
@@ -124,7 +128,7 @@ class BundledConnection:
         async def gather() -> list[Candidate]:
             return await self._gathering.first(agent)
 
-        agent = IceAgent(transport, gather, self._policy.permits_target, self._guarded)
+        agent = IceAgent(transport, gather, self._policy.permits_target, self._guarded, self._ingress)
         return agent
 
     @property
@@ -133,9 +137,13 @@ class BundledConnection:
         return any(section.sender.failed for section in self.sections)
 
     @property
-    def crowded(self) -> bool:
-        """Whether the other end sends from more sources than it can have."""
-        return self._incoming is not None and self._incoming.crowded
+    def misuse(self) -> str:
+        """What the other end does that no application has to, as a sentence; empty where it does not."""
+        if self._incoming is not None and self._incoming.crowded:
+            return "the application sends from too many sources (SSRC)"
+        if self._agent is not None and self._agent.admission.persists:
+            return "the application sends more packets than the engine admits"
+        return ""
 
     async def describe(self, generation: int) -> tuple[str, tuple[StreamSection, ...]]:
         """Make offer number `generation` of the sections as they are now; returns it and the streams it lists.

@@ -26,6 +26,7 @@ from openrois_streaming.liveness import Verdict as Progress
 from openrois_streaming.liveness import Viewer
 from openrois_streaming.network.guard import GuardFigures
 from openrois_streaming.network.settings import NetworkSettings
+from openrois_streaming.network.turns import Ingress
 from openrois_streaming.section import Leg
 from openrois_streaming.stream import Stream
 from openrois_streaming.tasks import OwnedTasks, Task
@@ -77,6 +78,7 @@ class Peer:
         ice_servers: Sequence[IceServer],
         network: NetworkSettings,
         guarded: GuardFigures,
+        ingress: Ingress,
         clock: MediaClock,
         tasks: OwnedTasks,
         owner: PeerOwner,
@@ -94,6 +96,7 @@ class Peer:
             ice_servers,
             network,
             guarded,
+            ingress,
             clock,
             clock.wall() - clock.now(),
             self._connection_is,
@@ -205,8 +208,9 @@ class Peer:
             self._finish(bye)
         elif self._connection.sender_failed:
             self.end("a sender has failed")
-        elif self._connection.crowded:
-            self.end("the application sends from too many sources (SSRC)")
+        elif misuse := self._connection.misuse:
+            _log.info("a peer connection is ended: %s", misuse)
+            self.end(misuse)
         elif self.viewer is None:
             if self._answered_at is not None and now - self._answered_at >= CONNECT_TIMEOUT:
                 self.end("no media path to the application was found")

@@ -14,6 +14,7 @@ from openrois_streaming.feed import MediaPublisher
 from openrois_streaming.inlet import Intake, MediaInlet
 from openrois_streaming.network.guard import GuardFigures
 from openrois_streaming.network.settings import NetworkSettings
+from openrois_streaming.network.turns import Ingress
 from openrois_streaming.peer import Peer, PeerOwner
 from openrois_streaming.peers import Peers
 from openrois_streaming.state import Party, StreamStatus
@@ -49,6 +50,7 @@ class StreamSession:
         ice_servers: for the peer connections that are made from now on; may be set at any time.
         network: what of the network the peer connections use.
         guarded: where is counted what they do not let in; sessions may share it.
+        ingress: how much they let in, all sessions together; one of its own if there is none given.
         clock: for all deadlines.
         name: in logs and task names.
         sink: hears what a person does, once `input` is opened; None: nobody wants to know.
@@ -65,6 +67,7 @@ class StreamSession:
         ice_servers: Sequence[IceServer] = (),
         network: NetworkSettings | None = None,
         guarded: GuardFigures | None = None,
+        ingress: Ingress | None = None,
         name: str = "session",
         sink: InputSink | None = None,
         channels: MakeChannels = Channels,
@@ -78,6 +81,8 @@ class StreamSession:
         self.ice_servers = tuple(ice_servers)
         self.guarded = guarded or GuardFigures()
         """What did not get in."""
+        network = network or NetworkSettings()
+        admitting = ingress or Ingress(network.admission)
         self._clock = clock
         self._tasks = OwnedTasks(name, failed)
         self._streams = StreamTable(on_change, clock)
@@ -89,8 +94,9 @@ class StreamSession:
                 mint(),
                 replaces=replaces,
                 ice_servers=self.ice_servers,
-                network=network or NetworkSettings(),
+                network=network,
                 guarded=self.guarded,
+                ingress=admitting,
                 clock=clock,
                 tasks=self._tasks,
                 owner=owner,

@@ -2,6 +2,7 @@ import argparse
 
 import pytest
 from openrois_avatar.network_options import add_host_options, add_network_options, host_arguments, network_settings
+from openrois_streaming.network.admission import AdmissionSettings
 from openrois_streaming.network.settings import NetworkSettings, PortRange
 
 
@@ -21,6 +22,8 @@ def test_what_is_chosen() -> None:
         ("127.0.0.1",), PortRange(50000, 50010), "203.0.113.1", candidates="public"
     )
     assert network_settings(parse("--relay-only")).relay_only
+    admission = ("--peer-packets", "1", "--peer-bytes", "2", "--total-packets", "3", "--total-bytes", "4")
+    assert network_settings(parse(*admission)).admission == AdmissionSettings(1, 2, 3, 4)
 
 
 @pytest.mark.parametrize(
@@ -42,6 +45,7 @@ def test_what_cannot_be_read_is_said(arguments: tuple[str, ...], told: str, caps
         (("--udp-ports", "9-10"), "from 1024"),
         (("--interface", "nowhere0"), "no interface has the name or the address nowhere0; there are: .*lo"),
         (("--relay-only", "--interface", "lo"), "with a relay alone"),
+        (("--peer-packets", "0"), "--peer-packets must be 1 or more, not 0"),
     ],
 )
 def test_what_cannot_be_used_is_said(arguments: tuple[str, ...], told: str) -> None:

@@ -12,7 +12,6 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import cache
-from itertools import count
 from pathlib import Path
 
 import atheris
@@ -48,7 +47,7 @@ with atheris.instrument_imports(include=INSTRUMENTED):
     from openrois_streaming.clock import SystemClock
     from openrois_streaming.encoded import EncodedFrame
     from openrois_streaming.errors import InvalidCandidate, InvalidDescription
-    from openrois_streaming.network.guard import RTCP_AT_ONCE, RTCP_PER_SECOND, Allowance, GuardFigures
+    from openrois_streaming.network.guard import GuardFigures
     from openrois_streaming.network.policy import CandidatePolicy
     from openrois_streaming.receiving.assembly import BYTES_LIMIT, PACKETS_LIMIT, VideoAssembly, VideoPacket
     from openrois_streaming.receiving.payloads import h264_piece, vp8_piece
@@ -238,9 +237,7 @@ class Reported:
         self.transport: RTCDtlsTransport = replaced.transport
         self.transport._rtp_router.register_sender(replaced, ssrc=SSRC)
         self.figures = GuardFigures()
-        incoming = Incoming(self.transport, lambda: None, self.figures)
-        # A second passes between two reports, so that none is too many.
-        incoming._rtcp_left = Allowance(count().__next__, RTCP_AT_ONCE, RTCP_PER_SECOND)
+        Incoming(self.transport, lambda: None, self.figures)
         self.sender = RtpSender("video", self, Outlet.made(SystemClock(), 0.0, loop.call_later))
         self.sender._sequence = 7
         take_over(replaced, self.sender, DtlsWire())

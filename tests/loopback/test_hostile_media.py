@@ -1,9 +1,12 @@
 """An application sends what no other would: its streams go on, or end with a reason."""
 
+import asyncio
 import struct
 from collections.abc import AsyncIterator
+from contextlib import suppress
 
 import pytest
+from openrois_streaming.network.admission import RTCP_PER_SECOND
 from openrois_streaming.seams.incoming import SOURCES_LIMIT
 from openrois_streaming.state import StreamStatus
 
@@ -63,3 +66,26 @@ async def test_packets_that_cannot_be_read_end_nothing_and_sources_without_end_d
             await talker.plays("0", 1)
     await engine.news.until(lambda: engine.byes)
     assert engine.byes[0].reason == "the application sends from too many sources (SSRC)"
+
+
+async def test_a_viewer_that_keeps_sending_reports_is_ended_with_a_reason(ears: Ears, talker: Talker) -> None:
+    engine = ears.engine
+    engine.connect("v", "video")
+    await engine.until("v", StreamStatus.RUNNING)
+    dtls = talker.connections["engine/p1"].getTransceivers()[0].sender.transport
+    nack = rtcp(205, 1, struct.pack("!LLHH", 1, 2, 7, 0xFFFF))
+    sent = 0
+
+    async def flood() -> None:
+        nonlocal sent
+        while not engine.byes:
+            for _ in range(RTCP_PER_SECOND // 10):
+                with suppress(ConnectionError):  # the engine may have closed it just now
+                    await dtls._send_rtp(nack)
+                sent += 1
+            await asyncio.sleep(0.02)
+
+    await flood()
+    assert [bye.reason for bye in engine.byes] == ["the application sends more packets than the engine admits"]
+    assert 0 < engine.session.guarded.peer_limit <= sent - RTCP_PER_SECOND
+    assert engine.session.guarded.total_limit == 0

@@ -149,6 +149,7 @@ async def test_the_guard_drops_nothing_of_a_session_that_nobody_attacks() -> Non
             await viewer.plays("1")
             guarded = engine.session.guarded
             assert (guarded.strangers, guarded.malformed, guarded.unknown, guarded.overflow) == (0, 0, 0, 0)
+            assert (guarded.peer_limit, guarded.total_limit) == (0, 0)
 
 
 async def test_ports_are_those_of_the_range_and_the_public_address_is_told() -> None:

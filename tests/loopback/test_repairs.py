@@ -22,4 +22,5 @@ async def test_what_is_lost_is_sent_again_and_pictures_go_on() -> None:
         stats = await one.session.stats("s1")
         assert stats.packets_retransmitted > 0
         assert stats.retransmissions_refused == 0
+        assert (one.session.guarded.peer_limit, one.session.guarded.total_limit) == (0, 0)
         assert sink.received("0").packets_lost <= stats.packets_retransmitted + 5

@@ -23,6 +23,7 @@ from openrois_streaming.keyframes import KeyFrameCause
 from openrois_streaming.liveness import SILENCE, Verdict
 from openrois_streaming.network.guard import GuardFigures
 from openrois_streaming.network.settings import NetworkSettings
+from openrois_streaming.network.turns import Ingress
 from openrois_streaming.peer import CLOCKS_INTERVAL, CONNECT_TIMEOUT, Peer
 from openrois_streaming.state import Party, StreamInput
 from openrois_streaming.stats import Counters
@@ -51,6 +52,7 @@ class Owner:
             ice_servers=(),
             network=NetworkSettings(),
             guarded=GuardFigures(),
+            ingress=Ingress(),
             clock=self.clock,
             tasks=self.tasks,
             owner=self,
@@ -454,9 +456,9 @@ async def test_a_sender_that_failed_ends_the_peer(owner: Owner) -> None:
     assert owner.reasons == ["a sender has failed"]
 
 
-async def test_an_application_with_sources_without_end_is_given_up(owner: Owner) -> None:
+async def test_an_application_that_does_what_none_has_to_is_given_up(owner: Owner) -> None:
     await owner.play()
-    owner.connection.crowded = True
+    owner.connection.misuse = "the application sends from too many sources (SSRC)"
     owner.peer.tick(owner.clock.now())
     assert owner.reasons == ["the application sends from too many sources (SSRC)"]
 

@@ -17,6 +17,7 @@ from openrois_streaming.fanout import Fanout, Subscription
 from openrois_streaming.keyframes import KeyFrameCause
 from openrois_streaming.network.guard import GuardFigures
 from openrois_streaming.network.settings import NetworkSettings
+from openrois_streaming.network.turns import Ingress
 from openrois_streaming.receiving.receiver import ReceiverFigures
 from openrois_streaming.rendition import HandedOn
 from openrois_streaming.rtp.reports import ReceiverReport
@@ -172,6 +173,7 @@ class WirelessConnection:
         ice_servers: Sequence[IceServer],
         network: NetworkSettings,
         guarded: GuardFigures,
+        ingress: Ingress,
         clock: MediaClock,
         wall_offset: float,
         on_state: Callable[[str], None],
@@ -189,7 +191,8 @@ class WirelessConnection:
         self.room = 16
         self.closed_there = False
         """Whether the application has closed it, and that was not told yet."""
-        self.sender_failed = self.crowded = False
+        self.sender_failed = False
+        self.misuse = ""
         self.answers_questions = False
         self.questions = 0
         self.candidates: list[str] = []

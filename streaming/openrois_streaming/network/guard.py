@@ -28,11 +28,6 @@ REPLIES_AT_ONCE: Final = 10
 REPLIES_PER_SECOND: Final = 5.0
 """How many unauthenticated STUN requests are answered with an error."""
 
-RTCP_AT_ONCE: Final = 100_000
-RTCP_PER_SECOND: Final = 50_000
-"""Bytes of RTCP that one peer connection may send, far more than a browser does: each byte can ask for four packets to
-be sent again."""
-
 
 @dataclass(slots=True)
 class GuardFigures:
@@ -53,7 +48,11 @@ class GuardFigures:
     oversized: int = 0
     """DTLS or SRTP that is longer than it ever has to be."""
     overflow: int = 0
-    """From proven sources, faster than they are worked off, or more RTCP than anybody has to send."""
+    """From proven sources, faster than they are worked off."""
+    peer_limit: int = 0
+    """From proven sources, more than one peer connection may send."""
+    total_limit: int = 0
+    """From proven sources, more than all peer connections may send together."""
     unreadable: int = 0
     """RTP and RTCP of a viewer, authentic and decrypted, that cannot be taken in."""
 
@@ -71,12 +70,16 @@ class Allowance:
         self._left = at_once
         self._filled = clock()
 
-    def admits(self, cost: float = 1.0) -> bool:
-        """Whether `cost` may pass now; counts it if so."""
+    def has(self, cost: float = 1.0) -> bool:
+        """Whether `cost` may pass now."""
         now = self._clock()
         self._left = min(self._at_once, self._left + (now - self._filled) * self._per_second)
         self._filled = now
-        if self._left < cost:
+        return self._left >= cost
+
+    def admits(self, cost: float = 1.0) -> bool:
+        """Whether `cost` may pass now; counts it if so."""
+        if not self.has(cost):
             return False
         self._left -= cost
         return True

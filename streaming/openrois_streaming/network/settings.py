@@ -4,9 +4,10 @@ Raises everywhere: ValueError with a sentence that says what is wrong with which
 """
 
 import ipaddress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final, NamedTuple, Self
 
+from openrois_streaming.network.admission import AdmissionSettings
 from openrois_streaming.network.policy import PORTS_FROM, CandidatePolicy
 
 PROFILES: Final = {
@@ -44,6 +45,7 @@ class NetworkSettings:
             cloud machine's public address) makes this machine known; None without one.
         relay_only: media passes over a TURN server and no other way; no address of this machine is told.
         candidates: a key of `PROFILES`.
+        admission: how much is let in.
     """
 
     interfaces: tuple[str, ...] = ()
@@ -51,6 +53,7 @@ class NetworkSettings:
     public_address: str | None = None
     relay_only: bool = False
     candidates: str = "lan"
+    admission: AdmissionSettings = field(default_factory=AdmissionSettings)
 
     def __post_init__(self) -> None:
         if self.candidates not in PROFILES:

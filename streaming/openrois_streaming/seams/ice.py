@@ -5,6 +5,7 @@ What is reached for, and why nothing public does it:
 * `RTCIceTransport._connection` is the aioice connection, and its `get_component_candidates` opens sockets on any port
   of every interface and waits for STUN and TURN servers. Here sockets are opened as the settings say, and servers are
   asked later.
+* `RTCIceTransport._recv` is what DTLS and SRTP wait in for the next datagram: it suspends them in time.
 * `StunProtocol` receives every datagram; a `Gate` stands in front of it. `check_state` and `check_incoming` tell which
   sources prove themselves, `respond_error` answers those that do not, and `_queue` is what waits for DTLS and SRTP.
 * `_nominated` is the pair that is sent over; when its other end is silent, a pair that has proven itself takes over.
@@ -23,6 +24,7 @@ from aioice.candidate import candidate_foundation, candidate_priority
 from aioice.turn import UDP_SOCKET_BUFFER_SIZE
 from aiortc.rtcicetransport import RTCIceTransport
 
+from openrois_streaming.network.admission import Admission, Traffic, Verdict, media_traffic
 from openrois_streaming.network.datagrams import KINDS, Kind, StunClass, stun_class, transaction_of
 from openrois_streaming.network.guard import (
     QUEUE_LIMIT,
@@ -34,6 +36,7 @@ from openrois_streaming.network.guard import (
     Source,
 )
 from openrois_streaming.network.servers import TurnServer
+from openrois_streaming.network.turns import Ingress, TurnTaking
 from openrois_streaming.tasks import OwnedTasks
 
 PROOF_TRIES: Final = 3
@@ -93,15 +96,26 @@ class GuardedProtocol(ice.StunProtocol):
             self._figures.malformed += 1
         elif kind in (StunClass.SUCCESS, StunClass.ERROR) and transaction_of(data) not in self.transactions:
             self._figures.unasked += 1
+        elif kind is StunClass.REQUEST and not self._agent.is_meant(data):
+            if self._agent.may_reply:
+                self._take_in(data, source)
+            else:
+                self._figures.unauthenticated += 1
         elif kind is not StunClass.INDICATION:
-            try:
-                self._read(stun.parse_message(data), source)
-            except Exception:  # the parser and what follows it raise whatever hostile bytes make of them
-                self._figures.malformed += 1
+            # To verify one takes long: where the turn is spent it waits for the next.
+            self._agent.check(functools.partial(self._take_in, data, source), len(data))
+
+    def _take_in(self, data: bytes, source: Source) -> None:
+        try:
+            self._read(stun.parse_message(data), source)
+        except Exception:  # the parser and what follows it raise whatever hostile bytes make of them
+            self._figures.malformed += 1
 
     def _read(self, message: stun.Message, source: Source) -> None:
         if message.message_class is not stun.Class.REQUEST:
-            self.transactions[message.transaction_id].response_received(message, source)
+            transaction = self.transactions.get(message.transaction_id)
+            if transaction is not None:  # it may have ended while the answer waited for its turn
+                transaction.response_received(message, source)
             return
         early = self.receiver._early_checks
         self.receiver.request_received(message, source, self)
@@ -192,6 +206,7 @@ class IceAgent:
         gather: finds the candidates of the first description, and may raise.
         permits: says whether an address and port may be sent to.
         figures: where is counted what does not pass.
+        ingress: what it has in common with others.
     """
 
     def __init__(
@@ -200,11 +215,16 @@ class IceAgent:
         gather: Callable[[], Awaitable[list[Candidate]]],
         permits: Callable[[str, int], bool],
         figures: GuardFigures,
+        ingress: Ingress,
     ) -> None:
         self.connection = connection = transport._connection
         self.permits = permits
         self.figures = figures
+        self._turns = ingress.turns
+        self.admission = Admission(ingress.total)
         self._gather = gather
+        self._name = f"{connection.local_username}:".encode()
+        transport._recv = TurnTaking(ingress.turns, connection.recv).receive
         self._replies = Allowance(time.monotonic, REPLIES_AT_ONCE, REPLIES_PER_SECOND)
         self.checks = Checks(connection, self._admit)
         self._aioice_check_state = connection.check_state
@@ -314,11 +334,36 @@ class IceAgent:
         """From now on `candidate` stands in every description."""
         self.connection._local_candidates.append(candidate)
 
+    def is_meant(self, request: bytes) -> bool:
+        """Whether a connectivity check may be for this agent: it names it (RFC 8445 section 7.2.2)."""
+        return self._name in request
+
+    @property
+    def may_reply(self) -> bool:
+        """Whether one more request without credentials would be answered."""
+        return self._replies.has()
+
+    def check(self, work: Callable[[], None], octets: int) -> None:
+        """Have a connectivity check of so many bytes taken in by `work`, now or in its turn, if it is admitted."""
+        if self._admits(Traffic.CHECK, octets) and not self._turns.do(work):
+            self.figures.overflow += 1
+
+    def _admits(self, traffic: Traffic, octets: int) -> bool:
+        """Whether one more datagram is admitted; counts it otherwise."""
+        match self.admission.judge(traffic, octets):
+            case Verdict.PEER_LIMIT:
+                self.figures.peer_limit += 1
+            case Verdict.TOTAL_LIMIT:
+                self.figures.total_limit += 1
+            case Verdict.ADMITTED:
+                return True
+        return False
+
     def deliver(self, data: bytes) -> None:
         """Hand DTLS or SRTP of a proven source over."""
         if self.connection._queue.qsize() >= QUEUE_LIMIT:
             self.figures.overflow += 1
-        else:
+        elif self._admits(media_traffic(data), len(data)):
             self.connection.data_received(data, 1)
 
     async def _get_component_candidates(

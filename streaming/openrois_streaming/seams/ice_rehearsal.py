@@ -7,6 +7,7 @@ from aioice import stun
 from aiortc.rtcicetransport import RTCIceGatherer, RTCIceTransport
 
 from openrois_streaming.network.guard import REPLIES_AT_ONCE, GuardFigures, Source
+from openrois_streaming.network.turns import Ingress
 from openrois_streaming.seams.ice import GuardedProtocol, IceAgent, local_candidate
 
 _PEER: Final = ("192.0.2.1", 5000)
@@ -57,7 +58,7 @@ class Rehearsal:
         async def gather() -> list[Any]:
             return [self._here]
 
-        self.agent = IceAgent(transport, gather, lambda host, port: True, self.figures)
+        self.agent = IceAgent(transport, gather, lambda host, port: True, self.figures, Ingress())
         self.wire = _Wire()
         self.protocol = self.wire.protocol = GuardedProtocol(self.agent)
         self.protocol.local_candidate = self._here

@@ -9,13 +9,12 @@ What is reached for, and why nothing public does it:
 """
 
 import logging
-import time
 from collections.abc import Callable
 from typing import Final
 
 from aiortc.rtcdtlstransport import RTCDtlsTransport
 
-from openrois_streaming.network.guard import RTCP_AT_ONCE, RTCP_PER_SECOND, Allowance, GuardFigures
+from openrois_streaming.network.guard import GuardFigures
 from openrois_streaming.seams.code import names_in
 
 SOURCES_LIMIT: Final = 1024
@@ -36,7 +35,6 @@ class Incoming:
 
     def __init__(self, transport: RTCDtlsTransport, on_rtcp: Callable[[], None], figures: GuardFigures) -> None:
         self._figures = figures
-        self._rtcp_left = Allowance(time.monotonic, RTCP_AT_ONCE, RTCP_PER_SECOND)
         self._sources: set[bytes] = set()
         self._failed = False
         self._on_rtcp = on_rtcp
@@ -64,9 +62,7 @@ class Incoming:
                 self._fail()
 
     async def _rtcp_came(self, data: bytes) -> None:
-        if not self._rtcp_left.admits(len(data)):
-            self._figures.overflow += 1
-        elif self._knows(data[_RTCP_SOURCE]):
+        if self._knows(data[_RTCP_SOURCE]):
             try:
                 self._on_rtcp()
                 await self._handle_rtcp(data)

@@ -4,6 +4,7 @@ from typing import Any
 import pytest
 from aiortc import RTCPeerConnection
 from openrois_streaming.network.guard import GuardFigures
+from openrois_streaming.network.turns import Ingress
 from openrois_streaming.seams.ice import IceAgent
 
 from tests.support.streaming import settle
@@ -28,7 +29,9 @@ async def test_a_socket_that_is_given_up_while_it_is_opened_is_closed(
     monkeypatch.setattr(loop, "create_datagram_endpoint", create_and_wait)
     connection = RTCPeerConnection()
     transport = connection.addTransceiver("video").sender.transport.transport
-    agent = IceAgent(transport, gather=NotImplemented, permits=lambda host, port: True, figures=GuardFigures())
+    agent = IceAgent(
+        transport, gather=NotImplemented, permits=lambda host, port: True, figures=GuardFigures(), ingress=Ingress()
+    )
     opening = asyncio.ensure_future(agent.open_host("127.0.0.1", [0]))
     await made.wait()
     if given_up:

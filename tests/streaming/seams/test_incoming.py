@@ -6,7 +6,7 @@ import pytest
 from aiortc import RTCPeerConnection
 from aiortc.rtcdtlstransport import RTCDtlsTransport
 from aiortc.rtp import RtcpRrPacket, RtpPacket
-from openrois_streaming.network.guard import RTCP_AT_ONCE, GuardFigures
+from openrois_streaming.network.guard import GuardFigures
 from openrois_streaming.seams.incoming import SOURCES_LIMIT, Incoming
 
 
@@ -61,21 +61,3 @@ async def test_an_application_with_sources_without_end_is_not_listened_to(transp
     await transport._handle_rtcp_data(bytes(RtcpRrPacket(ssrc=SOURCES_LIMIT)))
     await transport._handle_rtp_data(RtpPacket(ssrc=1).serialize(), arrival_time_ms=0)
     assert (incoming.crowded, heard) == (True, ["rtcp"])
-
-
-async def test_more_rtcp_than_anybody_has_to_send_is_dropped(
-    transport: RTCDtlsTransport, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    moment = 1000.0
-    monkeypatch.setattr("openrois_streaming.seams.incoming.time.monotonic", lambda: moment)
-    heard: list[str] = []
-    figures = GuardFigures()
-    Incoming(transport, lambda: heard.append("rtcp"), figures)
-    report = bytes(RtcpRrPacket(ssrc=1)) * 100
-    fitting = RTCP_AT_ONCE // len(report)
-    for _ in range(fitting + 3):
-        await transport._handle_rtcp_data(report)
-    assert (len(heard), figures.overflow) == (fitting, 3)
-    moment += 1
-    await transport._handle_rtcp_data(report)
-    assert (len(heard), figures.overflow) == (fitting + 1, 3)
