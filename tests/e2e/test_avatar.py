@@ -45,7 +45,7 @@ async def test_it_is_alive_without_being_asked(guest: Visit) -> None:
 
 async def test_it_speaks_a_sentence_and_its_mouth_moves_with_the_sound(guest: Visit) -> None:
     speech = await speak(guest, "Hello, I am pleased to meet you. How are you today?")
-    await expect(guest.item("say-state")).to_have_text(re.compile(r"^Completed OK after \d+\.\d s$"))
+    await expect(guest.item("say-state")).to_have_text(re.compile(r"^Done after \d+\.\d s$"))
     assert await outcome(guest, _VOICE, "start") == "OK"
     assert speech.noise < 0.001
     assert speech.began < 10_000  # on an idle machine it is 400
@@ -80,7 +80,7 @@ async def test_two_people_cannot_speak_through_it_at_once(browser: Browser, avat
         await say(guest, _STORY)
         await guest.until(f"{SAYING} === 'speaking'")
         await say(other, "And now me!")
-        await expect(other.item("say-state")).to_have_text(re.compile("^Somebody else is speaking"))
+        await expect(other.item("say-state")).to_have_text(re.compile("^Another visitor is speaking"))
         assert await guest.read(SAYING) == "speaking"
         await guest.press("say-stop")
         await guest.until(f"{SAYING} === 'stopped'")
@@ -95,7 +95,7 @@ async def test_a_reaction_is_seen_and_ends_by_itself_or_by_the_next_one(guest: V
         await guest.until(f"probe.watched.picture.some(({{ away }}) => away > {_MOVED})")
         if number % 2:
             name = await buttons.nth(number).locator("span").inner_text()
-            ended = re.compile(rf"^{name}: completed OK after \d\.\d s$")
+            ended = re.compile(rf"^{name}: done after \d\.\d s$")
             await expect(guest.item("reaction-state")).to_have_text(ended)
             assert await outcome(guest, "avatar/Reaction", "start") == "OK"
     set_and_start = [each["status"] for each in guest.told("rois.command.completed")]

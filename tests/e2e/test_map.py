@@ -134,7 +134,7 @@ async def test_a_stop_that_fails_is_told_until_the_next_one(guest: Visit) -> Non
     told = await guest.read("performance.now()")
     await guest.until(f"performance.now() > {told} + 5000")  # a success is told for 4 s
     await expect(button).to_have_text("Not stopped")
-    await expect(button).to_have_attribute("title", "an arm: no answer")
+    await expect(button).to_have_attribute("title", "An arm: no answer")
     await guest.press("stop-all")
     await all_stopped(guest)
 

@@ -127,6 +127,9 @@ async def test_control_is_asked_for_kept_and_handed_over(browser: Browser, comin
         await expect(theirs).to_be_hidden()
         seat = {"component_ref": "avatar/Teleoperation"}
         assert (await ask(carl, "openrois.lease.request", **seat))["result"]["lease"]["position"] == 1
+        for item in (ben.item("control-toggle"), ben.page.locator("button.reaction").first):
+            await expect(item).to_be_disabled()
+            await expect(item).to_have_accessible_description("anna has control")
         await ben.press("handover-yes")
         await expect(ours).to_contain_text("You wait for control: number 2 in line")
 
@@ -144,9 +147,16 @@ async def test_control_is_asked_for_kept_and_handed_over(browser: Browser, comin
         await ben.press("handover-yes")
         await expect(theirs).to_contain_text("ben asks for control")
         await anna.press("handover-yes")
-        await expect(ours).to_contain_text("You have control")
+        # What stands on each page is one sentence, not two that contradict each other.
+        await expect(ben.item("control-toggle")).to_have_attribute("aria-pressed", "true")
+        await expect(ben.item("control-words")).to_have_text("You have control")
+        await expect(ours).to_be_hidden()
         await expect(theirs).to_contain_text("ben has control")
         await expect(anna.item("control-toggle")).to_have_attribute("aria-pressed", "false")
-        await ben.press("handover-no")
+        await expect(anna.item("control-words")).to_have_text("You have handed over control to ben.")
+        # Who does not drive stops everything all the same.
+        await anna.press("stop-all")
+        await all_stopped(anna)
+        await expect(ben.item("control-words")).to_have_text("Everything was stopped by anna")
         for bar in (ours, theirs):
             await expect(bar).to_be_hidden()

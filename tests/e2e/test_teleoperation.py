@@ -68,7 +68,7 @@ async def test_the_keyboard_drives_and_a_page_that_is_not_looked_at_lets_go(driv
     await visit.page.evaluate(f"{hide} && document.dispatchEvent(new Event('visibilitychange'))")
     await drivers.stands()
     assert engine.inputs[-1] in {"release", "state"}
-    await expect(visit.item("control-words")).to_have_text("the operator's page is not seen any more")
+    await expect(visit.item("control-words")).to_have_text("The operator's page is not seen any more")
 
     await visit.page.evaluate("delete document.visibilityState")
     await visit.page.keyboard.up("KeyA")
@@ -96,13 +96,48 @@ async def test_a_gamepad_is_announced_and_drives(drivers: Drivers) -> None:
     words = visit.item("control-words")
     await expect(words).to_have_text("Stick 2000 is connected: take control to drive")
     await drivers.take_control()
-    await expect(words).to_have_text("You drive with Stick 2000")
+    await expect(words).to_have_text("You have control, with Stick 2000")
     await expect(visit.item("control-legend")).to_contain_text("Left stick")
     await visit.page.evaluate("push(1)")
     await drivers.goes()
     await visit.page.evaluate("push(0)")
     await drivers.stands()
     assert all(command.ahead > 0 for _, command in engine.heard if isinstance(command, Drive))
+
+
+async def test_who_drives_has_the_whole_body_and_hands_over_all_of_it(browser: Browser, drivers: Drivers) -> None:
+    mine = drivers.visit
+    async with visiting(browser, mine.page.url) as theirs:
+        await theirs.until("openrois.video?.status === 'STREAMING_RUNNING'")
+        await expect(theirs.item("control-toggle")).to_be_enabled()
+        await drivers.take_control()
+        strip = theirs.item("handover")
+        await expect(strip).to_contain_text("Another visitor has control")
+        await expect(theirs.item("control-toggle")).to_be_disabled()
+        await expect(theirs.item("map")).to_have_attribute("aria-disabled", "true")
+        await expect(theirs.item("map-words")).to_have_text("Another visitor has control.")
+        assert await theirs.read("document.querySelectorAll('button.reaction:enabled').length") == 0
+        assert not await theirs.read("document.querySelector('[data-testid=stage]').classList.contains('looks')")
+        assert await _holding(theirs) == {"HELD"}
+
+        await theirs.press("handover-yes")
+        await expect(mine.item("handover")).to_contain_text("Another visitor asks for control")
+        await mine.press("handover-yes")
+        await expect(theirs.item("control-toggle")).to_have_attribute("aria-pressed", "true")
+        await expect(mine.item("control-toggle")).to_be_disabled()
+        assert await _holding(theirs) == {"MINE"}
+        await theirs.press("control-toggle")
+        await expect(mine.item("control-toggle")).to_be_enabled()
+        await expect(mine.item("map")).not_to_have_attribute("aria-disabled", "true")
+        for bar in (mine.item("handover"), strip):
+            await expect(bar).to_be_hidden()
+
+
+async def _holding(visit: Visit) -> set[str]:
+    """How the page stands to each component that moves the body."""
+    refs = ["Teleoperation", "Navigation", "Move", "Follow", "Reaction"]
+    ask = f"Promise.all({refs}.map((name) => openrois.client.control.status(`avatar/${{name}}`)))"
+    return {each["state"] for each in await visit.page.evaluate(ask)}
 
 
 async def test_another_way_changes_nothing_and_a_page_that_is_closed_lets_go(

@@ -16,11 +16,19 @@ export interface Avatar {
   readonly teleoperation: string | null;
   readonly surroundings: string | null;
   readonly navigation: string | null;
+  readonly move: string | null;
   readonly follow: string | null;
   readonly progress: string | null;
   readonly sight: string | null;
   readonly enrolment: string | null;
   readonly hearing: string | null;
+}
+
+/** The components that move an avatar's body, the one that stands for all first. */
+export function bodyOf({ teleoperation, navigation, move, follow, reaction, speech }: Avatar): string[] {
+  const moving = [teleoperation, navigation, move, follow, reaction].filter((ref) => ref !== null);
+  // Of an avatar that only speaks, control is control of that.
+  return moving.length > 0 || speech === null ? moving : [speech];
 }
 
 export function findAvatars(profile: Profile): Avatar[] {
@@ -41,6 +49,7 @@ export function findAvatars(profile: Profile): Avatar[] {
       teleoperation: of("Teleoperation"),
       surroundings: of("Surroundings"),
       navigation: of("Navigation"),
+      move: of("Move"),
       follow: of("Follow"),
       progress: of("SpeechProgress"),
       sight: of("Sight"),

@@ -1,15 +1,16 @@
 /** Driving the avatar by hand: keyboard, mouse, fingers and gamepad, from "Take control" on. */
 
-import { RoISError, onlyComponent, resultValue } from "../sdk/index.ts";
 import type { Client } from "../sdk/index.ts";
 import { Teleoperation } from "../sdk/media/index.ts";
 import type { InputMedia } from "../sdk/media/index.ts";
+import type { BodyControl, GiveBack } from "./body_control.ts";
 import { byTestId, make, setText } from "./dom.ts";
 import { GamepadWatch } from "./gamepad.ts";
 import type { Pad } from "./gamepad.ts";
+import { describeFailure } from "./outcome.ts";
 import { explain } from "./permission.ts";
+import { plainReason, sentence } from "./plain_words.ts";
 
-const BUSY = "Somebody else drives this avatar";
 const KEYS: readonly (readonly [string, string])[] = [
   ["W S, ↑ ↓", "ahead and back"],
   ["A D, ← →", "turn"],
@@ -30,6 +31,7 @@ const LEGEND = 8000;
 export class Control {
   readonly #client: Client;
   readonly #media: InputMedia;
+  readonly #body: BodyControl;
   readonly #picture: HTMLElement;
   readonly #button = byTestId("control-toggle", HTMLButtonElement);
   readonly #words = byTestId("control-words", HTMLElement);
@@ -39,13 +41,18 @@ export class Control {
   #fading: ReturnType<typeof setTimeout> | undefined;
   #closing: ReturnType<typeof setTimeout> | undefined;
   #detach: (() => void) | null = null;
+  #giveBack: GiveBack | null = null;
 
-  /** @param picture has the focus meanwhile */
-  constructor(client: Client, media: InputMedia, picture: HTMLElement) {
+  /**
+   * @param body is held while the avatar is driven
+   * @param picture has the focus meanwhile
+   */
+  constructor(client: Client, media: InputMedia, body: BodyControl, picture: HTMLElement) {
     this.#client = client;
     this.#media = media;
+    this.#body = body;
     this.#picture = picture;
-    this.#pads = new GamepadWatch((pad) => void this.#padChanged(pad));
+    this.#pads = new GamepadWatch((pad) => this.#padChanged(pad));
     this.#button.addEventListener("click", () => void this.toggle());
     picture.addEventListener("keydown", (event) => {
       if (event.key === "Escape" && this.#detach) void this.toggle();
@@ -56,36 +63,70 @@ export class Control {
   setComponent(componentRef: string | null): void {
     this.#button.hidden = componentRef === null;
     if (componentRef === null || this.#teleoperation?.componentRef === componentRef) return;
-    this.#detach?.();
+    this.#show(false);
     const teleoperation = new Teleoperation(this.#client, this.#media, componentRef);
     this.#teleoperation = teleoperation;
-    for (const name of ["refused", "stopped", "ended"] as const)
-      teleoperation.on(name, (reason) => this.#say(reason));
-    teleoperation.on("ended", () => this.#show(false));
-    if (this.#pads.pad) void this.#padChanged(this.#pads.pad);
+    for (const name of ["refused", "stopped"] as const)
+      teleoperation.on(name, (reason) => this.#say(sentence(plainReason(reason))));
+    teleoperation.on("ended", (reason) => {
+      if (teleoperation === this.#teleoperation) this.ended(sentence(plainReason(reason)));
+    });
+    if (this.#pads.pad) this.#padChanged(this.#pads.pad);
   }
 
-  /** The token does not let the avatar be driven. */
-  set barred(barred: boolean) {
-    this.#button.disabled = barred;
+  /** Why the avatar cannot be driven; empty where it can. */
+  set barred(barred: string) {
+    this.#button.disabled = barred !== "";
     explain(this.#button, barred);
   }
 
   async toggle(): Promise<void> {
     const teleoperation = this.#teleoperation;
-    if (!teleoperation) return;
+    if (!teleoperation || this.#button.getAttribute("aria-busy") === "true") return;
     try {
-      if (this.#detach) {
-        this.#show(false);
-        await teleoperation.stop();
-        return;
-      }
-      await teleoperation.start();
-      this.#show(teleoperation.operating);
+      if (!this.#detach) return await this.#start(teleoperation, await this.#body.take());
+      const giveBack = this.#giveBack;
+      this.#giveBack = null;
+      this.#show(false);
+      await teleoperation.stop().finally(() => giveBack?.());
     } catch (error) {
-      const busy = error instanceof RoISError && error.returnCode === "OUT_OF_RESOURCES";
-      this.#say(busy ? BUSY : error instanceof Error ? error.message : String(error));
+      this.#say(sentence(describeFailure(error).text));
     }
+  }
+
+  /** Begins to drive with what was granted; returns false where the avatar cannot be driven. */
+  drive(giveBack: GiveBack): boolean {
+    const teleoperation = this.#teleoperation;
+    if (!teleoperation) return false;
+    this.#start(teleoperation, giveBack).catch((error: unknown) =>
+      this.#say(sentence(describeFailure(error).text)),
+    );
+    return true;
+  }
+
+  /** The avatar is not driven any more, though this page did not end it. @param why in a sentence */
+  ended(why: string): void {
+    const was = this.#detach !== null;
+    const giveBack = this.#giveBack;
+    this.#giveBack = null;
+    this.#show(false);
+    giveBack?.();
+    if (was) this.#say(why);
+  }
+
+  async #start(teleoperation: Teleoperation, giveBack: GiveBack): Promise<void> {
+    this.#button.setAttribute("aria-busy", "true");
+    try {
+      await teleoperation.start();
+    } catch (error) {
+      giveBack();
+      throw error;
+    } finally {
+      this.#button.removeAttribute("aria-busy");
+    }
+    if (!teleoperation.operating || this.#body.standing.kind !== "mine") return giveBack();
+    this.#giveBack = giveBack;
+    this.#show(true);
   }
 
   #show(operating: boolean): void {
@@ -111,34 +152,25 @@ export class Control {
     this.#closing = setTimeout(() => (this.#legend.hidden = true), LEGEND);
   }
 
-  async #padChanged(pad: Pad | null): Promise<void> {
+  #padChanged(pad: Pad | null): void {
     this.#button.classList.toggle("ready", pad?.standard === true);
     if (this.#detach) {
       this.#showLegend();
       return this.#rest();
     }
     if (pad === null || this.#teleoperation === null) return this.#rest();
-    if (!pad.standard)
-      return this.#say(`${pad.name} has another mapping than the standard's: it cannot drive`);
-    const taken = await this.#isOperated(this.#teleoperation.componentRef);
-    this.#say(
-      taken
-        ? `${pad.name} is connected; somebody else drives`
-        : `${pad.name} is connected: take control to drive`,
-    );
-  }
-
-  async #isOperated(componentRef: string): Promise<boolean> {
-    const results = await this.#client.query("operation", onlyComponent(componentRef)).catch(() => []);
-    return resultValue(results, "operated") === "true";
+    if (!pad.standard) return this.#say(`${pad.name} cannot drive: the browser does not know its buttons`);
+    const holder = this.#body.takenBy(this.#teleoperation.componentRef);
+    const then = holder === "" ? ": take control to drive" : `; ${holder} has control`;
+    this.#say(`${pad.name} is connected${then}`);
   }
 
   /** What is said for as long as nothing happens. */
   #rest(): void {
     clearTimeout(this.#fading);
     this.#words.hidden = this.#detach === null;
-    const pad = this.#pads.pad?.standard ? ` with ${this.#pads.pad.name}` : "";
-    if (this.#detach) setText(this.#words, `You drive${pad}`);
+    const pad = this.#pads.pad?.standard ? `, with ${this.#pads.pad.name}` : "";
+    if (this.#detach) setText(this.#words, `You have control${pad}`);
   }
 
   #say(words: string): void {

@@ -4,8 +4,10 @@ import type { MediaKind } from "../sdk/index.ts";
 import type { LocalStream } from "../sdk/media/index.ts";
 import { icon, make, setText } from "./dom.ts";
 import { deviceTrouble, deviceWords } from "./device_words.ts";
-import type { DeviceLease, GiveBack } from "./device_lease.ts";
+import type { GiveBack } from "./body_control.ts";
+import { describeFailure } from "./outcome.ts";
 import { explain } from "./permission.ts";
+import { sentence } from "./plain_words.ts";
 
 const NAMES: Readonly<Record<MediaKind, string>> = { audio: "microphone", video: "camera" };
 
@@ -34,23 +36,23 @@ export class DeviceControl {
   /** The user's answer is awaited. */
   #asking = false;
   #used = "";
-  readonly #lease: DeviceLease;
+  readonly #take: () => Promise<GiveBack>;
   #giveBack: GiveBack | null = null;
   /** Why it was not turned on, or is off; empty for nothing. */
   #refusal = "";
-  #barred = false;
+  #barred = "";
 
   /**
    * @param body is shown while the device is in use
-   * @param lease is held meanwhile
+   * @param take takes control, which is held meanwhile
    */
   constructor(
     kind: MediaKind,
     body: HTMLElement,
-    lease: DeviceLease,
+    take: () => Promise<GiveBack>,
     onTrack: (track: MediaStreamTrack | null) => void,
   ) {
-    this.#lease = lease;
+    this.#take = take;
     const name = NAMES[kind];
     this.#body = body;
     this.#onTrack = onTrack;
@@ -87,8 +89,8 @@ export class DeviceControl {
     this.#renderWords();
   }
 
-  /** The token does not let anything be sent. */
-  set barred(barred: boolean) {
+  /** Why nothing can be sent; empty where it can. */
+  set barred(barred: string) {
     if (barred === this.#barred) return;
     this.#barred = barred;
     this.#render();
@@ -96,18 +98,18 @@ export class DeviceControl {
 
   async toggle(): Promise<void> {
     const stream = this.#stream;
-    if (!stream || this.#barred) return;
+    if (!stream || this.#barred !== "") return;
     if (stream.captured !== null || this.#asking) return this.off();
     this.#asking = true;
     this.#refusal = "";
     this.#render();
     try {
-      const giveBack = await this.#lease.take();
+      const giveBack = await this.#take();
       if (this.#isUnwanted(stream)) return giveBack();
       this.#giveBack = giveBack;
       await stream.connect();
     } catch (error) {
-      this.#refusal = error instanceof Error ? error.message : String(error);
+      this.#refusal = sentence(describeFailure(error).text);
     }
     this.#asking = false;
     if (stream.desire === "disconnected") this.#giveUp();
@@ -143,7 +145,7 @@ export class DeviceControl {
     const track = stream?.captured ?? null;
     const on = track !== null;
     if (on && this.#body.hidden) void this.#list();
-    this.#button.disabled = stream === null || this.#barred;
+    this.#button.disabled = stream === null || this.#barred !== "";
     explain(this.#button, this.#barred);
     this.#button.setAttribute("aria-pressed", String(on));
     this.#renderWords();

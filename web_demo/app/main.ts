@@ -10,10 +10,10 @@ import {
   measureOffset,
 } from "../sdk/media/index.ts";
 import type { Desire, LocalStream, RemoteStream } from "../sdk/media/index.ts";
-import { AvatarDirectory } from "./avatars.ts";
+import { AvatarDirectory, bodyOf } from "./avatars.ts";
 import type { Avatar } from "./avatars.ts";
-import { DeviceLease } from "./device_lease.ts";
 import { Banner } from "./banner.ts";
+import { BodyControl } from "./body_control.ts";
 import { Control } from "./control.ts";
 import { FiguresPanel } from "./figures.ts";
 import { Handover } from "./handover.ts";
@@ -24,6 +24,7 @@ import { MapCard } from "./map/map_card.ts";
 import { recall, remember } from "./memory.ts";
 import { OperatorCard } from "./operator.ts";
 import { Overlay } from "./overlay.ts";
+import { WATCHING } from "./permission.ts";
 import { Reactions } from "./reactions.ts";
 import { Readings } from "./readings.ts";
 import { SayLine } from "./say.ts";
@@ -75,16 +76,19 @@ const overlay = new Overlay(readings);
 const say = new SayLine(client, (cut) => void window.openrois.audio?.hush(cut));
 const reactions = new Reactions(client);
 const gaze = new Gaze(client, stage.element);
-const lease = new DeviceLease(
-  client,
-  () => token.counts,
-  (why) => operator.off(why),
+const body = new BodyControl(client, standingChanged);
+// With tokens, only who has control may send sound and pictures.
+const operator = new OperatorCard(client, receiver, () =>
+  token.counts ? body.take() : Promise.resolve(() => undefined),
 );
-const operator = new OperatorCard(client, receiver, lease);
 const map = new MapCard(client);
-const control = new Control(client, receiver, stage.video);
-const handover = new Handover(client);
-const stopButton = new StopButton(client, lease);
+const control = new Control(client, receiver, body, stage.video);
+const handover = new Handover(body, (giveBack) => control.drive(giveBack));
+const stopButton = new StopButton(client);
+body.onLost = (why) => {
+  control.ended(why);
+  if (token.counts) operator.off(why);
+};
 operator.onChange = () => {
   const words = token.counts ? operator.sending : "";
   handover.held = words && `${words}: you have control`;
@@ -144,8 +148,13 @@ function avatarChanged(): void {
   say.setComponents(present?.speech ?? null, present?.progress ?? null);
   reactions.setComponent(present?.reaction ?? null);
   control.setComponent(present?.teleoperation ?? null);
-  stopButton.setEngine(present?.engineId ?? null);
-  allow(present, token.mayOperate);
+  const moving = present && bodyOf(present);
+  body.setComponents(moving);
+  stopButton.setEngine(present?.engineId ?? null, [
+    ...(present?.speech ? [present.speech] : []),
+    ...(moving ?? []),
+  ]);
+  standingChanged();
   if (present) {
     void readClock(present);
     void operator.watch(present).then((streams) => Object.assign(window.openrois, streams));
@@ -154,15 +163,24 @@ function avatarChanged(): void {
   render();
 }
 
-/** What the token lets nobody use says so; who has control has the component that drives, or else what there is. */
-function allow(present: Avatar | null, mayOperate: boolean): void {
-  const seat = present && (present.teleoperation ?? present.reaction ?? present.speech);
-  lease.setComponent(seat);
-  handover.setComponent(token.counts ? seat : (present?.teleoperation ?? null));
-  handover.watching = present !== null && !mayOperate;
-  for (const part of [say, reactions, control, stopButton, operator]) part.barred = !mayOperate;
-  gaze.setComponent(mayOperate ? (present?.gaze ?? null) : null);
-  map.setAvatar(mayOperate ? present : present && { ...present, navigation: null, follow: null });
+/** Another visitor has control, or none any more: what cannot be used now says why. */
+function standingChanged(): void {
+  const present = directory.present && client.state.name === "connected" ? directory.chosen : null;
+  const watching = token.mayOperate ? "" : WATCHING;
+  const why = (ref: string | null): string => {
+    const holder = body.takenBy(ref);
+    return watching || (holder && `${holder} has control`);
+  };
+  const seat = present && (bodyOf(present)[0] ?? null);
+  for (const part of [say, stopButton]) part.barred = watching;
+  control.barred = why(seat);
+  reactions.barred = why(present?.reaction ?? null);
+  operator.barred = token.counts ? why(seat) : watching;
+  gaze.setComponent(why(seat) === "" ? (present?.gaze ?? null) : null);
+  map.setAvatar(present);
+  map.barred = why(present?.navigation ?? null);
+  handover.watching = watching !== "";
+  handover.shown = present !== null;
 }
 
 /** Milliseconds since the last frame was shown; a picture that nobody can see does not age. */

@@ -3,8 +3,8 @@
 import type { Client } from "../sdk/index.ts";
 import type { LocalStream, MediaReceiver } from "../sdk/media/index.ts";
 import type { Avatar } from "./avatars.ts";
+import type { GiveBack } from "./body_control.ts";
 import { DeviceControl } from "./device_control.ts";
-import type { DeviceLease } from "./device_lease.ts";
 import { sendingWords } from "./device_words.ts";
 import { byRole, byTestId, make, setText } from "./dom.ts";
 import { HearingPanel } from "./senses/hearing_panel.ts";
@@ -25,18 +25,18 @@ export class OperatorCard {
   onChange: () => void = () => undefined;
   readonly #on = { audio: false, video: false };
 
-  /** @param lease is held while a device is on */
-  constructor(client: Client, receiver: MediaReceiver, lease: DeviceLease) {
+  /** @param take takes control, which is held while a device is on */
+  constructor(client: Client, receiver: MediaReceiver, take: () => Promise<GiveBack>) {
     this.#client = client;
     this.#receiver = receiver;
     this.#hearing = new HearingPanel(client, () => this.#tell());
     this.#sight = new SightPanel(client, () => this.#tell());
-    this.#microphone = new DeviceControl("audio", this.#hearing.element, lease, (track) => {
+    this.#microphone = new DeviceControl("audio", this.#hearing.element, take, (track) => {
       this.#on.audio = track !== null;
       this.#hearing.show(track);
       this.#tell();
     });
-    this.#camera = new DeviceControl("video", this.#sight.element, lease, (track) => {
+    this.#camera = new DeviceControl("video", this.#sight.element, take, (track) => {
       this.#on.video = track !== null;
       this.#sight.show(track);
       this.#tell();
@@ -65,8 +65,8 @@ export class OperatorCard {
     return { microphone, camera };
   }
 
-  /** The token does not let anything be sent. */
-  set barred(barred: boolean) {
+  /** Why nothing can be sent; empty where it can. */
+  set barred(barred: string) {
     this.#microphone.barred = this.#camera.barred = barred;
   }
 

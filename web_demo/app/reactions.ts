@@ -8,7 +8,7 @@ import { describeEnd } from "./outcome.ts";
 import { explain } from "./permission.ts";
 import { bestColumns, reactionLook } from "./reaction_names.ts";
 
-const BUSY = "somebody else is moving this avatar; try again in a moment";
+const BUSY = "another visitor is moving the avatar; try again in a moment";
 
 export class Reactions {
   readonly #client: Client;
@@ -20,7 +20,7 @@ export class Reactions {
   #shown = "";
   #performance = 0;
   #usable = false;
-  #barred = false;
+  #barred = "";
 
   constructor(client: Client) {
     this.#client = client;
@@ -36,8 +36,8 @@ export class Reactions {
     this.#section.hidden = !offered || this.#buttons.length === 0;
   }
 
-  /** The token does not let the avatar react. */
-  set barred(barred: boolean) {
+  /** Why no reaction can be asked for; empty where it can. */
+  set barred(barred: string) {
     this.#barred = barred;
     this.#render();
   }
@@ -57,7 +57,7 @@ export class Reactions {
 
   #render(): void {
     for (const button of this.#buttons) {
-      button.disabled = !this.#usable || this.#barred;
+      button.disabled = !this.#usable || this.#barred !== "";
       explain(button, this.#barred);
     }
   }

@@ -12,7 +12,7 @@ import { SpeechWords } from "./speech_words.ts";
 
 type State = "idle" | "speaking" | "paused" | "done" | "stopped" | "failed" | "refused" | "unavailable";
 
-const BUSY = "somebody else is speaking through this avatar; try again in a moment";
+const BUSY = "another visitor is speaking through the avatar; try again in a moment";
 
 export class SayLine {
   readonly #client: Client;
@@ -28,7 +28,7 @@ export class SayLine {
   readonly #onCut: (cut: Promise<unknown>) => void;
   #speech: SpeechSynthesis | null = null;
   #usable = false;
-  #barred = false;
+  #barred = "";
   #performance = 0;
   #stopping = new AbortController();
   #last = "";
@@ -67,10 +67,10 @@ export class SayLine {
     this.#watch.watch(componentRef);
   }
 
-  /** The token does not let the avatar speak. */
-  set barred(barred: boolean) {
+  /** Why nothing can be said; empty where it can. */
+  set barred(barred: string) {
     this.#barred = barred;
-    this.#input.placeholder = barred ? "Your token lets you watch only" : "Say something";
+    this.#input.placeholder = barred !== "" ? "Your token lets you watch only" : "Say something";
     for (const control of [this.#input, this.#send]) explain(control, barred);
     this.#render();
   }
@@ -108,7 +108,7 @@ export class SayLine {
   async #speak(): Promise<void> {
     const text = this.#input.value.trim();
     const speech = this.#speech;
-    if (!speech || !this.#usable || this.#barred) return;
+    if (!speech || !this.#usable || this.#barred !== "") return;
     if (text === "") return this.focus();
     const performance = ++this.#performance;
     const language = this.#language.value;
@@ -167,7 +167,7 @@ export class SayLine {
   }
 
   #render(): void {
-    const disabled = !this.#usable || this.#barred;
+    const disabled = !this.#usable || this.#barred !== "";
     this.#input.disabled = this.#language.disabled = this.#send.disabled = disabled;
     const paused = this.#state.dataset["state"] === "paused";
     this.#stop.disabled = this.#pause.disabled = !this.#usable || !this.#speaking;

@@ -2,9 +2,10 @@
 
 import { RoISError } from "../sdk/index.ts";
 import type { Client } from "../sdk/index.ts";
-import type { DeviceLease } from "./device_lease.ts";
 import { byTestId, setText } from "./dom.ts";
+import { describeFailure } from "./outcome.ts";
 import { explain } from "./permission.ts";
+import { sentence } from "./plain_words.ts";
 
 const KEY = "x";
 const LABEL = "STOP";
@@ -13,16 +14,14 @@ const READABLE = 4000;
 
 export class StopButton {
   readonly #client: Client;
-  readonly #lease: DeviceLease;
   readonly #button = byTestId("stop-all", HTMLButtonElement);
   readonly #title = this.#button.title;
   #engineId: string | null = null;
+  #acting: readonly string[] = [];
   #fading: ReturnType<typeof setTimeout> | undefined;
 
-  /** @param lease is held while it stops */
-  constructor(client: Client, lease: DeviceLease) {
+  constructor(client: Client) {
     this.#client = client;
-    this.#lease = lease;
     this.#button.addEventListener("click", () => void this.press());
     // Before anything else on the page can keep the key to itself.
     document.addEventListener("keydown", (event) => this.#keyDown(event), { capture: true });
@@ -35,16 +34,20 @@ export class StopButton {
     void this.press();
   }
 
-  /** @param engineId the avatar's; null while there is none */
-  setEngine(engineId: string | null): void {
+  /**
+   * @param engineId the avatar's; null while there is none
+   * @param acting its components that act: who stops has to hold one
+   */
+  setEngine(engineId: string | null, acting: readonly string[]): void {
+    this.#acting = acting;
     if (engineId !== this.#engineId) this.#say(LABEL);
     this.#engineId = engineId;
     this.#button.hidden = engineId === null;
   }
 
-  /** The token does not let anything be stopped. */
-  set barred(barred: boolean) {
-    this.#button.disabled = barred;
+  /** Why nothing can be stopped; empty where it can. */
+  set barred(barred: string) {
+    this.#button.disabled = barred !== "";
     explain(this.#button, barred);
   }
 
@@ -56,19 +59,25 @@ export class StopButton {
       this.#say("Stopped");
       this.#fading = setTimeout(() => this.#say(LABEL), READABLE);
     } catch (error) {
-      this.#say("Not stopped", error instanceof Error ? error.message : String(error));
+      this.#say("Not stopped", sentence(describeFailure(error).text));
     }
   }
 
   async #stop(engineId: string): Promise<void> {
-    try {
-      await this.#client.control.stopAll(engineId);
-    } catch (error) {
-      if (!(error instanceof RoISError && error.returnCode === "OUT_OF_RESOURCES")) throw error;
-      // Who stops has control of something: without any, it is taken for that moment.
-      const giveBack = await this.#lease.take();
-      await this.#client.control.stopAll(engineId).finally(giveBack);
+    const stop = (): Promise<unknown> => this.#client.control.stopAll(engineId);
+    // With a token, who stops has to hold something that acts: without any, a free one is taken for that moment.
+    const ways = [stop, ...this.#acting.map((ref) => () => this.#client.bound(ref, stop))];
+    let refused: unknown;
+    for (const way of ways) {
+      try {
+        await way();
+        return;
+      } catch (error) {
+        if (!(error instanceof RoISError && error.returnCode === "OUT_OF_RESOURCES")) throw error;
+        refused = error;
+      }
     }
+    throw refused;
   }
 
   #say(words: string, why = this.#title): void {

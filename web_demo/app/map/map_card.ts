@@ -64,6 +64,7 @@ export class MapCard {
   #cursor: Point | null = null;
   /** Null while that is not known. */
   #walks: boolean | null = null;
+  #barred = "";
 
   constructor(client: Client) {
     this.#client = client;
@@ -116,6 +117,14 @@ export class MapCard {
       this.#surroundings = ref === null ? null : new Surroundings(this.#client, ref);
     }
     this.#look();
+  }
+
+  /** Why the avatar cannot be sent anywhere now; empty where it can. */
+  set barred(barred: string) {
+    if (barred === this.#barred) return;
+    this.#barred = barred;
+    if (barred !== "") this.#choice.replaceChildren();
+    this.#render();
   }
 
   /** Whether anybody can see it: what nobody sees is not asked for. */
@@ -241,7 +250,7 @@ export class MapCard {
   /** A place is gone to; of somebody it is asked first what is meant. */
   #choose(point: Point, further: boolean): void {
     this.#choice.replaceChildren();
-    if (this.#walks !== true) return;
+    if (this.#walks !== true || this.#barred !== "") return;
     const thing = nearest(this.#things, point, REACH);
     if (thing === null || further)
       return this.#walk.go(
@@ -273,10 +282,14 @@ export class MapCard {
 
   #render(): void {
     const { state, words, targets, followed } = this.#walk;
-    const idle = this.#walks === false ? NO_WALK : this.#ground.outline.length === 0 ? NO_FLOOR : HINT;
-    setText(this.#words, this.#walks === null ? "" : state === "idle" || !this.#walks ? idle : words);
-    this.#words.dataset["state"] = this.#walks ? state : "idle";
-    this.#view.element.classList.toggle("walks", this.#walks === true);
+    const hint = this.#walks === false ? NO_WALK : this.#ground.outline.length === 0 ? NO_FLOOR : HINT;
+    const usable = this.#walks === true && this.#barred === "";
+    const idle = this.#walks === true && this.#barred !== "" ? `${this.#barred}.` : hint;
+    setText(this.#words, this.#walks === null ? "" : state === "idle" || !usable ? idle : words);
+    this.#words.dataset["state"] = usable ? state : "idle";
+    this.#view.element.classList.toggle("walks", usable);
+    if (usable) this.#view.element.removeAttribute("aria-disabled");
+    else this.#view.element.setAttribute("aria-disabled", "true");
     this.#stop.hidden = state !== "walking";
     this.#renderBack();
     this.#view.showWay(this.#figure, targets);

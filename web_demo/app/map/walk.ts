@@ -3,6 +3,7 @@
 import { CommandFailed, Follow, Navigation } from "../../sdk/index.ts";
 import type { Client, Subscription } from "../../sdk/index.ts";
 import { describeFailure } from "../outcome.ts";
+import { plainReason, sentence } from "../plain_words.ts";
 import type { Place } from "./geometry.ts";
 import { ahead } from "./scene.ts";
 import type { Thing } from "./scene.ts";
@@ -17,7 +18,7 @@ export interface Target {
 
 export type WalkState = "idle" | "walking" | "done" | "stopped" | "failed" | "refused";
 
-const BUSY = "Somebody else moves this avatar; try again in a moment";
+const BUSY = "another visitor is moving the avatar; try again in a moment";
 /** Millimetres from whom it follows. */
 const DISTANCE = 1000;
 
@@ -148,9 +149,8 @@ function failure(error: unknown): readonly [WalkState, string] {
     const { state, text } = describeFailure(error, BUSY);
     return [state, sentence(text)];
   }
-  if (error.status === "ABORT") return ["stopped", error.reason ? sentence(error.reason) : "Stopped"];
+  const why = sentence(plainReason(error.reason));
+  if (error.status === "ABORT") return ["stopped", why || "Stopped"];
   if (error.status === "TIMEOUT") return ["failed", "It took too long"];
-  return ["failed", error.reason ? sentence(error.reason) : "It could not get there"];
+  return ["failed", why || "It could not get there"];
 }
-
-const sentence = (text: string): string => `${text.charAt(0).toUpperCase()}${text.slice(1)}`;

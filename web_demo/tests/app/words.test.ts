@@ -1,8 +1,9 @@
 import { describe, expect, it } from "vitest";
-import { findAvatars } from "../../app/avatars.ts";
+import { bodyOf, findAvatars } from "../../app/avatars.ts";
 import { formatBitrate, formatLatency, formatTime, secondsUntil } from "../../app/format.ts";
 import { languageChoice } from "../../app/languages.ts";
 import { describeCompleted, describeFailure } from "../../app/outcome.ts";
+import { plainReason } from "../../app/plain_words.ts";
 import { bestColumns, reactionLook } from "../../app/reaction_names.ts";
 import { History } from "../../app/sparkline.ts";
 import { ConnectionLost, RoISError } from "../../sdk/index.ts";
@@ -56,22 +57,18 @@ describe("languageChoice", () => {
 
 describe("outcomes in words", () => {
   it.each([
-    [describeCompleted("OK", 1849), "done", "completed OK after 1.8 s"],
-    [describeCompleted("ABORT", 400), "stopped", "stopped after 0.4 s (completed ABORT)"],
+    [describeCompleted("OK", 1849), "done", "done after 1.8 s"],
+    [describeCompleted("ABORT", 400), "stopped", "stopped after 0.4 s"],
     [
-      describeCompleted("ABORT", 400, "the speech was stopped at the word 'so'"),
+      describeCompleted("ABORT", 400, "the speech was stopped at the word 'so' (character 23)"),
       "stopped",
-      "the speech was stopped at the word 'so' (completed ABORT)",
+      "the speech was stopped at the word 'so'",
     ],
-    [describeCompleted("TIMEOUT", 1), "failed", "the avatar could not finish it (completed TIMEOUT)"],
+    [describeCompleted("TIMEOUT", 1), "failed", "it took too long"],
     [describeFailure(new RoISError("OUT_OF_RESOURCES", "m"), "busy"), "refused", "busy"],
-    [describeFailure(new RoISError("ERROR", "m"), "busy"), "failed", "the avatar refused it: ERROR"],
+    [describeFailure(new RoISError("ERROR", "m"), "busy"), "failed", "the avatar refused it"],
     [describeFailure(new RoISError("ERROR", "m", "", "no"), "busy"), "failed", "the avatar refused it: no"],
-    [
-      describeCompleted("ERROR", 5, "no voice"),
-      "failed",
-      "the avatar could not finish it: no voice (completed ERROR)",
-    ],
+    [describeCompleted("ERROR", 5, "no voice"), "failed", "the avatar could not do it: no voice"],
     [describeFailure(new Error("x"), "busy"), "failed", "x"],
     [describeFailure("y", "busy"), "failed", "y"],
   ])("%o", (outcome, state, text) => {
@@ -80,6 +77,39 @@ describe("outcomes in words", () => {
 
   it("tells a lost connection from a refusal", () => {
     expect(describeFailure(new ConnectionLost("m"), "busy").text).toMatch(/connection/);
+  });
+});
+
+describe("reasons in plain words", () => {
+  it.each([
+    ["everything was stopped by local", "everything was stopped"],
+    ["everything was stopped by anna", "everything was stopped by anna"],
+    ["avatar/Teleoperation is local's now: its holder has handed it over", "Another visitor has control now"],
+    ["avatar/Teleoperation is ben's now: an administrator has taken it", "ben has control now"],
+    ["avatar/Arm did not confirm that it has stopped.", "Arm did not confirm that it has stopped"],
+    ["STREAMING_NOT_CONNECTED", ""],
+    ["1.5,2.0 is outside of the floor", "1.5,2.0 is outside of the floor"],
+    ["", ""],
+  ])("%s", (reason, words) => {
+    expect(plainReason(reason)).toBe(words);
+  });
+});
+
+describe("bodyOf", () => {
+  it("begins with what stands for all, and is the voice where there is no body", () => {
+    const identifier = (code: string) => ({ identifier: { code }, name: "x" });
+    const body = (...codes: string[]): string[][] =>
+      findAvatars({
+        profile: null,
+        component_profiles: Object.fromEntries(
+          ["VideoStreaming", ...codes].map((code) => [`a/${code}`, identifier(code)]),
+        ),
+      }).map(bodyOf);
+    expect(body("Reaction", "Move", "SpeechSynthesis", "Follow", "Navigation", "Teleoperation")).toEqual([
+      ["a/Teleoperation", "a/Navigation", "a/Move", "a/Follow", "a/Reaction"],
+    ]);
+    expect(body("SpeechSynthesis")).toEqual([["a/SpeechSynthesis"]]);
+    expect(body()).toEqual([[]]);
   });
 });
 
@@ -143,6 +173,7 @@ describe("findAvatars", () => {
       teleoperation: null,
       surroundings: null,
       navigation: null,
+      move: null,
       follow: null,
       progress: null,
       sight: null,
