@@ -25,8 +25,8 @@ class HttpConnection(Connection):
 
     rules: FrameRules
 
-    def __init__(self, manager: web.Server, heads: Heads, **options: Any) -> None:
-        super().__init__(manager, heads, **options)
+    def __init__(self, manager: web.Server, heads: Heads, address: str, **options: Any) -> None:
+        super().__init__(manager, heads, address, **options)
         # An upgrade that is refused leaves a connection that takes heads.
         self._takes_frames = False
 

@@ -209,7 +209,13 @@ HEADS: Final[tuple[Figure[Heads], ...]] = (
         "openrois_gateway_silent_connections",
         "gauge",
         "Connections whose next request has not come.",
-        lambda heads: heads.count(),
+        lambda heads: heads.silent,
+    ),
+    Figure(
+        "openrois_gateway_open_connections",
+        "gauge",
+        "TCP connections of the port that are open, whatever has been said on them.",
+        lambda heads: heads.open,
     ),
 )
 

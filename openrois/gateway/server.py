@@ -35,7 +35,7 @@ from openrois.gateway.returning import Returning
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import ADAPTER, APPLICATION, ServerSocket, SocketProfile
 from openrois.gateway.tenure import Tenure
-from openrois.heads import HEAD_TIMEOUT, OPTIONS, Heads
+from openrois.heads import OPTIONS, Heads
 from openrois.journal.journal import Journal
 from openrois.leases.model import Rules
 from openrois.log_lines import Redaction
@@ -43,6 +43,7 @@ from openrois.loop_lag import LoopLag
 from openrois.metrics.server import metrics_address, serving_metrics
 from openrois.schema import openrpc
 from openrois.tasks import TaskScope
+from openrois.tcp_server import serving_tcp
 from openrois.transport.stream import MessageStream, StreamClosed
 
 __all__ = ["Gateway", "run_gateway"]
@@ -50,9 +51,6 @@ __all__ = ["Gateway", "run_gateway"]
 _log = logging.getLogger(__name__)
 
 _OPENRPC: Final = "openrpc.json"
-_BACKLOG: Final = 1024
-"""Connections that the kernel keeps for us: all clients of a gateway come back at once when it has restarted."""
-
 _SHUTDOWN_TIMEOUT: Final = 1.0
 
 
@@ -121,7 +119,7 @@ async def run_gateway(
         readiness.require("journal", lambda: not journal.failing)
         if (verifier := entrance.admission.verifier) is not None:
             readiness.require("keys for tokens", verifier.keys.is_usable)
-        heads = Heads(host.traffic.turn_away)
+        heads = Heads(host.traffic.turn_away, settings.silent, settings.silent_per_address)
         returning = Returning(host)
         readiness.require("adapters: those of before the restart", lambda: returning.is_over)
         places = Places(host.traffic.turn_away, settings.per_address, returning.wait)
@@ -134,16 +132,8 @@ async def run_gateway(
         context = None if entrance.certificate is None else entrance.certificate.context
         assert runner.server is not None
         loop = asyncio.get_running_loop()
-        listening = await loop.create_server(
-            partial(HttpConnection, runner.server, heads, loop=loop, **OPTIONS),
-            settings.host,
-            settings.port,
-            ssl=context,
-            ssl_handshake_timeout=None if context is None else HEAD_TIMEOUT,
-            backlog=_BACKLOG,
-        )
-        stack.callback(listening.close)
-        port = listening.sockets[0].getsockname()[1]
+        connections = partial(HttpConnection, runner.server, heads, loop=loop, **OPTIONS)
+        port = await stack.enter_async_context(serving_tcp(settings.host, settings.port, heads, connections, context))
         shown = f"[{settings.host}]" if ":" in settings.host else settings.host
         metrics = ""
         if settings.metrics is not None:

@@ -9,6 +9,7 @@ from openrois.access.loopback import is_loopback
 from openrois.gateway.access_settings import Authentication, Encryption
 from openrois.gateway.places import MAX_PER_ADDRESS
 from openrois.gateway.settings_group import SettingsGroup, setting
+from openrois.heads import MAX_SILENT, MAX_SILENT_PER_ADDRESS
 from openrois.jsonrpc.session import CALL_TIMEOUT
 from openrois.leases.model import GRACE, PATIENCE
 from openrois.metrics.server import metrics_address
@@ -32,12 +33,17 @@ class Listening(SettingsGroup):
     engine_id: str = setting("gateway", "the gateway's own id in references and profiles", metavar="ID")
     per_address: int = setting(MAX_PER_ADDRESS, "applications from one address at a time", metavar="COUNT")
 
+    silent: int = setting(MAX_SILENT, "connections at a time that have sent no request yet", metavar="COUNT")
+    silent_per_address: int = setting(MAX_SILENT_PER_ADDRESS, "of those from one address", metavar="COUNT")
+
     @model_validator(mode="after")
     def _check_listening(self) -> Self:
         if not 0 <= self.port <= 65535:
             raise ValueError(f"{self.port} is no TCP port")
         if self.per_address < 1:
             raise ValueError("one address has at least one connection")
+        if not 1 <= self.silent_per_address <= self.silent:
+            raise ValueError("silent_per_address must be between 1 and silent")
         if flaw := flaw_of_name(self.engine_id):
             raise ValueError(f"{self.engine_id!r} is no engine id: {flaw}")
         return self

@@ -4,13 +4,14 @@ import asyncio
 import errno
 import hmac
 from collections.abc import AsyncIterator, Awaitable, Callable
-from contextlib import asynccontextmanager, closing
+from contextlib import AsyncExitStack, asynccontextmanager
 from functools import partial
 from typing import Final
 
 from aiohttp import web
 
 from openrois.heads import OPTIONS, Connection, Heads
+from openrois.tcp_server import serving_tcp
 
 __all__ = ["LOOPBACK", "MetricsUnavailable", "metrics_address", "serving_metrics"]
 
@@ -87,16 +88,13 @@ async def serving_metrics(
     assert runner.server is not None
     loop = asyncio.get_running_loop()
     connections = partial(Connection, runner.server, heads, loop=loop, **OPTIONS)
-    try:
+    async with AsyncExitStack() as stack:
+        stack.push_async_callback(runner.cleanup)
         try:
-            listening = await loop.create_server(connections, host, port)
+            chosen = await stack.enter_async_context(serving_tcp(host, port, heads, connections))
         except OSError as error:
             raise MetricsUnavailable(f"metrics cannot be served at {host}:{port}: {_why(error)}") from error
-        with closing(listening):
-            chosen = listening.sockets[0].getsockname()[1]
-            yield f"http://{f'[{host}]' if ':' in host else host}:{chosen}/metrics"
-    finally:
-        await runner.cleanup()
+        yield f"http://{f'[{host}]' if ':' in host else host}:{chosen}/metrics"
 
 
 def _why(error: OSError) -> str:

@@ -66,8 +66,8 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
         (places.MAX_PER_ADDRESS, 429),
         (f"{PLACES}::test_one_address_has_so_many",),
     ),
-    "time for the head of a request, TLS included; connections that have not sent one": (
-        (heads.HEAD_TIMEOUT, heads.MAX_HEADS),
+    "time for the head of a request, TLS included; connections that have not sent one; of those from one address": (
+        (heads.HEAD_TIMEOUT, heads.MAX_SILENT, heads.MAX_SILENT_PER_ADDRESS),
         (f"{HEADS}::test_half_a_handshake_is_cut", f"{HEADS}::test_of_too_many_the_oldest_is_cut"),
     ),
     "token; subject and id of one; patterns in a scope, and each of them": (

@@ -10,6 +10,7 @@ from aiohttp import web
 from openrois.gateway.http_connection import HttpConnection
 from openrois.gateway.socket import APPLICATION, ServerSocket
 from openrois.heads import Heads
+from openrois.tcp_server import serving_tcp
 
 
 @asynccontextmanager
@@ -32,6 +33,5 @@ async def serving(serve: Callable[[ServerSocket], Awaitable[object]]) -> AsyncIt
         assert runner.server is not None
         loop = asyncio.get_running_loop()
         connections = partial(HttpConnection, runner.server, heads, loop=loop)
-        listening = await loop.create_server(connections, "127.0.0.1", 0)
-        stack.callback(listening.close)
-        yield f"ws://127.0.0.1:{listening.sockets[0].getsockname()[1]}/"
+        port = await stack.enter_async_context(serving_tcp("127.0.0.1", 0, heads, connections))
+        yield f"ws://127.0.0.1:{port}/"
