@@ -5,7 +5,7 @@ import logging
 import os
 import sqlite3
 import time
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from contextlib import closing, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,6 +14,7 @@ from typing import Final
 from pydantic import TypeAdapter, ValidationError
 
 from openrois.journal.former import RESTARTED, FormerCommand, FormerCommands, storable
+from openrois.journal.schema import APPLICATION_ID, VERSION, create, migrate, version_of
 from openrois.types.codes import CompletedStatus
 from openrois.types.messages import Result
 
@@ -33,25 +34,11 @@ MAX_PAGES: Final = 16_384
 KEPT_FOR: Final = 7 * 86_400.0
 """Seconds for which what nobody has asked about is kept."""
 
-_OURS: Final = 0x526F4953
-_VERSION: Final = 1
 _MAGIC: Final = b"SQLite format 3\0"
 _SQLITE: Final = (3, 38)
 _LOCKED: Final = 0.5
 _PRUNE_AFTER: Final = 1024
 _INTERRUPTED: Final = "INTERRUPTED"
-_SCHEMA: Final = f"""
-    PRAGMA application_id = {_OURS};
-    PRAGMA user_version = {_VERSION};
-    CREATE TABLE command (
-        number INTEGER PRIMARY KEY,
-        session TEXT NOT NULL, command_id TEXT NOT NULL, subject TEXT NOT NULL, component_ref TEXT NOT NULL,
-        accepted REAL NOT NULL, status TEXT, reason TEXT NOT NULL DEFAULT '', results TEXT
-    );
-    CREATE UNIQUE INDEX by_id ON command (session, command_id);
-    CREATE INDEX by_end ON command (status, number);
-"""
-_ENGINES: Final = "CREATE TABLE IF NOT EXISTS engine (engine_id TEXT PRIMARY KEY, is_there INTEGER NOT NULL)"
 _PRUNE: Final = """
     DELETE FROM command WHERE status IS NOT NULL AND number <=
     (SELECT number FROM command WHERE status IS NOT NULL ORDER BY number DESC LIMIT 1 OFFSET ?)
@@ -140,7 +127,8 @@ class JournalFile:
     missing, and the file is sound.
 
     Args:
-        path: the file; it is made with mode 0600.
+        path: the file; it is made with mode 0600. One of an older version is carried over, and kept as it was beside it.
+        clock: epoch seconds.
 
     Attributes:
         former: what former runs left.
@@ -148,20 +136,21 @@ class JournalFile:
 
     Raises:
         JournalUnusable: it is a file of something else, or another gateway has it, or it cannot be written. One that is
-            damaged or of another version is set aside instead, with a line in the log.
+            damaged or of a newer version is set aside instead, with a line in the log.
     """
 
-    def __init__(self, path: Path) -> None:
+    def __init__(self, path: Path, *, clock: Callable[[], float] = time.time) -> None:
         self.path = path
         if sqlite3.sqlite_version_info < _SQLITE:
             raise JournalUnusable(f"a journal needs SQLite 3.38, and this Python has {sqlite3.sqlite_version}")
         self.former = FormerCommands()
         self.engines: frozenset[str] = frozenset()
+        self._clock = clock
         self._unpruned = _PRUNE_AFTER
         try:
             self._require_ours()
-            if not self._begin():
-                self._set_aside()
+            if wrong := self._begin():
+                self._set_aside(wrong)
                 self._begin()
         except (OSError, sqlite3.Error) as error:
             raise JournalUnusable(f"the journal {path} cannot be used: {_said(error)}") from error
@@ -206,41 +195,49 @@ class JournalFile:
         if head not in (b"", _MAGIC):
             raise JournalUnusable(f"{self.path} is no journal of a gateway; name another file, or move it away")
 
-    def _begin(self) -> bool:
-        """Open the database and read what is in it; False where it is damaged or of another version."""
+    def _begin(self) -> str:
+        """Open the database and read what is in it; return why that cannot be, or nothing."""
         self.former = FormerCommands()
         self._database = sqlite3.connect(self.path, timeout=_LOCKED, isolation_level=None, check_same_thread=False)
         try:
-            if self._is_sound():
-                self._load(time.time())
-                return True
+            wrong = self._set_up()
+            if not wrong:
+                self._load(self._clock())
+                return ""
         except (sqlite3.Error, ValueError) as error:
             self.close()
             if _is_of_the_place(error):
                 raise
-        except JournalUnusable:
+            wrong = "damaged"
+        except (OSError, JournalUnusable):
             self.close()
             raise
         self.close()
-        return False
+        return wrong
 
-    def _is_sound(self) -> bool:
-        """Set the database up where it is new; else tell whether it is of this version, and whole."""
-        _set_up(self._database)
+    def _set_up(self) -> str:
+        """Set the database up where it is new or old; return why it cannot be used, or nothing."""
+        _set_pragmas(self._database)
         if self._database.execute("SELECT count(*) FROM sqlite_master").fetchone() == (0,):
-            self._database.executescript(_SCHEMA)
-            return True
-        if self._database.execute("PRAGMA application_id").fetchone() != (_OURS,):
+            create(self._database)
+            return ""
+        if self._database.execute("PRAGMA application_id").fetchone() != (APPLICATION_ID,):
             raise JournalUnusable(f"{self.path} is the database of something else; name another file")
-        version = self._database.execute("PRAGMA user_version").fetchone()
-        checked = self._database.execute("PRAGMA quick_check(1)").fetchone()
-        return (version, checked) == ((_VERSION,), ("ok",))
+        version = version_of(self._database)
+        if version > VERSION:
+            return f"of version {version}, which a newer OpenRoIS writes, and this one knows {VERSION}"
+        if version < 1 or self._database.execute("PRAGMA quick_check(1)").fetchone() != ("ok",):
+            return "damaged"
+        if kept := migrate(self._database, self.path):
+            _log.info(
+                "the journal %s is of version %d now; as it was with version %d it is %s",
+                *(self.path, VERSION, version, kept),
+            )
+        return ""
 
-    def _set_aside(self) -> None:
+    def _set_aside(self, wrong: str) -> None:
         aside = self.path.with_name(f"{self.path.name}.{time.strftime('%Y%m%dT%H%M%S', time.gmtime())}")
-        _log.warning(
-            "the journal %s is damaged or of another version; it is %s now, and a new one begins", self.path, aside
-        )
+        _log.warning("the journal %s is %s; it is %s now, and a new one begins", self.path, wrong, aside)
         self.path.rename(aside)
         for more in ("-wal", "-shm"):
             with suppress(FileNotFoundError):
@@ -256,7 +253,6 @@ class JournalFile:
                 reason = RESTARTED if ended is None else reason
                 command = FormerCommand(component_ref, ended, reason, _read(results))
                 self.former.put(subject, command_id, command)
-        self._database.execute(_ENGINES)
         with closing(self._database.execute("SELECT engine_id FROM engine WHERE typeof(engine_id) = 'text'")) as rows:
             self.engines = frozenset(engine_id for (engine_id,) in rows)
         self._database.execute(
@@ -264,7 +260,7 @@ class JournalFile:
         )
 
 
-def _set_up(database: sqlite3.Connection) -> None:
+def _set_pragmas(database: sqlite3.Connection) -> None:
     for pragma in (
         # One process, and no memory shared with others.
         "locking_mode = EXCLUSIVE",
