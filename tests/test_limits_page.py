@@ -24,6 +24,8 @@ NO_LIMITS = {
     "openrois.gateway.applications.RESUMED": "a code",
     "openrois.gateway.draining.SERVICE_RESTART": "a code",
     "openrois.gateway.tenure.TOKEN_ENDED": "a code",
+    "openrois.journal.schema.APPLICATION_ID": "a code",
+    "openrois.journal.schema.VERSION": "a version",
     "openrois.transport.stream.POLICY_VIOLATION": "a code",
     **{
         f"openrois.jsonrpc.protocol.{name}": "a code"

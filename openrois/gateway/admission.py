@@ -32,6 +32,9 @@ REFUSED_PER_SECOND: Final = 10
 """Of each in the long run; of more the next record says how many there were."""
 
 _BEARER: Final = "openrois.bearer."
+_BLANKS: Final = " \t"
+"""What may stand around a value in a header (RFC 9110 section 5.6.3), which is less than Python takes for a blank."""
+
 _TOKEN_NAMES: Final = frozenset({"token", "access_token", "id_token", "auth", "authorization", "bearer", "jwt"})
 _TOKEN: Final = re.compile(r"eyJ[A-Za-z0-9_-]+\.[A-Za-z0-9_-]+\.")
 _WILDCARDS: Final = frozenset({"0.0.0.0", "::", ""})  # noqa: S104
@@ -183,7 +186,7 @@ def _is_secret(name: str) -> bool:
 
 def _offered(request: web.Request) -> list[str]:
     lines = request.headers.getall("Sec-WebSocket-Protocol", [])
-    return [name.strip() for line in lines for name in line.split(",")]
+    return [name.strip(_BLANKS) for line in lines for name in line.split(",")]
 
 
 def _only_token(by_protocol: list[str], by_header: list[str]) -> str:
@@ -197,4 +200,4 @@ def _only_token(by_protocol: list[str], by_header: list[str]) -> str:
     kind, _, token = by_header[0].partition(" ")
     if kind.lower() != "bearer":
         raise TokenRefused(Refusal.MALFORMED)
-    return token.strip()
+    return token.strip(_BLANKS)

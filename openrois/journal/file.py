@@ -127,7 +127,7 @@ class JournalFile:
     missing, and the file is sound.
 
     Args:
-        path: the file; it is made with mode 0600. One of an older version is carried over, and kept as it was beside it.
+        path: the file, made with mode 0600. One of an older version is carried over, and stays beside it as it was.
         clock: epoch seconds.
 
     Attributes:

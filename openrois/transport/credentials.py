@@ -93,7 +93,7 @@ def read_token(path: Path) -> str:
 
 def _token(text: str, place: str) -> str:
     """Return the token in a text; what is none must not get into a header, whose errors would repeat it."""
-    token = text.strip()
+    token = text.strip(" \t\r\n")
     if not token or not token.isascii() or not token.isprintable() or " " in token:
         raise ValueError(f"there is no token in {place}: it is one line, as `openrois token issue` prints it")
     return token

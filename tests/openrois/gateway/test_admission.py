@@ -61,6 +61,29 @@ async def test_a_page_learns_whether_its_token_is_taken(tmp_path: Path) -> None:
                     assert await answer.json() == {"status": "ok", "tokens": True}
 
 
+@pytest.mark.parametrize("blank", ["\u00a0", "\u0085", "\u2003", "\u3000"])
+async def test_a_token_with_a_blank_that_is_none_of_a_header(blank: str, tmp_path: Path) -> None:
+    """Only spaces and tabs stand around the value of a header (RFC 9110 section 5.6.3)."""
+    token = fresh()
+    tried = [
+        {"Authorization": f"Bearer {token}{blank}"},
+        {"Authorization": f"Bearer {blank}{token}"},
+        {"Sec-WebSocket-Protocol": f"{V1}, openrois.bearer.{token}{blank}"},
+        {"Sec-WebSocket-Protocol": f"{V1}, {blank}openrois.bearer.{token}"},
+    ]
+    async with guarded(tmp_path) as coming, aiohttp.ClientSession() as session:
+        origin = {"Origin": coming.gateway.url.rstrip("/")}
+        for headers in tried:
+            async with session.get(f"{coming.gateway.url}admitted", headers=headers | origin) as answer:
+                assert answer.status in (400, 401), headers
+        for headers in (
+            {"Authorization": f"Bearer  {token} \t"},
+            {"Sec-WebSocket-Protocol": f"{V1},\topenrois.bearer.{token} "},
+        ):
+            async with session.get(f"{coming.gateway.url}admitted", headers=headers | origin) as answer:
+                assert answer.status == 200, headers
+
+
 async def test_a_page_learns_that_no_token_counts() -> None:
     settings = GatewaySettings(port=0)
     async with run_gateway(settings) as gateway, aiohttp.ClientSession() as session:

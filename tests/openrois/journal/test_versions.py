@@ -88,7 +88,7 @@ def test_after_a_rollback_the_next_upgrade_keeps_the_latest(path: Path) -> None:
 
 def test_where_it_cannot_be_kept_nothing_is_changed(path: Path) -> None:
     (path.with_name("journal.sqlite.version-1")).mkdir()
-    with pytest.raises(JournalUnusable, match="the journal .* cannot be used"):
+    with pytest.raises(JournalUnusable, match=r"the journal .* cannot be used"):
         opened(path)
     assert version_of(path) == 1
 
