@@ -167,7 +167,7 @@ class AvatarStreams:
         except ValidationError as error:
             raise BadParameter(f"{method}: {error}") from error
         except media_errors.StaleGeneration:
-            # It was overtaken by a later offer; the application will see that one.
+            # A candidate that was overtaken by a later offer; the application will see that one.
             more = {}
         except media_errors.SessionError as error:
             raise _REFUSALS.get(type(error), BadParameter)(str(error)) from error

@@ -169,6 +169,15 @@ class Negotiation:
         self._move(Input.ANSWER, now)
         return Verdict.APPLY
 
+    def why_stale(self, answer: Answer) -> str:
+        """Return what is wrong with an answer that was `STALE`, as a sentence for a person."""
+        is_known = answer.generation <= self._generation
+        known, unknown = "the offer of generation {} has been answered already", "there was no offer of generation {}"
+        said = (known if is_known else unknown).format(answer.generation)
+        if self._state is State.OFFERED:
+            said += f"; that of generation {self._generation} awaits its answer"
+        return said
+
     def applied(self, now: float) -> tuple[Candidate, ...]:
         """The answer is in place; returns the candidates that waited for it, in order. Then look at `dirty`.
 

@@ -14,7 +14,11 @@ class UnknownPeer(SessionError):
 
 
 class StaleGeneration(SessionError):
-    """A message belongs to another generation than the one that is awaited; it was dropped."""
+    """A candidate belongs to another generation than the present one; it was dropped."""
+
+
+class UnexpectedAnswer(SessionError):
+    """No offer waits for the answer; it was dropped."""
 
 
 class InvalidDescription(SessionError):

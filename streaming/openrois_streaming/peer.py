@@ -20,6 +20,7 @@ from openrois_streaming.errors import (
     SessionError,
     StaleGeneration,
     TooManyCandidates,
+    UnexpectedAnswer,
     UnknownPeer,
 )
 from openrois_streaming.liveness import Verdict as Progress
@@ -159,14 +160,14 @@ class Peer:
 
         Raises:
             UnknownPeer: the peer has ended.
-            StaleGeneration: it is not the awaited answer; it was dropped.
+            UnexpectedAnswer: no offer waits for it; it was dropped.
             InvalidDescription: it cannot be used; the peer has ended for good.
         """
         verdict = self._negotiation.answer(answer, self._clock.now())
         if verdict is Verdict.ENDED:
             raise UnknownPeer("the peer connection has ended")
         if verdict is Verdict.STALE:
-            raise StaleGeneration(f"answer {answer.generation} is not awaited")
+            raise UnexpectedAnswer(self._negotiation.why_stale(answer))
         work = self._work = self._tasks.start(self._apply(answer.sdp), f"answer {answer.generation}")
         await asyncio.wait({work})
         refusal = UnknownPeer("the peer connection has ended") if work.cancelled() else work.result()

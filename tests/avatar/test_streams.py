@@ -234,9 +234,22 @@ async def test_candidates_and_answers_reach_their_peer_connection_and_old_ones_a
     about = {"peer_id": offer["peer_id"], "generation": 1}
     assert await alice.ask("signaling.candidate", **about, candidate="candidate:1", sdp_mid="0") == OK
     assert WirelessConnection.made[0].candidates == ["candidate:1"]
-    assert await alice.ask("signaling.answer", **about, sdp="answer") == OK
     with pytest.raises(BadParameter):
         await alice.ask("signaling.candidate", **about, candidate="garbage", sdp_mid="0")
+
+
+async def test_an_answer_that_no_offer_waits_for_is_refused_and_told_why(alice: Caller) -> None:
+    await alice.connect()
+    offer = await alice.answer()
+    for generation, sdp, why in (
+        (1, "answer", "the offer of generation 1 has been answered already"),
+        (1, "garbage", "the offer of generation 1 has been answered already"),
+        (7, "answer", "there was no offer of generation 7"),
+    ):
+        with pytest.raises(BadParameter, match=f"^{why}$"):
+            await alice.ask("signaling.answer", peer_id=offer["peer_id"], generation=generation, sdp=sdp)
+    await settle()
+    assert alice.all("signaling.bye") == []
 
 
 async def test_an_answer_that_cannot_be_used_is_refused_and_ends_the_stream(alice: Caller) -> None:

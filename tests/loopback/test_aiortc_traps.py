@@ -2,7 +2,7 @@
 
 import pytest
 from openrois_signaling.messages import IceServer, Offer
-from openrois_streaming.errors import InvalidDescription, StaleGeneration
+from openrois_streaming.errors import InvalidDescription, UnexpectedAnswer
 from openrois_streaming.network.settings import NetworkSettings
 from openrois_streaming.sending.sender import Negotiated, RtpSender, Wire
 from openrois_streaming.state import StreamStatus
@@ -170,7 +170,7 @@ async def test_trap_8_a_stale_answer_of_equal_size_is_dropped(engine: Engine, vi
     engine.session.disconnect("v")
     await engine.news.until(lambda: len(engine.offers) == 2)
     (connection,) = viewer.connections.values()
-    with pytest.raises(StaleGeneration):
+    with pytest.raises(UnexpectedAnswer):
         await engine.answer(engine.offers[0], connection.localDescription.sdp)
     assert engine.byes == []
     await viewer.respond(engine.offers[1])

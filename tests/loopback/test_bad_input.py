@@ -226,7 +226,7 @@ async def test_candidates_that_cannot_be_used_do_not_end_anything(app: Applicati
     assert app.statuses(stream_id) == ["NOT_RUNNING", "RUNNING"]
 
 
-async def test_what_names_an_older_offer_is_dropped(app: Application) -> None:
+async def test_what_names_an_older_offer_is_refused_or_dropped(app: Application) -> None:
     first = await app.play(VIDEO, H264)
     peer = app.peer_of(first)
     old, (peer_id, generation) = peer.offers[0], (peer.offers[0]["peer_id"], peer.offers[0]["generation"])
@@ -235,7 +235,8 @@ async def test_what_names_an_older_offer_is_dropped(app: Application) -> None:
     assert peer.offers[-1]["generation"] > generation
     for named in (generation, generation + 100):
         about: Message = {"peer_id": peer_id, "generation": named}
-        assert (await app.ask("signaling.answer", **about, sdp=stale))["return_code"] == "OK"
+        assert (await app.ask("signaling.answer", **about, sdp=stale))["return_code"] == "BAD_PARAMETER"
+        assert "offer of generation" in app.told("openrois.reason")[-1]["reason"]
         assert (await app.ask("signaling.candidate", **about, candidate=HOST, sdp_mid="0"))["return_code"] == "OK"
     assert old["peer_id"] == app.peer_of(second).offers[-1]["peer_id"]
     await app.pictures(first, 3)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 import pytest_asyncio
-from openrois_streaming.errors import InvalidDescription, StaleGeneration
+from openrois_streaming.errors import InvalidDescription, UnexpectedAnswer
 from openrois_streaming.state import StreamStatus
 from openrois_streaming.testing import ImpairedPath, Impairments
 from playwright.async_api import Browser
@@ -132,7 +132,7 @@ async def test_trap_8_a_stale_answer_of_equal_size_is_dropped(engine: Engine, pa
     engine.session.disconnect("v")
     await engine.news.until(lambda: len(engine.offers) == 2)
     old = await page.page.evaluate("Object.values(peers)[0].localDescription.sdp")
-    with pytest.raises(StaleGeneration):
+    with pytest.raises(UnexpectedAnswer):
         await engine.answer(engine.offers[0], old)
     await page.respond(engine.offers[1])
     assert page.refusals == []

@@ -157,6 +157,18 @@ def test_a_second_answer_to_the_same_offer_is_stale() -> None:
     assert negotiation.answer(answer(1), 0.0) is Verdict.STALE
 
 
+def test_what_is_wrong_with_an_answer_that_no_offer_waits_for() -> None:
+    negotiation = settled()
+    answered, unknown = "the offer of generation 1 has been answered already", "there was no offer of generation 2"
+    assert [negotiation.why_stale(answer(number)) for number in (1, 2)] == [answered, unknown]
+    negotiation.change(0.0)
+    assert negotiation.why_stale(answer(2)) == unknown
+    negotiation.made("v=0", SECTIONS, 0.0)
+    awaited = "that of generation 2 awaits its answer"
+    assert negotiation.why_stale(answer(1)) == f"{answered}; {awaited}"
+    assert negotiation.why_stale(answer(3)) == f"there was no offer of generation 3; {awaited}"
+
+
 def test_candidates_wait_for_the_description_they_belong_to() -> None:
     negotiation, _ = offered()
     early = [candidate(1, number) for number in range(3)]

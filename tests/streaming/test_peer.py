@@ -17,6 +17,7 @@ from openrois_streaming.errors import (
     StaleGeneration,
     TooManyCandidates,
     TooManySections,
+    UnexpectedAnswer,
     UnknownPeer,
 )
 from openrois_streaming.keyframes import KeyFrameCause
@@ -233,7 +234,7 @@ async def test_a_stale_answer_and_a_stale_candidate_are_refused_and_change_nothi
     owner.peer.detach(stream)
     await settle()
     for generation in (1, 3):
-        with pytest.raises(StaleGeneration):
+        with pytest.raises(UnexpectedAnswer):
             await owner.answer(generation)
     with pytest.raises(StaleGeneration):
         await owner.trickle("candidate", generation=3)

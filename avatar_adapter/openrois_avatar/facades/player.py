@@ -16,7 +16,13 @@ from openrois_signaling.messages import (
     StreamSection,
 )
 from openrois_signaling.negotiation import Negotiation, State, Verdict
-from openrois_streaming.errors import InvalidCandidate, InvalidDescription, StaleGeneration, TooManyCandidates
+from openrois_streaming.errors import (
+    InvalidCandidate,
+    InvalidDescription,
+    StaleGeneration,
+    TooManyCandidates,
+    UnexpectedAnswer,
+)
 from pydantic import ValidationError
 
 from openrois_avatar.facades.sections import (
@@ -171,12 +177,12 @@ class Player:
         """The application answers.
 
         Raises:
-            StaleGeneration: another offer came meanwhile.
+            UnexpectedAnswer: no offer waits for it.
             InvalidDescription: it does not answer the offer, or takes what was not connected; the player has to end.
             UnusableDescription: what the game engine offered meanwhile cannot be passed on; the player has to end.
         """
         if self._negotiation.answer(answer, now) is not Verdict.APPLY:
-            raise StaleGeneration("the answer belongs to another offer")
+            raise UnexpectedAnswer(self._negotiation.why_stale(answer))
         try:
             check_answer(answer.sdp, self._told, self._carried.keys())
             sdp, candidates = split_candidates(answer.sdp)

@@ -90,7 +90,7 @@ class FacadeStreams:
         try:
             more = self._handle(method, params, client)
         except media_errors.StaleGeneration:
-            # It was overtaken by a later offer; the application will see that one.
+            # A candidate that was overtaken by a later offer; the application will see that one.
             more = {}
         except tuple(kind for kind, _ in _REFUSALS) as error:
             refusal = next(refusal for kind, refusal in _REFUSALS if isinstance(error, kind))

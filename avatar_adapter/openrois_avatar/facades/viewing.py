@@ -114,7 +114,7 @@ class Viewing:
         return self._streams[stream_id].status
 
     def answer(self, answer: Answer) -> None:
-        """Take an answer. Raises UnknownPeer, StaleGeneration, InvalidDescription."""
+        """Take an answer. Raises UnknownPeer, UnexpectedAnswer, InvalidDescription."""
         player = self._players.find(answer.peer_id)
         try:
             player.answer(answer, self._clock())

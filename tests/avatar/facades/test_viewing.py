@@ -14,6 +14,7 @@ from openrois_streaming.errors import (
     StaleGeneration,
     TooManyCandidates,
     TooManySections,
+    UnexpectedAnswer,
     UnknownPeer,
     UnknownStream,
 )
@@ -353,7 +354,7 @@ def test_a_game_engine_may_offer_anew_and_waits_for_the_answer_before() -> None:
     second = house.sent[-1]
     assert isinstance(second, Offer)
     assert (second.sdp, second.generation, second.peer_id) == (sdp(VIDEO), 2, first.peer_id)
-    with pytest.raises(StaleGeneration):
+    with pytest.raises(UnexpectedAnswer):
         house.answers(first)
     house.answers(second)
     third = house.offers(BOTH)
