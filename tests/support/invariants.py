@@ -3,7 +3,7 @@
 I1  each request gets exactly one response, and one that was cut off at most one
 I2  each accepted command gets exactly one `completed`, after its acceptance
 I3  a component never has two holders
-I4  no event without a subscription that stands
+I4  no event without a subscription that stands, and no status of a stream that has ended
 I5  when all have left, commands, tasks, file descriptors and engines are as before
 I6  what was dropped was counted, and told to those who understand that
 I7  no text says what is not for applications: a traceback, a path, a secret
@@ -17,11 +17,11 @@ import gc
 import json
 import time
 from collections import Counter
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager, suppress
+from collections.abc import AsyncIterator, Callable
+from contextlib import AbstractAsyncContextManager, asynccontextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 import pytest
 from websockets.asyncio.client import ClientConnection, connect
@@ -30,6 +30,8 @@ from websockets.exceptions import ConnectionClosed
 from tests.support.schema import check_notification, check_result
 
 __all__ = ["LONGEST_BLOCK", "PATIENCE", "Book", "Witness", "calm", "check_audit"]
+
+W = TypeVar("W", bound="Witness")
 
 PATIENCE: Final = 10.0
 LONGEST_BLOCK: Final = 0.1
@@ -52,11 +54,19 @@ class Book:
     holders: dict[str, "Witness"] = field(default_factory=dict)
     accepted: int = 0
 
-    @asynccontextmanager
-    async def witness(self, url: str, *, extended: bool = False, **options: Any) -> AsyncIterator["Witness"]:
+    def witness(
+        self, url: str, *, extended: bool = False, **options: Any
+    ) -> AbstractAsyncContextManager["Witness"]:
         """Connect one more application."""
+        return self.application(Witness, url, extended=extended, **options)
+
+    @asynccontextmanager
+    async def application(
+        self, make: Callable[["Book", ClientConnection], W], url: str, *, extended: bool = False, **options: Any
+    ) -> AsyncIterator[W]:
+        """Connect one more application, that may do more than listen."""
         async with connect(url.replace("http", "ws", 1), max_queue=None, proxy=None, **options) as socket:
-            witness = Witness(self, socket)
+            witness = make(self, socket)
             self.witnesses.append(witness)
             reading = asyncio.ensure_future(witness.read())
             try:

@@ -6,4 +6,4 @@ from typing import Final
 __all__ = ["ALL", "SOME"]
 
 ALL: Final = range(20)
-SOME: Final = range(int(os.environ.get("OPENROIS_SEEDS", "3")))
+SOME: Final = range(int(os.environ.get("OPENROIS_SEEDS", "2")))

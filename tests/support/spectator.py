@@ -1,0 +1,162 @@
+"""An application that watches: it answers offers with aiortc, counts what it can decode, and is judged by the rules."""
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from contextlib import suppress
+from typing import Any, Final
+
+from aiortc import MediaStreamTrack, RTCConfiguration, RTCPeerConnection, RTCSessionDescription
+from aiortc.mediastreams import MediaStreamError
+from aiortc.rtcconfiguration import RTCBundlePolicy
+from aiortc.sdp import candidate_from_sdp
+from openrois_streaming.testing import ImpairedPath
+from websockets.asyncio.client import ClientConnection
+
+from tests.support.invariants import Book, Witness
+
+__all__ = ["AUDIO", "VIDEO", "Spectator"]
+
+VIDEO: Final = "avatar/VideoStreaming"
+AUDIO: Final = "avatar/AudioStreaming"
+MEDIA_PATIENCE: Final = 40.0
+"""Seconds that anything of media may take on a busy machine."""
+_FINISHED: Final = "STREAMING_NOT_CONNECTED"
+
+
+class Spectator(Witness):
+    """Plays streams of the avatar.
+
+    Attributes:
+        path: the network that its next peer connections pass, None for a good one.
+        frames: how many it has decoded, by stream.
+        told: what it was told of each stream, without `STREAMING_`.
+        byes: why its peer connections ended.
+        connections: they, by id.
+    """
+
+    def __init__(self, book: Book, socket: ClientConnection) -> None:
+        super().__init__(book, socket)
+        self.path: ImpairedPath | None = None
+        self.frames: dict[str, int] = {}
+        self.told: dict[str, list[str]] = {}
+        self.byes: list[str] = []
+        self.connections: dict[str, RTCPeerConnection] = {}
+        self.offers: list[dict[str, Any]] = []
+        self._places: dict[tuple[str, str], str] = {}
+        self._routes: dict[str, ImpairedPath | None] = {}
+        self._news = asyncio.Event()
+        self._turn = asyncio.Lock()
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    def _hear(self, method: str, params: dict[str, Any]) -> None:
+        super()._hear(method, params)
+        if method == "rois.stream.notify_stream_status":
+            self._note_status(params["stream_id"], params["status"])
+        elif method == "signaling.offer":
+            self.offers.append(params)
+            self._start(self._answer(params))
+        elif method == "signaling.candidate":
+            self._start(self._add(params))
+        elif method == "signaling.bye":
+            self.byes.append(params["reason"])
+            if params["peer_id"] in self.connections:
+                self._start(self.connections[params["peer_id"]].close())
+
+    def _note_status(self, stream_id: str, status: str) -> None:
+        told = self.told.setdefault(stream_id, [])
+        assert told[-1:] != [_FINISHED.removeprefix("STREAMING_")], f"{stream_id} has ended, and is {status} (I4)"
+        told.append(status.removeprefix("STREAMING_"))
+
+    def _start(self, work: Awaitable[None]) -> None:
+        task = asyncio.ensure_future(work)
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    async def _answer(self, offer: dict[str, Any]) -> None:
+        async with self._turn:
+            peer_id = offer["peer_id"]
+            connection = self.connections.get(peer_id) or self._open(peer_id)
+            self._places.update({(peer_id, each["mid"]): each["stream_id"] for each in offer["streams"]})
+            route = self._routes[peer_id]
+            sdp = offer["sdp"] if route is None else route.to_viewer(offer["sdp"])
+            await connection.setRemoteDescription(RTCSessionDescription(sdp, "offer"))
+            await connection.setLocalDescription(await connection.createAnswer())
+            sdp = connection.localDescription.sdp
+            sdp = sdp if route is None else route.to_engine(sdp)
+            # Another offer, a farewell or an end may have come before it.
+            with suppress(asyncio.CancelledError):
+                await self.ask("signaling.answer", peer_id=peer_id, generation=offer["generation"], sdp=sdp)
+
+    async def _add(self, params: dict[str, Any]) -> None:
+        async with self._turn:
+            text, connection = params["candidate"], self.connections.get(params["peer_id"])
+            if connection is None or not text:
+                return
+            candidate = candidate_from_sdp(text.removeprefix("candidate:"))
+            candidate.sdpMid = params["sdp_mid"]
+            await connection.addIceCandidate(candidate)
+
+    def _open(self, peer_id: str) -> RTCPeerConnection:
+        connection = RTCPeerConnection(RTCConfiguration(iceServers=[], bundlePolicy=RTCBundlePolicy.MAX_BUNDLE))
+        self.connections[peer_id], self._routes[peer_id] = connection, self.path
+
+        def play(track: MediaStreamTrack) -> None:
+            mid = next(each.mid for each in connection.getTransceivers() if each.receiver.track is track)
+            self._start(self._count(track, peer_id, str(mid)))
+
+        connection.on("track", play)
+        return connection
+
+    async def _count(self, track: MediaStreamTrack, peer_id: str, mid: str) -> None:
+        with suppress(MediaStreamError):
+            while True:
+                await track.recv()
+                stream_id = self._places[peer_id, mid]
+                self.frames[stream_id] = self.frames.get(stream_id, 0) + 1
+                self._news.set()
+
+    async def until(self, so: Callable[[], object], within: float = MEDIA_PATIENCE) -> None:
+        """Wait until something of what it hears and sees is so."""
+        async with asyncio.timeout(within):
+            while not so():
+                self._news.clear()
+                await self._news.wait()
+
+    async def connect(self, component_ref: str = VIDEO, codecs: str = "") -> str:
+        """Connect a stream and return its id."""
+        given = [{"name": "encoding_parameters", "data_type_ref": "String", "value": codecs}] if codecs else []
+        answer = await self.ask("rois.stream.connect_stream", component_ref=component_ref, parameters=given)
+        assert answer["return_code"] == "OK", answer
+        return str(answer["stream_id"])
+
+    async def play(self, component_ref: str = VIDEO, codecs: str = "") -> str:
+        """Connect a stream, and wait until it runs and is seen."""
+        stream_id = await self.connect(component_ref, codecs)
+        await self.is_now(stream_id, "RUNNING")
+        await self.sees(stream_id)
+        return stream_id
+
+    async def sees(self, stream_id: str, frames: int = 3, within: float = MEDIA_PATIENCE) -> None:
+        """Wait for so many more frames of a stream."""
+        goal = self.frames.get(stream_id, 0) + frames
+        await self.until(lambda: self.frames.get(stream_id, 0) >= goal, within)
+
+    async def is_now(self, stream_id: str, status: str, within: float = MEDIA_PATIENCE) -> None:
+        """Wait until the newest status of a stream is this one."""
+        await self.until(lambda: self.told.get(stream_id, [])[-1:] == [status], within)
+
+    async def becomes(self, component_ref: str, *statuses: str, within: float = MEDIA_PATIENCE) -> str:
+        """Ask until a component's status is one of these; return it."""
+        async with asyncio.timeout(within):
+            while (status := await self.status(component_ref)) not in statuses:
+                await asyncio.sleep(0.05)
+        return status
+
+    async def leave(self) -> None:
+        """End all media of this side."""
+        for connection in self.connections.values():
+            await connection.close()
+        for task in tuple(self._tasks):
+            task.cancel()
+            with suppress(asyncio.CancelledError):
+                await task

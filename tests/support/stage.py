@@ -1,0 +1,102 @@
+"""Where faults of media are tried: a gateway, an avatar behind it, those who watch it, and the rules checked in the end."""
+
+import asyncio
+from collections.abc import AsyncIterator, Sequence
+from contextlib import AsyncExitStack, asynccontextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+from openrois_avatar.adapter import Avatar, serve_scene
+from openrois_avatar.scene import Scene, embedded_scene, synthetic_scene
+from openrois_streaming.clock import SystemClock
+from openrois_streaming.network.settings import NetworkSettings
+
+from openrois.dialer import serve_parent
+from openrois.tasks import TaskScope
+from tests.support.ground import Ground, ground
+from tests.support.loopback import some_address
+from tests.support.spectator import MEDIA_PATIENCE, Spectator
+
+__all__ = ["SMALL_GAME", "Stage", "stage"]
+
+SMALL_GAME = "tests.support.small_game"
+
+
+@dataclass
+class Stage:
+    """What runs.
+
+    Attributes:
+        place: the gateway, and the relay through which the avatar has dialled.
+        avatar: the adapter.
+        scene: what it shows.
+    """
+
+    place: Ground
+    avatar: Avatar
+    scene: Scene
+    guests: AsyncExitStack
+
+    async def spectator(self, *, relayed: bool = False) -> Spectator:
+        """Connect one more who watches; it leaves in the end."""
+        url = self.place.relay.url if relayed else self.place.gateway.url
+        book = self.place.book
+        guest = await self.guests.enter_async_context(book.application(Spectator, url, extended=True))
+        self.guests.push_async_callback(guest.leave)
+        return guest
+
+    def engine(self) -> psutil.Process:
+        """The process of the game engine that runs now."""
+        return next(each for each in psutil.Process().children(recursive=True) if each.cmdline()[-1:] == [SMALL_GAME])
+
+    async def left(self) -> dict[str, int]:
+        """What there is of those who watch."""
+        sessions = (await self.avatar.look()).process.sessions
+        encoders = self.avatar.video.running_encoders + self.avatar.audio.running_encoders
+        return {name: count for name, count in (("sessions", sessions), ("encoders", encoders)) if count}
+
+
+@asynccontextmanager
+async def stage(
+    seed: int,
+    folder: Path,
+    log: pytest.LogCaptureFixture,
+    *,
+    game: str = "",
+    network: NetworkSettings | None = None,
+    longest: float = 0.5,
+    **settings: Any,
+) -> AsyncIterator[Stage]:
+    """Run an avatar behind a gateway for one seed of one fault; in the end the rules are checked.
+
+    Args:
+        seed: of all chance.
+        folder: for the audit trail.
+        log: of the test.
+        game: the module of the game engine, a process; without one there are colour bars and a tone.
+        network: what of the network media uses.
+        longest: see `ground`; those who watch, and decode, are in this loop too.
+        settings: of the gateway, and of `ground`.
+    """
+    clock = SystemClock()
+    with some_address():
+        async with ground(seed, folder, log, longest=longest, **settings) as place, AsyncExitStack() as stack:
+            scene = synthetic_scene(clock, 160, 90, 20.0)
+            if game:
+                scene = await stack.enter_async_context(embedded_scene("avatar", game, clock))
+            avatar = await stack.enter_async_context(serve_scene("avatar", scene, clock, network))
+            dialling = await stack.enter_async_context(TaskScope())
+            dialling.start(serve_parent(avatar.host, place.adapter_url, sleep=_briefly))
+            await place.attached("avatar")
+            async with AsyncExitStack() as guests:
+                yield (stands := Stage(place, avatar, scene, guests))
+            async with asyncio.timeout(MEDIA_PATIENCE):
+                while await stands.left():  # noqa: ASYNC110 - they end by themselves
+                    await asyncio.sleep(0.01)
+
+
+async def _briefly(_seconds: float) -> None:
+    await asyncio.sleep(0.002)
