@@ -1,4 +1,7 @@
-"""A game engine, a process of its own, that sends small grey pictures and a hum; SIGUSR1 has it send nonsense."""
+"""A game engine, a process of its own, that sends small pictures and a hum; it does as signals say.
+
+SIGUSR1: send nonsense in between. SIGUSR2: send pictures of another size from now on, odd ones too.
+"""
 
 import os
 import random
@@ -18,25 +21,29 @@ _HUM: Final = (np.sin(np.arange(48_000 // FPS) * 0.05) * 3000).astype(np.int16)[
 
 def main() -> None:
     """Play until it is told to end, or its link is over."""
-    hello = Hello("small", "1", VideoShape(WIDTH, HEIGHT, FPS, "i420"), 1, ("nod",), "")
-    signal.signal(signal.SIGUSR1, lambda *_: None)
+    hello = Hello("small", "1", VideoShape(WIDTH, HEIGHT, FPS), 1, ("nod",), "")
+    size, chance = [WIDTH, HEIGHT], random.Random(os.environ["SMALL_GAME_SEED"])
+
+    def resize(*_: object) -> None:
+        size[:] = chance.randrange(64, 320), chance.randrange(64, 240)
+
     with connect_from_environment(hello) as link:
-        signal.signal(signal.SIGUSR1, lambda *_: garble(link))
+        signal.signal(signal.SIGUSR1, lambda *_: garble(link, chance))
+        signal.signal(signal.SIGUSR2, resize)
         due, number = time.monotonic(), 0
         while link.connected:
             due += 1 / FPS
             if any(isinstance(each, Quit) for each in link.poll_commands(max(0.0, due - time.monotonic()))):
                 return
             now, number = time.monotonic_ns(), number + 1
-            picture = np.full((HEIGHT * 3 // 2, WIDTH), 128, np.uint8)
-            picture[:HEIGHT] = 60 + number % 120
-            link.send_video(picture.tobytes(), WIDTH, HEIGHT, WIDTH, PixelFormat.I420, now)
+            width, height = size
+            picture = np.full((height, width, 4), 60 + number % 120, np.uint8)
+            link.send_video(picture.tobytes(), width, height, width * 4, PixelFormat.BGRA, now)
             link.send_audio(_HUM, now)
 
 
-def garble(link: LinkClient) -> None:
+def garble(link: LinkClient, chance: random.Random) -> None:
     """Send bytes that are no message, in between the others."""
-    chance = random.Random(os.getpid())
     link._stream.sendall(chance.randbytes(chance.randint(64, 4096)))
 
 

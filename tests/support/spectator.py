@@ -1,6 +1,9 @@
 """An application that watches: it answers offers with aiortc, counts what it can decode, and is judged by the rules."""
 
 import asyncio
+import json
+import sys
+import time
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from typing import Any, Final
@@ -9,6 +12,7 @@ from aiortc import MediaStreamTrack, RTCConfiguration, RTCPeerConnection, RTCSes
 from aiortc.mediastreams import MediaStreamError
 from aiortc.rtcconfiguration import RTCBundlePolicy
 from aiortc.sdp import candidate_from_sdp
+from av import VideoFrame
 from openrois_streaming.testing import ImpairedPath
 from websockets.asyncio.client import ClientConnection
 
@@ -29,6 +33,9 @@ class Spectator(Witness):
     Attributes:
         path: the network that its next peer connections pass, None for a good one.
         frames: how many it has decoded, by stream.
+        longest_gap: seconds between two pictures, at most; may be set to 0 to begin anew.
+        sizes: the sizes of its pictures, by stream.
+        newest_size: of its newest picture, by stream.
         told: what it was told of each stream, without `STREAMING_`.
         byes: why its peer connections ended.
         connections: they, by id.
@@ -38,6 +45,9 @@ class Spectator(Witness):
         super().__init__(book, socket)
         self.path: ImpairedPath | None = None
         self.frames: dict[str, int] = {}
+        self.longest_gap = 0.0
+        self.sizes: dict[str, set[tuple[int, int]]] = {}
+        self.newest_size: dict[str, tuple[int, int]] = {}
         self.told: dict[str, list[str]] = {}
         self.byes: list[str] = []
         self.connections: dict[str, RTCPeerConnection] = {}
@@ -108,10 +118,16 @@ class Spectator(Witness):
         return connection
 
     async def _count(self, track: MediaStreamTrack, peer_id: str, mid: str) -> None:
+        last = float("inf")
         with suppress(MediaStreamError):
             while True:
-                await track.recv()
+                frame = await track.recv()
                 stream_id = self._places[peer_id, mid]
+                if isinstance(frame, VideoFrame):
+                    before, last = last, time.monotonic()
+                    self.longest_gap = max(self.longest_gap, last - before)
+                    self.newest_size[stream_id] = (frame.width, frame.height)
+                    self.sizes.setdefault(stream_id, set()).add((frame.width, frame.height))
                 self.frames[stream_id] = self.frames.get(stream_id, 0) + 1
                 self._news.set()
 
@@ -160,3 +176,16 @@ class Spectator(Witness):
             task.cancel()
             with suppress(asyncio.CancelledError):
                 await task
+
+
+async def _watch(url: str, codec: str) -> None:
+    """Print a line for each picture, for as long as this process lives."""
+    async with Book().application(Spectator, url, extended=True) as app:
+        video = await app.play(VIDEO, json.dumps({"codecs": [codec]}))
+        while True:
+            print("picture", flush=True)
+            await app.sees(video, 1)
+
+
+if __name__ == "__main__":
+    asyncio.run(_watch(*sys.argv[1:]))

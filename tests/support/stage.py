@@ -1,7 +1,7 @@
 """Where faults of media are tried: a gateway, an avatar behind it, those who watch it, and the rules checked in the end."""
 
 import asyncio
-from collections.abc import AsyncIterator, Sequence
+from collections.abc import AsyncIterator, Callable
 from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +13,8 @@ from openrois_avatar.adapter import Avatar, serve_scene
 from openrois_avatar.scene import Scene, embedded_scene, synthetic_scene
 from openrois_streaming.clock import SystemClock
 from openrois_streaming.network.settings import NetworkSettings
+from openrois_streaming.stats import StreamStats
+from openrois_streaming.testing import ImpairedPath, Impairments
 
 from openrois.dialer import serve_parent
 from openrois.tasks import TaskScope
@@ -39,6 +41,7 @@ class Stage:
     avatar: Avatar
     scene: Scene
     guests: AsyncExitStack
+    paths: AsyncExitStack
 
     async def spectator(self, *, relayed: bool = False) -> Spectator:
         """Connect one more who watches; it leaves in the end."""
@@ -51,6 +54,29 @@ class Stage:
     def engine(self) -> psutil.Process:
         """The process of the game engine that runs now."""
         return next(each for each in psutil.Process().children(recursive=True) if each.cmdline()[-1:] == [SMALL_GAME])
+
+    async def stream(self, stream_id: str) -> StreamStats:
+        """What the adapter has measured of a stream."""
+        return next(each for each in (await self.avatar.look()).streams if each.stream_id == stream_id)
+
+    async def path(self, down: Impairments | None = None, up: Impairments | None = None) -> ImpairedPath:
+        """Make a bad network, for those who watch; it is there until they have left."""
+        return await self.paths.enter_async_context(ImpairedPath(down, up, seed=self.place.chance.randrange(1 << 30)))
+
+    async def sessions(self) -> int:
+        """How many applications the adapter knows that watch."""
+        return (await self.avatar.look()).process.sessions
+
+    def encoders(self) -> set[str]:
+        """The media types that are encoded now."""
+        made = (*self.avatar.video.made, *self.avatar.audio.made)
+        return {each.mime_type for each in made if each.running}
+
+    async def until(self, so: Callable[[], object]) -> None:
+        """Wait until something of the adapter is so, that it tells nobody."""
+        async with asyncio.timeout(MEDIA_PATIENCE):
+            while not so():  # noqa: ASYNC110 - see above
+                await asyncio.sleep(0.02)
 
     async def left(self) -> dict[str, int]:
         """What there is of those who watch."""
@@ -66,6 +92,7 @@ async def stage(
     log: pytest.LogCaptureFixture,
     *,
     game: str = "",
+    size: tuple[int, int] = (160, 90),
     network: NetworkSettings | None = None,
     longest: float = 0.5,
     **settings: Any,
@@ -77,22 +104,25 @@ async def stage(
         folder: for the audit trail.
         log: of the test.
         game: the module of the game engine, a process; without one there are colour bars and a tone.
+        size: of the colour bars.
         network: what of the network media uses.
         longest: see `ground`; those who watch, and decode, are in this loop too.
         settings: of the gateway, and of `ground`.
     """
     clock = SystemClock()
-    with some_address():
+    with some_address(), pytest.MonkeyPatch.context() as patch:
+        patch.setenv("SMALL_GAME_SEED", str(seed))
         async with ground(seed, folder, log, longest=longest, **settings) as place, AsyncExitStack() as stack:
-            scene = synthetic_scene(clock, 160, 90, 20.0)
+            scene = synthetic_scene(clock, *size, 20.0)
             if game:
                 scene = await stack.enter_async_context(embedded_scene("avatar", game, clock))
             avatar = await stack.enter_async_context(serve_scene("avatar", scene, clock, network))
             dialling = await stack.enter_async_context(TaskScope())
             dialling.start(serve_parent(avatar.host, place.adapter_url, sleep=_briefly))
             await place.attached("avatar")
+            paths = await stack.enter_async_context(AsyncExitStack())
             async with AsyncExitStack() as guests:
-                yield (stands := Stage(place, avatar, scene, guests))
+                yield (stands := Stage(place, avatar, scene, guests, paths))
             async with asyncio.timeout(MEDIA_PATIENCE):
                 while await stands.left():  # noqa: ASYNC110 - they end by themselves
                     await asyncio.sleep(0.01)

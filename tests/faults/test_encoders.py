@@ -1,0 +1,84 @@
+"""F33: encoders that fail, cannot be made, and are given pictures of another size."""
+
+import signal
+from pathlib import Path
+from typing import Any
+
+import pytest
+from openrois_streaming.encoder_video import VideoEncoder
+
+from tests.support.seeds import SOME
+from tests.support.spectator import AUDIO, VIDEO
+from tests.support.stage import SMALL_GAME, stage
+
+pytestmark = pytest.mark.media
+
+CODECS = ['{"codecs": ["H264"]}', '{"codecs": ["VP8"]}']
+
+
+class Broken:
+    """Has encoders fail while it is on."""
+
+    def __init__(self, patch: pytest.MonkeyPatch) -> None:
+        self.encoding = self.making = False
+        self.failures = 0
+        init, encode = VideoEncoder.__init__, VideoEncoder.encode
+
+        def made(one: VideoEncoder, *arguments: Any, **options: Any) -> None:
+            self._fail(self.making, "there is no memory for an encoder")
+            init(one, *arguments, **options)
+
+        def encoded(one: VideoEncoder, *arguments: Any, **options: Any) -> Any:
+            self._fail(self.encoding, "the encoder cannot go on")
+            return encode(one, *arguments, **options)
+
+        patch.setattr(VideoEncoder, "__init__", made)
+        patch.setattr(VideoEncoder, "encode", encoded)
+
+    def _fail(self, now: bool, words: str) -> None:
+        if now:
+            self.failures += 1
+            raise MemoryError(words)
+
+
+@pytest.mark.parametrize("seed", SOME)
+async def test_f33_an_encoder_that_fails_or_cannot_be_made(
+    seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with stage(seed, tmp_path, caplog) as on:
+        chance, broken = on.place.chance, Broken(monkeypatch)
+        app, other = await on.spectator(), await on.spectator()
+        video, audio = await app.play(VIDEO, CODECS[seed % 2]), await app.play(AUDIO)
+        others = await other.play(VIDEO, chance.choice(CODECS))
+        await app.sees(video, chance.randrange(1, 10))
+        broken.encoding = True
+        broken.making = chance.random() < 0.5
+        await app.error("COMPONENT_INTERNAL_ERROR")
+        assert await app.becomes(VIDEO, "READY", "ERROR") == "ERROR"
+        await app.is_now(video, "NOT_RUNNING")
+        # Sound has an encoder of its own.
+        await app.sees(audio)
+        assert app.told[audio] == ["NOT_RUNNING", "RUNNING"]
+        broken.encoding = broken.making = False
+        await app.sees(video)
+        await other.sees(others)
+        await app.is_now(video, "RUNNING")
+        assert await app.becomes(VIDEO, "READY") == "READY"
+        assert app.byes == other.byes == []
+        assert broken.failures > 1
+
+
+@pytest.mark.parametrize("seed", SOME)
+async def test_f33_pictures_of_another_and_an_odd_size(
+    seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    async with stage(seed, tmp_path, caplog, game=SMALL_GAME) as on:
+        app = await on.spectator()
+        video = await app.play(VIDEO, CODECS[seed % 2])
+        for _ in range(4):
+            on.engine().send_signal(signal.SIGUSR2)
+            await app.sees(video, on.place.chance.randrange(5, 15))
+        assert app.told[video] == ["NOT_RUNNING", "RUNNING"]
+        assert len(app.sizes[video]) > 1
+        assert app.errors == []
+        assert app.byes == []
