@@ -4,6 +4,7 @@ import datetime as dt
 import logging
 import ssl
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 from cryptography import x509
@@ -44,8 +45,10 @@ class Certificate:
         """
         try:
             # Tried on a context of its own: half of a pair must not stand in the one that is used.
-            _context().load_cert_chain(self._cert, self._key, password=_no_password)
+            tried = _context()
+            tried.load_cert_chain(self._cert, self._key, password=_no_password)
             end = _end(self._cert)
+            _shake_hands(tried)
             self.context.load_cert_chain(self._cert, self._key, password=_no_password)
         except ssl.SSLError as error:
             reason = error.reason or "they are no certificate and key"
@@ -65,6 +68,27 @@ def _context() -> ssl.SSLContext:
     context.options |= ssl.OP_NO_RENEGOTIATION | ssl.OP_NO_COMPRESSION
     context.set_alpn_protocols(["http/1.1"])
     return context
+
+
+def _shake_hands(context: ssl.SSLContext) -> None:
+    """Try a handshake, in memory: a damaged key may still name the certificate's public key and sign wrongly.
+
+    Raises:
+        ValueError: no client could connect.
+    """
+    client_context = ssl.SSLContext(ssl.PROTOCOL_TLS_CLIENT)
+    client_context.check_hostname, client_context.verify_mode = False, ssl.CERT_NONE
+    to_server, to_client = ssl.MemoryBIO(), ssl.MemoryBIO()
+    client = client_context.wrap_bio(to_client, to_server)
+    server = context.wrap_bio(to_server, to_client, server_side=True)
+    try:
+        # TLS 1.2 takes two turns, 1.3 one.
+        for side in (client, server) * 3:
+            with suppress(ssl.SSLWantReadError):
+                side.do_handshake()
+    except ssl.SSLError as error:
+        reason = error.reason or "no reason is given"
+        raise ValueError(f"a handshake with them fails ({reason}): is the key damaged?") from None
 
 
 def _end(cert: Path) -> dt.datetime:

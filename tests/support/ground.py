@@ -4,6 +4,7 @@ import asyncio
 import json
 import os
 import random
+import ssl
 import sys
 from collections.abc import AsyncIterator
 from contextlib import AsyncExitStack, asynccontextmanager, suppress
@@ -53,6 +54,7 @@ class Ground:
         relay: stands between robots and gateway, and between those applications and it that go through it.
         chance: of this seed.
         book: what was heard.
+        tls: with what applications connect; None for no TLS.
     """
 
     gateway: Gateway
@@ -63,10 +65,12 @@ class Ground:
     lamp: Lamp = field(default_factory=Lamp)
     bell: Bell = field(default_factory=Bell)
     book: Book = field(default_factory=Book)
+    tls: ssl.SSLContext | None = None
 
     async def witness(self, *, relayed: bool = False, **options: Any) -> Witness:
         """Connect one more application."""
         url = self.relay.url if relayed else self.gateway.url
+        options |= {} if self.tls is None else {"ssl": self.tls}
         return await self.stack.enter_async_context(self.book.witness(url, **options))
 
     @property
@@ -117,6 +121,7 @@ async def ground(
     ready: bool = True,
     audited: bool = True,
     longest: float = LONGEST_BLOCK,
+    tls: ssl.SSLContext | None = None,
     **settings: Any,
 ) -> AsyncIterator[Ground]:
     """Run a gateway behind a relay for one seed of one fault; in the end the rules are checked.
@@ -129,6 +134,7 @@ async def ground(
         ready: the gateway has to be ready in the end.
         audited: there is an audit trail to be checked.
         longest: seconds of processor time that one turn of the loop, with gateway, robots and applications, may take.
+        tls: what knows the gateway's certificate, where it has one.
         settings: of the gateway.
     """
     chance, hosts = random.Random(seed), list[EngineHost]()
@@ -152,7 +158,7 @@ async def ground(
             try:
                 async with FaultRelay(gateway.url, seed=seed) as relay:
                     async with AsyncExitStack() as stack:
-                        place = Ground(gateway, hosts[0], relay, chance, stack)
+                        place = Ground(gateway, hosts[0], relay, chance, stack, tls=tls)
                         yield place
                     await _check_left(place, ready=ready)
             finally:
@@ -164,9 +170,10 @@ async def ground(
 
 async def _check_left(place: Ground, *, ready: bool) -> None:
     """Check that the gateway lives and nothing is left of those who have left (I5, I8)."""
-    async with ClientSession() as http, http.get(f"{place.gateway.url}readyz") as answer:
+    async with ClientSession() as http, http.get(f"{place.gateway.url}readyz", ssl=place.tls or True) as answer:
         assert not ready or answer.status == 200, await answer.text()
-    async with Book().witness(place.gateway.url) as fresh:
+    options = {} if place.tls is None else {"ssl": place.tls}
+    async with Book().witness(place.gateway.url, **options) as fresh:
         assert await fresh.code("rois.system.get_profile", condition="") == "OK"
     host = place.host
     async with asyncio.timeout(PATIENCE):

@@ -54,9 +54,7 @@ class Book:
     holders: dict[str, "Witness"] = field(default_factory=dict)
     accepted: int = 0
 
-    def witness(
-        self, url: str, *, extended: bool = False, **options: Any
-    ) -> AbstractAsyncContextManager["Witness"]:
+    def witness(self, url: str, *, extended: bool = False, **options: Any) -> AbstractAsyncContextManager["Witness"]:
         """Connect one more application."""
         return self.application(Witness, url, extended=extended, **options)
 

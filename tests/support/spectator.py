@@ -1,4 +1,7 @@
-"""An application that watches: it answers offers with aiortc, counts what it can decode, and is judged by the rules."""
+"""An application that watches: it answers offers, counts what it can decode, and is judged by the rules.
+
+It receives with the product's own receiver, which repairs losses as a browser does and aiortc's does not.
+"""
 
 import asyncio
 import json
@@ -9,10 +12,12 @@ from contextlib import suppress
 from typing import Any, Final
 
 from aiortc import MediaStreamTrack, RTCConfiguration, RTCPeerConnection, RTCSessionDescription
-from aiortc.mediastreams import MediaStreamError
 from aiortc.rtcconfiguration import RTCBundlePolicy
 from aiortc.sdp import candidate_from_sdp
-from av import VideoFrame
+from openrois_streaming.clock import SystemClock
+from openrois_streaming.receiving.receiver import RtpReceiver
+from openrois_streaming.receiving.remote_time import RemoteClock
+from openrois_streaming.source import MediaSource, RawAudio, RawVideo
 from openrois_streaming.testing import ImpairedPath
 from websockets.asyncio.client import ClientConnection
 
@@ -110,20 +115,22 @@ class Spectator(Witness):
         connection = RTCPeerConnection(RTCConfiguration(iceServers=[], bundlePolicy=RTCBundlePolicy.MAX_BUNDLE))
         self.connections[peer_id], self._routes[peer_id] = connection, self.path
 
+        remote = RemoteClock()
+
         def play(track: MediaStreamTrack) -> None:
-            mid = next(each.mid for each in connection.getTransceivers() if each.receiver.track is track)
-            self._start(self._count(track, peer_id, str(mid)))
+            (transceiver,) = (each for each in connection.getTransceivers() if each.receiver.track is track)
+            receiver = RtpReceiver(transceiver, SystemClock(), remote)
+            self._start(self._count(receiver.source, peer_id, str(transceiver.mid)))
 
         connection.on("track", play)
         return connection
 
-    async def _count(self, track: MediaStreamTrack, peer_id: str, mid: str) -> None:
+    async def _count(self, source: MediaSource[RawVideo | RawAudio], peer_id: str, mid: str) -> None:
         last = float("inf")
-        with suppress(MediaStreamError):
-            while True:
-                frame = await track.recv()
+        async with source.open() as frames:
+            async for frame in frames:
                 stream_id = self._places[peer_id, mid]
-                if isinstance(frame, VideoFrame):
+                if isinstance(frame, RawVideo):
                     before, last = last, time.monotonic()
                     self.longest_gap = max(self.longest_gap, last - before)
                     self.newest_size[stream_id] = (frame.width, frame.height)

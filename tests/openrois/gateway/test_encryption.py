@@ -1,14 +1,18 @@
 """TLS of the port: which versions, which certificates, and a new one while connections go on."""
 
 import asyncio
+import base64
 import socket
 import ssl
+import textwrap
 import time
 import warnings
 from pathlib import Path
 
 import aiohttp
 import pytest
+from cryptography.hazmat.primitives.asymmetric.ec import EllipticCurvePrivateKey
+from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption, PrivateFormat, load_pem_private_key
 
 from openrois.client import Client
 from openrois.gateway.encryption import Certificate
@@ -143,6 +147,19 @@ async def test_what_only_one_of_two_readers_takes_is_not_used(tmp_path: Path, ca
         assert await asyncio.to_thread(serial_of, coming, authority) == before
         assert any(f"{cert} and {key} cannot be used: " in said for said in caplog.messages)
     with pytest.raises(ValueError, match=r"cert\.pem and .* cannot be used: .*BEGIN CERTIFICATE"):
+        Certificate(cert, key, time.time)
+
+
+def test_a_key_that_signs_wrongly(tmp_path: Path) -> None:
+    cert, key = Authority(tmp_path).issue()
+    found = load_pem_private_key(key.read_bytes(), None)
+    assert isinstance(found, EllipticCurvePrivateKey)
+    secret = found.private_numbers().private_value.to_bytes(32, "big")
+    whole = found.private_bytes(Encoding.DER, PrivateFormat.PKCS8, NoEncryption())
+    wrong = whole.replace(secret, secret[:-1] + bytes([secret[-1] ^ 1]))
+    lines = textwrap.wrap(base64.b64encode(wrong).decode(), 64)
+    key.write_text("\n".join(["-----BEGIN PRIVATE KEY-----", *lines, "-----END PRIVATE KEY-----", ""]))
+    with pytest.raises(ValueError, match="a handshake with them fails .*is the key damaged"):
         Certificate(cert, key, time.time)
 
 
