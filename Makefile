@@ -8,21 +8,21 @@ SHORT := $(if $(LONG),, and not long)
 UNIT := not media and not browser and not engine$(SHORT)
 marked = $(shell grep -rl --include="test_*.py" "mark\.\($(1)\)" tests)
 export PATH := $(if $(shell command -v npm),,$(CURDIR)/.venv/bin:)$(PATH)
-.PHONY: demo test unit check lint fmt generate page
+.PHONY: demo test unit faults nightly check lint fmt generate page
 demo: .venv/demo.stamp $(PAGE)
 	@.venv/bin/openrois demo $(ARGS)
-
 test: .venv/dev.stamp $(NODE_MODULES) $(PAGE)
 	cd web_demo && npm run --silent test
 	$(PY) -m pytest $(if $(ARGS),$(ARGS),-n auto --dist worksteal -p tests.branches -m "$(UNIT)" && $(PY) -m pytest -n 3 --dist loadfile -m "(media or engine) and not browser$(SHORT)" $(call marked,media\|engine) && $(PY) -m pytest -m "browser$(SHORT)" $(call marked,browser))
 unit: .venv/dev.stamp
 	$(PY) -m pytest -n auto --dist worksteal -m "$(UNIT)" $(ARGS)
+faults: .venv/dev.stamp; OPENROIS_SEEDS=20 $(PY) -m pytest -n 2 --dist worksteal tests/faults $(ARGS)
+nightly:; OPENROIS_SEEDS=20 $(MAKE) test LONG=1
 check: lint test
 lint: .venv/dev.stamp $(NODE_MODULES)
 	.venv/bin/ruff check . && .venv/bin/ruff format --check .
 	.venv/bin/mypy & types=$$!; .venv/bin/lint-imports && $(PY) -m openrois_codegen --check && \
 	(cd web_demo && npm run --silent check); rest=$$?; wait $$types && exit $$rest
-
 fmt: .venv/dev.stamp
 	.venv/bin/ruff check --fix . ; .venv/bin/ruff format .
 generate: .venv/dev.stamp

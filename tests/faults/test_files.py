@@ -38,7 +38,8 @@ def cut(whole: bytes, chance: random.Random) -> bytes:
 
 @pytest.mark.parametrize("seed", ALL)
 def test_f43_a_damaged_configuration_is_refused_with_one_line(seed: int, tmp_path: Path) -> None:
-    chance, file, refused = random.Random(seed), tmp_path / "gateway.toml", 0
+    chance, file = random.Random(seed), tmp_path / "gateway.toml"
+    refusals: list[str] = []
     # The files that it names are not here; so what it would set beside them is left out.
     lines = _SHIPPED.read_bytes().splitlines(keepends=True)
     whole = b"".join(line for line in lines if b"_file" not in line and b"tls_" not in line)
@@ -47,10 +48,9 @@ def test_f43_a_damaged_configuration_is_refused_with_one_line(seed: int, tmp_pat
         try:
             configure(["--config", str(file)], {})
         except ValueError as error:
-            refused += 1
-            assert "\n" not in str(error)
-            assert "Traceback" not in str(error)
-    assert refused > 0
+            refusals.append(str(error))
+    assert refusals
+    assert not [text for text in refusals if "\n" in text or "Traceback" in text]
 
 
 @pytest.mark.parametrize("seed", ALL)
@@ -58,6 +58,7 @@ def test_f43_a_damaged_certificate_is_refused_with_one_line(seed: int, tmp_path:
     chance, authority = random.Random(seed), Authority(tmp_path)
     cert, key = authority.issue()
     whole = {file: file.read_bytes() for file in (cert, key)}
+    refusals: list[tuple[str, Path]] = []
     for _ in range(_TRIES):
         for file, data in whole.items():
             file.write_bytes(data)
@@ -66,8 +67,9 @@ def test_f43_a_damaged_certificate_is_refused_with_one_line(seed: int, tmp_path:
         try:
             Certificate(cert, key, time.time)
         except ValueError as error:
-            assert "\n" not in str(error)
-            assert str(file) in str(error)
+            refusals.append((str(error), file))
+    assert refusals
+    assert not [text for text, file in refusals if "\n" in text or str(file) not in text]
 
 
 @pytest.mark.parametrize("seed", SOME)
@@ -89,8 +91,7 @@ async def test_f43_new_and_damaged_certificates_drop_nobody(
 ) -> None:
     authority = Authority(tmp_path)
     cert, key = authority.issue()
-    settings = {"tls_cert": cert, "tls_key": key}
-    async with ground(seed, tmp_path, caplog, tls=authority.context(), **settings) as place:
+    async with ground(seed, tmp_path, caplog, tls=authority.context(), tls_cert=cert, tls_key=key) as place:
         app = await place.witness()
         for _ in range(6):
             authority.issue()

@@ -14,7 +14,7 @@ pytestmark = pytest.mark.media
 BACK = Impairments(delay=0.01)
 LOSSES = (0.05, 0.20, 0.01, 0.10)
 FREEZE = 3.0
-"""Seconds that no picture may be longer on its way at a loss of 5 %: it takes less than one on a machine that has time."""
+"""Seconds that a picture may stand at a loss of 5 %; on a machine that has time it takes less than one."""
 
 
 @pytest.mark.parametrize("seed", SOME)

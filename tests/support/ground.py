@@ -172,7 +172,7 @@ async def _check_left(place: Ground, *, ready: bool) -> None:
     """Check that the gateway lives and nothing is left of those who have left (I5, I8)."""
     async with ClientSession() as http, http.get(f"{place.gateway.url}readyz", ssl=place.tls or True) as answer:
         assert not ready or answer.status == 200, await answer.text()
-    options = {} if place.tls is None else {"ssl": place.tls}
+    options: dict[str, Any] = {} if place.tls is None else {"ssl": place.tls}
     async with Book().witness(place.gateway.url, **options) as fresh:
         assert await fresh.code("rois.system.get_profile", condition="") == "OK"
     host = place.host

@@ -6,7 +6,6 @@ SIGUSR1: send nonsense in between. SIGUSR2: send pictures of another size from n
 import os
 import random
 import signal
-import sys
 import time
 from typing import Final
 
@@ -48,4 +47,4 @@ def garble(link: LinkClient, chance: random.Random) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

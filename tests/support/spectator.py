@@ -29,7 +29,6 @@ VIDEO: Final = "avatar/VideoStreaming"
 AUDIO: Final = "avatar/AudioStreaming"
 MEDIA_PATIENCE: Final = 40.0
 """Seconds that anything of media may take on a busy machine."""
-_FINISHED: Final = "STREAMING_NOT_CONNECTED"
 
 
 class Spectator(Witness):
@@ -79,7 +78,7 @@ class Spectator(Witness):
 
     def _note_status(self, stream_id: str, status: str) -> None:
         told = self.told.setdefault(stream_id, [])
-        assert told[-1:] != [_FINISHED.removeprefix("STREAMING_")], f"{stream_id} has ended, and is {status} (I4)"
+        assert told[-1:] != ["NOT_CONNECTED"], f"{stream_id} has ended, and is {status} (I4)"
         told.append(status.removeprefix("STREAMING_"))
 
     def _start(self, work: Awaitable[None]) -> None:
@@ -171,7 +170,7 @@ class Spectator(Witness):
     async def becomes(self, component_ref: str, *statuses: str, within: float = MEDIA_PATIENCE) -> str:
         """Ask until a component's status is one of these; return it."""
         async with asyncio.timeout(within):
-            while (status := await self.status(component_ref)) not in statuses:
+            while (status := await self.status(component_ref)) not in statuses:  # noqa: ASYNC110
                 await asyncio.sleep(0.05)
         return status
 

@@ -1,4 +1,4 @@
-"""Where faults of media are tried: a gateway, an avatar behind it, those who watch it, and the rules checked in the end."""
+"""Where faults of media are tried: a gateway, an avatar behind it, viewers, and the rules checked in the end."""
 
 import asyncio
 from collections.abc import AsyncIterator, Callable

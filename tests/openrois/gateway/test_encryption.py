@@ -159,7 +159,7 @@ def test_a_key_that_signs_wrongly(tmp_path: Path) -> None:
     wrong = whole.replace(secret, secret[:-1] + bytes([secret[-1] ^ 1]))
     lines = textwrap.wrap(base64.b64encode(wrong).decode(), 64)
     key.write_text("\n".join(["-----BEGIN PRIVATE KEY-----", *lines, "-----END PRIVATE KEY-----", ""]))
-    with pytest.raises(ValueError, match="a handshake with them fails .*is the key damaged"):
+    with pytest.raises(ValueError, match=r"a handshake with them fails .*is the key damaged"):
         Certificate(cert, key, time.time)
 
 
