@@ -146,7 +146,7 @@ class ComponentType:
         events: tuple[EventType, ...],
     ) -> HRIComponentProfile:
         return HRIComponentProfile(
-            identifier=RoISIdentifier(code=self.urn, authority=self.authority),
+            identifier=RoISIdentifier(code=self.spelled_urn or self.code, authority=self.authority),
             name=name,
             function=self.function,
             sub_component_profiles=included,

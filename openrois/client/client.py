@@ -222,6 +222,10 @@ class Client(Operations):
         """
         of_type = where(component_type=_type_of(kind).urn)
         refs = await self.search(f"{of_type} AND {condition}" if condition else of_type)
+        if not refs:
+            # Some gateways compare the code of the identifier alone with the URN.
+            profiles = (await self.get_profile(condition)).component_profiles
+            refs = tuple(ref for ref, profile in profiles.items() if profile.component_type == _type_of(kind).urn)
         return [self.component(kind, component_ref) for component_ref in refs]
 
     @asynccontextmanager

@@ -18,7 +18,8 @@ from openrois.types.profiles import (
 
 __all__ = ["FATES", "PARAMETERS", "URN", "component_profiles", "engine_profile", "profile_result", "sample"]
 
-URN: Final = component_urn("Probe", "Conformance")
+PROBE: Final = RoISIdentifier(code="Probe", authority="Conformance")
+URN: Final = component_urn(PROBE.code, PROBE.authority)
 """The type of the suite's own components that can be reserved."""
 
 FATES: Final = {
@@ -67,7 +68,7 @@ def _value(name: str, code: str, default: str = "") -> ParameterProfile:
 def _probe(name: str, function: ComponentFunction | None) -> HRIComponentProfile:
     everything = tuple(_value(name, code) for name, code, _ in PARAMETERS)
     return HRIComponentProfile(
-        identifier=RoISIdentifier(code=URN),
+        identifier=PROBE,
         name=name,
         function=function,
         command_profiles=(

@@ -11,7 +11,7 @@ from openrois.visible_engine import VisibleEngine
 __all__ = ["COMPONENT_PROPERTIES", "matching", "the_one"]
 
 COMPONENT_PROPERTIES: Final = frozenset({"component_ref", "component_type"})
-"""The properties of a component that a condition can ask for; `component_type` is the full URN."""
+"""The properties of a component that a condition can ask for; `component_type` is the URN of authority and code."""
 
 
 def matching(engine: VisibleEngine, condition: Condition) -> list[str]:
@@ -24,7 +24,7 @@ def matching(engine: VisibleEngine, condition: Condition) -> list[str]:
     return [
         ref
         for ref, profile in profiles.items()
-        if condition.matches({"component_ref": ref, "component_type": profile.identifier.code})
+        if condition.matches({"component_ref": ref, "component_type": profile.component_type})
     ]
 
 

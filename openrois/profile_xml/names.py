@@ -3,6 +3,8 @@
 import re
 from typing import Final
 
+from openrois.types.profiles import RoISIdentifier, component_urn, type_identifier
+
 __all__ = [
     "CODE_SPACES",
     "EXTRA",
@@ -13,8 +15,9 @@ __all__ = [
     "URN_CODE_SPACE",
     "XML",
     "XSI",
-    "authority_of",
     "engine_id_text",
+    "identifier_of",
+    "identifier_text",
     "is_code_space",
     "no_component",
     "read_id",
@@ -87,10 +90,21 @@ def is_code_space(text: str) -> bool:
     return _URI.fullmatch(text) is not None
 
 
-def authority_of(code: str) -> str:
-    """Return the authority that a RoIS URN names; empty where `code` is none."""
-    found = _AUTHORITY.match(code)
-    return found[1] if found else ""
+def identifier_text(identifier: RoISIdentifier) -> str:
+    """Return the gml:identifier of a component: the URN of its type, where authority and code form one."""
+    urn = component_urn(identifier.code, identifier.authority)
+    named = type_identifier(urn)
+    is_formed = (named.code, named.authority) == (identifier.code, identifier.authority)
+    return urn if is_formed and not identifier.code.startswith("urn:") else identifier.code
+
+
+def identifier_of(text: str) -> RoISIdentifier:
+    """Return the identifier that a gml:identifier means by itself, with the authority that a RoIS URN names."""
+    named = type_identifier(text)
+    if named.authority:
+        return named
+    found = _AUTHORITY.match(text)
+    return RoISIdentifier(code=text, authority=found[1] if found else "")
 
 
 def _number(character: str) -> str:

@@ -18,7 +18,7 @@ from openrois.profile_xml.names import (
     TYPE_ID,
     XML,
     XSI,
-    authority_of,
+    identifier_of,
     read_id,
     stands_for_no_component,
 )
@@ -202,12 +202,13 @@ def _identity(
             remarks.append(f"line {element.line}: the name {_text(element)[:80]!r} is left out: there is another")
         else:
             names.append(_text(element))
-    code = _text(identifier)
+    text = _text(identifier)
+    implied = RoISIdentifier(code=text, authority=extra["authority"]) if "authority" in extra else identifier_of(text)
     codebook = "" if code_space in CODE_SPACES else code_space
     return (
         RoISIdentifier(
-            code=code,
-            authority=extra.get("authority", authority_of(code)),
+            code=implied.code,
+            authority=implied.authority,
             codebook_ref=extra.get("codebook_ref", codebook),
             version=extra.get("version", ""),
         ),

@@ -14,8 +14,9 @@ from openrois.profile_xml.names import (
     TYPE_ID,
     URN_CODE_SPACE,
     XSI,
-    authority_of,
     engine_id_text,
+    identifier_of,
+    identifier_text,
     is_code_space,
     no_component,
     write_id,
@@ -77,7 +78,7 @@ def component_xml(profile: HRIComponentProfile, component_ref: str = "") -> str:
             "rois:HRIComponentProfile",
             {"gml:id": write_id(component_ref) if component_ref else TYPE_ID},
             (
-                *_identity(profile.identifier, profile.name, extra),
+                *_identity(profile.identifier, identifier_text(profile.identifier), profile.name, extra),
                 *(_Node("rois:SubComponentProfile", content=urn) for urn in profile.sub_component_profiles),
                 *(_message(message) for message in profile.command_profiles),
                 *(_message(message) for message in profile.query_profiles),
@@ -95,7 +96,7 @@ def _engine(name: str, profile: HRIEngineProfile) -> _Node:
         name,
         {"gml:id": engine_id_text(engine_id)},
         (
-            *_identity(profile.identifier, engine_id, {}),
+            *_identity(profile.identifier, engine_id, engine_id, {}),
             *(_engine("rois:SubProfile", below) for below in profile.sub_profiles),
             *(_Node("rois:HRIComponent", content=each) for each in ids),
             *_parameters("rois:ParameterProfile", profile.parameter_profiles),
@@ -109,18 +110,18 @@ def _ids(profile: HRIEngineProfile) -> Iterator[tuple[str, str]]:
     yield from (("the component", ref) for ref in profile.component_refs())
 
 
-def _identity(identifier: RoISIdentifier, name: str, extra: Mapping[str, str]) -> Iterator[_Node]:
+def _identity(identifier: RoISIdentifier, text: str, name: str, extra: Mapping[str, str]) -> Iterator[_Node]:
     """Yield the children that every GML object begins with.
 
-    GML has a place for an identifier's code and for its code space, which is its codebook if that is a URI. All else is
-    one more gml:name each, and only where it does not follow from the code.
+    GML has a place for `text`, which stands for authority and code, and for its code space, which is the codebook if
+    that is a URI. All else is one more gml:name each, and only where it does not follow from the text.
     """
-    code, codebook = identifier.code, identifier.codebook_ref
-    usual = URN_CODE_SPACE if code.startswith("urn:") else ID_CODE_SPACE
+    codebook, implied = identifier.codebook_ref, identifier_of(text)
+    usual = URN_CODE_SPACE if text.startswith("urn:") else ID_CODE_SPACE
     said = is_code_space(codebook) and codebook not in CODE_SPACES
-    yield _Node("gml:identifier", {"codeSpace": codebook if said else usual}, code)
+    yield _Node("gml:identifier", {"codeSpace": codebook if said else usual}, text)
     yield _Node("gml:name", content=name)
-    if identifier.authority != authority_of(code):
+    if (identifier.code, identifier.authority) != (implied.code, implied.authority):
         extra = {**extra, "authority": identifier.authority}
     if codebook and not said:
         extra = {**extra, "codebook_ref": codebook}

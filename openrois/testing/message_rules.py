@@ -57,7 +57,7 @@ async def its_queries_answer(subject: Subject) -> None:
 
 def _required(subject: Subject, query: str) -> set[str]:
     """Return the results of a query that are mandatory in the component's type."""
-    kind = next((kind for kind in BASIC_COMPONENTS if kind.urn == subject.profile.identifier.code), ROIS_COMMON)
+    kind = next((kind for kind in BASIC_COMPONENTS if kind.urn == subject.profile.component_type), ROIS_COMMON)
     found = next((each.results.data() for each in kind.all_queries() if each.name == query), {})
     return {name for name, data in found.items() if data.obligation == "M"}
 

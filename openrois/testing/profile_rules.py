@@ -19,15 +19,16 @@ _STANDARD: Final = {kind.urn: kind.profile() for kind in BASIC_COMPONENTS}
 
 
 async def it_has_an_identity(subject: Subject) -> None:
-    """Its reference ends in its name, and its identifier is the URN of a type."""
-    name, code = subject.profile.name, subject.profile.identifier.code
+    """Its reference ends in its name, and its identifier has the authority and the code of a type."""
+    name, component_type = subject.profile.name, subject.profile.component_type
     engine_id = subject.component_ref.partition("/")[0]
     require(not flaw_of_name(name), f"{name!r} cannot name a component: {flaw_of_name(name)}")
     due = reference(engine_id, name)
     require(subject.component_ref == due, f"its reference is {subject.component_ref!r}, its name asks for {due!r}")
     require(
-        _URN.fullmatch(code) is not None,
-        f"its identifier {code!r} is no type's URN, such as urn:x-rois:def:component:Example::Lamp",
+        _URN.fullmatch(component_type) is not None,
+        f"its type {component_type!r} is not formed like urn:x-rois:def:component:Example::Lamp: "
+        "set the authority and the code of its identifier",
     )
 
 
@@ -57,9 +58,9 @@ async def its_profile_keeps_to_its_type(subject: Subject) -> None:
         common = [_is_common(message.name) for message in messages]
         require(common == sorted(common, reverse=True), "messages of RoIS_Common do not come first")
     _require_same(profile, _COMMON, "RoIS_Common")
-    standard = _STANDARD.get(profile.identifier.code)
+    standard = _STANDARD.get(profile.component_type)
     if standard is not None:
-        _require_same(profile, standard, profile.identifier.code)
+        _require_same(profile, standard, profile.component_type)
         if standard.function is not None:
             require(profile.function is standard.function, f"its class is {profile.function}, not {standard.function}")
 

@@ -1,5 +1,8 @@
 """Profiles of engines and components: the JSON form of the types in the standard's XML schema (XML-Profiles.xsd)."""
 
+import re
+from typing import Final
+
 from pydantic import Field
 
 from openrois.types.codes import ComponentFunction
@@ -14,7 +17,10 @@ __all__ = [
     "QueryMessageProfile",
     "RoISIdentifier",
     "component_urn",
+    "type_identifier",
 ]
+
+_COMPONENT_URN: Final = re.compile(r"urn:x-rois:def:component:([^:]+)::(.+)", re.DOTALL)
 
 
 class RoISIdentifier(Model):
@@ -70,6 +76,12 @@ class HRIComponentProfile(Model):
     event_profiles: tuple[EventMessageProfile, ...] = Field(default=(), strict=False)
     parameter_profiles: tuple[ParameterProfile, ...] = Field(default=(), strict=False)
 
+    @property
+    def component_type(self) -> str:
+        """The URN of the component's type, formed of authority and code unless the code is a URN itself."""
+        code = self.identifier.code
+        return code if code.startswith("urn:") else component_urn(code, self.identifier.authority)
+
     def command(self, name: str) -> CommandMessageProfile | None:
         """Return the command called `name`, or None."""
         return next((profile for profile in self.command_profiles if profile.name == name), None)
@@ -109,3 +121,9 @@ class HRIEngineProfile(Model):
 def component_urn(code: str, authority: str = "OMG") -> str:
     """Return the component type's URN in the form of the standard's profiles."""
     return f"urn:x-rois:def:component:{authority}::{code}"
+
+
+def type_identifier(urn: str) -> RoISIdentifier:
+    """Return the identifier of the component type `urn`: authority and code apart, where it has that form."""
+    found = _COMPONENT_URN.fullmatch(urn)
+    return RoISIdentifier(code=urn) if found is None else RoISIdentifier(code=found[2], authority=found[1])

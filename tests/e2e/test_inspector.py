@@ -18,6 +18,7 @@ from openrois.dialer import serve_parent
 from openrois.gateway.server import Gateway, run_gateway
 from openrois.gateway.settings import GatewaySettings
 from openrois.tasks import TaskScope
+from openrois.types.profiles import component_urn
 from tests.support.browser import GATEWAY_AWAY, PATIENCE, Visit, visiting
 from tests.support.demo import free_port
 from tests.support.deployment import application
@@ -127,7 +128,10 @@ async def test_every_component_of_every_engine_is_shown_with_all_that_its_profil
         for ref, profile in profiles.items():
             panel = await _go(visit, ref)
             assert await visit.read(_SHOWN) == _expected(ref, profile)
-            await _shows(panel.locator(".panel-ids"), profile["identifier"]["code"])
+            await _shows(
+                panel.locator(".panel-ids"),
+                component_urn(profile["identifier"]["code"], profile["identifier"]["authority"]),
+            )
             await _shows(panel.get_by_test_id("component-status"), "READY")
             assert await panel.locator(".chip").inner_text() == (profile.get("function") or "")
 

@@ -13,7 +13,7 @@ export { Control } from "./rois/control.ts";
 export type { ControlEvents } from "./rois/control.ts";
 export { and, escapeLike, like, onlyComponent, quote, where } from "./rois/conditions.ts";
 export type { ConnectionOptions, ConnectionState } from "./rois/connection.ts";
-export { componentType, componentsByEngine, engineOf } from "./rois/discovery.ts";
+export { componentType, componentUrn, componentsByEngine, engineOf } from "./rois/discovery.ts";
 export { CommandFailed, InvalidMessage, RoISError, ValueError } from "./rois/errors.ts";
 export type { Call, ClientEvents, ClientOptions, Ended, Params, ResultOf, RoISEvent } from "./rois/link.ts";
 export { decode, encode, resultValue } from "./rois/payload.ts";

@@ -41,10 +41,33 @@ async def _search(stage: Stage) -> None:
     expect("found by reference", await _found(app, f"component_ref = '{arm}'"), [arm])
     expect("found below the adapter", await _found(app, f"component_ref LIKE '{engine_id}-below/%'"), [deep])
     mine_only = f"component_ref LIKE '{engine_id}/%'"
-    probes = [ref for ref, profile in stage.probe.engine.profiles.items() if profile.identifier.code == URN]
+    probes = [ref for ref, profile in stage.probe.engine.profiles.items() if profile.component_type == URN]
     by_type = await _found(app, f"{mine_only} AND component_type = '{URN}'")
     expect("found by type", sorted(by_type), sorted(ref for ref in probes if ref != deep))
     expect("found by a type without its URN", await _found(app, f"{mine_only} AND component_type = 'Probe'"), [])
+
+
+@CHECKS("component-type", Needs.ADAPTER)
+async def _component_type(stage: Stage) -> None:
+    """A type is the URN of authority and code in every condition: search, bind_any, subscribe, query, get_profile."""
+    app = await stage.application()
+    arm = stage.ref("arm")
+    this = f"component_ref = '{arm}' AND component_type"
+    for given in (f"{this} = '{URN}'", f"{this} LIKE 'urn:%Conformance::%'"):
+        expect(f"what {given} finds", await _found(app, given), [arm])
+        bound = await app.granted("rois.command.bind_any", condition=given)
+        expect(f"what {given} binds", bound["component_ref"], arm)
+        await app.granted("rois.event.subscribe", event_type="happened_to_arm", condition=given)
+        await app.granted("rois.query.query", query_type="view_of_arm", condition=given)
+        profile = await app.granted("rois.system.get_profile", condition=given)
+        expect(f"the components that {given} keeps", list(profile["component_profiles"]), [arm])
+    for given in (f"{this} = 'Probe'", f"{this} = 'urn:x-rois:def:component:OMG::Probe'"):
+        expect(f"what {given} finds", await _found(app, given), [])
+        await app.refused("rois.command.bind_any", "UNSUPPORTED", condition=given)
+        await app.refused("rois.event.subscribe", "UNSUPPORTED", event_type="happened_to_arm", condition=given)
+        await app.refused("rois.query.query", "UNSUPPORTED", query_type="view_of_arm", condition=given)
+        profile = await app.granted("rois.system.get_profile", condition=given)
+        expect(f"the components that {given} keeps", list(profile["component_profiles"]), [])
 
 
 @CHECKS("condition-language", Needs.ADAPTER)

@@ -97,7 +97,7 @@ async def _standard_profiles(stage: Stage) -> None:
     found = 0
     for ref, given in profiles.items():
         profile = HRIComponentProfile.model_validate(given)
-        if (kind := kinds.get(profile.identifier.code)) is not None:
+        if (kind := kinds.get(profile.component_type)) is not None:
             found += 1
             _compare(ref, profile, kind.profile())
     if not found:

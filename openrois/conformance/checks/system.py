@@ -118,7 +118,7 @@ async def _profile_condition(stage: Stage) -> None:
     expect("the engines", tree.engine_ids(), everything.engine_ids())
     by_type = await app.granted("rois.system.get_profile", condition=f"component_type = '{URN}'")
     mine = sorted(ref for ref in by_type["component_profiles"] if ref.startswith(stage.probe.engine.engine_id))
-    wanted = sorted(ref for ref, profile in stage.probe.engine.profiles.items() if profile.identifier.code == URN)
+    wanted = sorted(ref for ref, profile in stage.probe.engine.profiles.items() if profile.component_type == URN)
     expect("the components chosen by type", mine, wanted)
 
 

@@ -180,7 +180,7 @@ class TestBasicComponents:
     def test_a_class_has_the_parameters_and_events_of_its_type(self, kind: Any) -> None:
         made = getattr(components, kind.code)()
         assert made.name == kind.name
-        assert made.profile.identifier.code == kind.urn
+        assert made.profile.component_type == kind.urn
         assert made.profile.function is kind.function
         assert made.profile.parameter_profiles == kind.profile().parameter_profiles
         assert made.profile.event_profiles == kind.profile().event_profiles

@@ -33,8 +33,8 @@ LANTERN = ComponentType(code="Lantern", name="lantern", description="A lamp.", s
 
 def test_an_instance_lists_all_it_does_with_the_common_messages_first() -> None:
     profile = LAMP.profile("ceiling")
-    assert profile.identifier.code == "urn:x-rois:def:component:Example::Lamp"
-    assert profile.identifier.authority == "Example"
+    assert (profile.identifier.authority, profile.identifier.code) == ("Example", "Lamp")
+    assert profile.component_type == LAMP.urn == "urn:x-rois:def:component:Example::Lamp"
     assert (profile.name, profile.function, profile.sub_component_profiles) == ("ceiling", None, ())
     assert [each.name for each in profile.command_profiles] == ["start", "stop", "suspend", "resume", "glow"]
     assert [each.name for each in profile.query_profiles] == ["component_status", "level"]

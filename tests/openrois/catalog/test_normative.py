@@ -69,7 +69,7 @@ class TestTheCheckItself:
     @pytest.mark.parametrize(
         ("code", "ours", "theirs", "place"),
         [
-            ("Navigation", "OMG::Navigation", "OMG::Driving", "Navigation: identifier: 'urn"),
+            ("Navigation", "OMG::Navigation", "OMG::Driving", "Navigation: identifier: 'Navigation' here, 'Driving"),
             ("Navigation", ">navigation<", ">navigator<", "Navigation: name: 'navigation' here, 'navigator' there"),
             ("Navigation", "OMG::RoISCommon", "OMG::Common", "Navigation: includes: 'urn"),
             ("Navigation", '"reached_target"', '"reached"', "Navigation: event reached_target: 'there' here, 'nothing"),

@@ -41,7 +41,7 @@ class TestBasicComponents:
         proxy = await client.find(proxy_class(kind))
         assert type(proxy) is proxy_class(kind)
         assert proxy.component_ref == f"robot/{kind.name}"
-        assert (await proxy.profile()).identifier.code == kind.urn
+        assert (await proxy.profile()).component_type == kind.urn
 
     async def test_every_query_is_answered(self, client: Client, kind: ComponentType) -> None:
         proxy = await client.find(proxy_class(kind))

@@ -109,6 +109,27 @@ async def test_what_a_later_version_says_more_is_passed_over(line: Line, script:
         assert (await client.call("other.method"))["more"] == {"of": "it"}
 
 
+async def test_a_type_is_found_where_the_gateway_compares_the_code_alone(line: Line, script: Script) -> None:
+    def profile(code: str, authority: str) -> dict[str, Any]:
+        return {"identifier": {"code": code, "authority": authority}, "name": "x"}
+
+    script.answers = {
+        "rois.command.search": {"component_ref_list": []},
+        "rois.system.get_profile": {
+            "component_profiles": {
+                "a/legs": profile("Navigation", "OMG"),
+                "b/legs": profile("urn:x-rois:def:component:OMG::Navigation", ""),
+                "c/legs": profile("Navigation", "Example"),
+                "d/arm": profile("Move", "OMG"),
+            }
+        },
+    }
+    async with Client(dial=line.dial) as client:
+        found = await client.find_all(Navigation, "component_ref LIKE '%'")
+    assert [each.component_ref for each in found] == ["a/legs", "b/legs"]
+    assert ("rois.system.get_profile", {"condition": "component_ref LIKE '%'"}) in script.asked
+
+
 async def test_what_is_wrong_with_an_answer_is_said_in_a_line(line: Line, script: Script) -> None:
     script.answers = {"rois.command.search": {"component_ref_list": ["a", 5]}}
     async with Client(dial=line.dial) as client:

@@ -247,7 +247,7 @@ def malformed() -> Iterable[tuple[str, str]]:
         engine(one, one.replace(">c", ">_x0063_")),
     )
     below = '<rois:SubProfile gml:id="s">{}</rois:SubProfile>'
-    yield "line 3: rois:SubProfile has the engine id 'urn:x-rois:def:comp", engine(below.format(IDENTITY))
+    yield "line 3: rois:SubProfile has the engine id 'Lamp'", engine(below.format(IDENTITY))
     nameless = '<gml:identifier codeSpace="a:b"/>'
     yield "line 3: rois:SubProfile has an empty engine id", engine(below.format(nameless))
     yield "line 3: rois:SubProfile has no gml:id", engine(f"<rois:SubProfile>{IDENTITY}{one}</rois:SubProfile>")

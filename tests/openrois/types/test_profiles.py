@@ -13,6 +13,7 @@ from openrois.types.profiles import (
     QueryMessageProfile,
     RoISIdentifier,
     component_urn,
+    type_identifier,
 )
 
 LEVEL = ParameterProfile(name="level", data_type_ref=RoISIdentifier(code="int"))
@@ -72,3 +73,22 @@ def test_the_function_of_a_component_is_one_of_three_or_unknown() -> None:
 
 def test_the_type_of_a_standard_component() -> None:
     assert component_urn("Navigation") == "urn:x-rois:def:component:OMG::Navigation"
+
+
+@pytest.mark.parametrize(
+    ("identifier", "component_type"),
+    [
+        (RoISIdentifier(code="Navigation", authority="OMG"), component_urn("Navigation")),
+        (RoISIdentifier(code=component_urn("Navigation"), authority="OMG"), component_urn("Navigation")),
+        (RoISIdentifier(code="urn:x:lamp", authority="Example"), "urn:x:lamp"),
+        (RoISIdentifier(code="Lamp"), "urn:x-rois:def:component:::Lamp"),
+    ],
+)
+def test_a_type_is_the_urn_of_authority_and_code(identifier: RoISIdentifier, component_type: str) -> None:
+    assert HRIComponentProfile(identifier=identifier, name="x").component_type == component_type
+
+
+def test_a_urn_is_taken_apart_where_it_names_an_authority() -> None:
+    assert type_identifier(component_urn("Lamp", "Example")) == RoISIdentifier(code="Lamp", authority="Example")
+    for other in ("urn:x-rois:def:component:::Lamp", "urn:x-rois:def:Component:OMG::RoISCommon", "Lamp", ""):
+        assert type_identifier(other) == RoISIdentifier(code=other)

@@ -1,5 +1,6 @@
 /** All that a component's profile holds, to be tried: made of the profile alone, whatever the component is. */
 
+import { componentUrn } from "../../sdk/index.ts";
 import type { HRIComponentProfile, ComponentStatus, Client } from "../../sdk/index.ts";
 import { make, setText } from "../dom.ts";
 import { CommandCard } from "./command_card.ts";
@@ -160,13 +161,13 @@ export class ComponentPanel {
       event_profiles = [],
       parameter_profiles = [],
     } = profile;
-    const { function: kind, sub_component_profiles = [], identifier } = profile;
+    const { function: kind, sub_component_profiles = [] } = profile;
     setText(this.#function, kind ?? "");
     this.#function.hidden = !kind;
     this.#status.hidden = statusQuery(profile) === null;
     this.#ids.replaceChildren(
       copyable("Reference", this.ref),
-      copyable("Type", identifier.code),
+      copyable("Type", componentUrn(profile)),
       ...sub_component_profiles.map((urn) => copyable("Includes", urn)),
     );
     const kept = new Set<string>();

@@ -1,6 +1,6 @@
 /** The profile as a tree of engines and components, and the rows of it that are shown. Pure. */
 
-import { componentType, engineOf } from "../../sdk/index.ts";
+import { componentType, componentUrn, engineOf } from "../../sdk/index.ts";
 import type { HRIComponentProfile, HRIEngineProfile, Profile } from "../../sdk/index.ts";
 
 export interface ComponentNode {
@@ -68,7 +68,7 @@ function componentNode(ref: string, profile: HRIComponentProfile): ComponentNode
     ...command_profiles.flatMap((each) => (each.arguments ?? []).map(({ name }) => name)),
     ...messages.flatMap((each) => (each.results ?? []).map(({ name }) => name)),
   ];
-  const terms = [ref, componentType(profile), profile.identifier.code, profile.function ?? "", ...inside];
+  const terms = [ref, componentType(profile), componentUrn(profile), profile.function ?? "", ...inside];
   return { ref, name: ref.slice(ref.indexOf("/") + 1), profile, terms };
 }
 

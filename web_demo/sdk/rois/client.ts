@@ -6,6 +6,7 @@ import { Completions } from "./completions.ts";
 import { Control } from "./control.ts";
 import type { ComponentClass } from "./component.ts";
 import { and, where } from "./conditions.ts";
+import { componentUrn } from "./discovery.ts";
 import { RoISError } from "./errors.ts";
 import { iterate } from "./event_feed.ts";
 import type {
@@ -109,7 +110,12 @@ export class Client extends Link {
 
   /** Finds all components of a type. */
   async findAll<Component>(type: ComponentClass<Component>, condition = ""): Promise<Component[]> {
-    const refs = await this.search(and(where({ component_type: type.componentType }), condition));
+    let refs = await this.search(and(where({ component_type: type.componentType }), condition));
+    if (refs.length === 0) {
+      // Some gateways compare the code of the identifier alone with the URN.
+      const profiles = Object.entries((await this.getProfile(condition)).component_profiles);
+      refs = profiles.flatMap(([ref, profile]) => (componentUrn(profile) === type.componentType ? [ref] : []));
+    }
     return refs.map((componentRef) => new type(this, componentRef));
   }
 

@@ -6,7 +6,7 @@ export const quote = (text: string): string => `'${text.replaceAll("'", "''")}'`
 /**
  * Returns the condition that all properties have these values: `where({ component_type: Navigation.componentType })`.
  *
- * @param properties `component_ref`, `component_type` (the full URN); `stream_id` in a query for a stream's status
+ * @param properties `component_ref`, `component_type` (the URN of its type); `stream_id` in a query for a stream's status
  */
 export const where = (properties: { readonly [property: string]: string }): string =>
   and(...Object.entries(properties).map(([property, value]) => `${property} = ${quote(value)}`));

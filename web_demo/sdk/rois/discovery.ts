@@ -3,9 +3,15 @@
 import type { Profile } from "./client.ts";
 import type { HRIComponentProfile } from "./generated/types.ts";
 
-/** Returns the last part of a component's type: `VideoStreaming` of `urn:x-rois:def:component:OMG::VideoStreaming`. */
+/** Returns the code of a component's type without authority: `VideoStreaming`. */
 export function componentType(profile: HRIComponentProfile): string {
   return profile.identifier.code.split(":").at(-1) ?? "";
+}
+
+/** Returns the URN of a component's type, formed of authority and code unless the code is a URN itself. */
+export function componentUrn(profile: HRIComponentProfile): string {
+  const { authority = "", code } = profile.identifier;
+  return code.startsWith("urn:") ? code : `urn:x-rois:def:component:${authority}::${code}`;
 }
 
 /** Returns the id of the engine that a component reference leads to. */

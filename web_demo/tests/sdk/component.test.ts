@@ -64,7 +64,24 @@ describe("finding", () => {
     expect(all.map(({ componentRef }) => componentRef)).toEqual(["robot/navigation", "cart/navigation"]);
   });
 
+  it("reads the profiles where the gateway compares the code of the identifier alone", async () => {
+    const of = (code: string, authority = "") => ({ identifier: { code, authority }, name: "x" });
+    gateway.on("rois.command.search", () => ({ component_ref_list: [] }));
+    gateway.on("rois.system.get_profile", () => ({
+      component_profiles: {
+        "a/legs": of("Navigation", "OMG"),
+        "b/legs": of("urn:x-rois:def:component:OMG::Navigation"),
+        "c/legs": of("Navigation", "Example"),
+        "d/arm": of("Move", "OMG"),
+      },
+    }));
+    const all = await client.findAll(Navigation, "component_ref LIKE '%'");
+    expect(all.map(({ componentRef }) => componentRef)).toEqual(["a/legs", "b/legs"]);
+    expect(gateway.called("rois.system.get_profile")).toEqual([{ condition: "component_ref LIKE '%'" }]);
+  });
+
   it("throws where there is none", async () => {
+    gateway.on("rois.system.get_profile", () => ({ component_profiles: {} }));
     await expect(client.find(Navigation)).rejects.toMatchObject({
       returnCode: "UNSUPPORTED",
       reason: "there is none",

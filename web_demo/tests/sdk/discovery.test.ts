@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { componentType, componentsByEngine, engineOf } from "../../sdk/rois/discovery.ts";
+import { componentType, componentUrn, componentsByEngine, engineOf } from "../../sdk/rois/discovery.ts";
 
 describe("discovery", () => {
   it("reads the type of a component, whichever form its code has", () => {
@@ -7,6 +7,14 @@ describe("discovery", () => {
     expect(type("urn:x-rois:def:component:OMG::Reaction")).toBe("Reaction");
     expect(type("Reaction")).toBe("Reaction");
     expect(type("")).toBe("");
+  });
+
+  it("forms the URN of authority and code", () => {
+    const urn = (code: string, authority?: string): string =>
+      componentUrn({ identifier: authority === undefined ? { code } : { code, authority }, name: "x" });
+    expect(urn("Reaction", "OMG")).toBe("urn:x-rois:def:component:OMG::Reaction");
+    expect(urn("urn:x-rois:def:component:OMG::Reaction", "OMG")).toBe("urn:x-rois:def:component:OMG::Reaction");
+    expect(urn("Reaction")).toBe("urn:x-rois:def:component:::Reaction");
   });
 
   it("groups by engine", () => {
