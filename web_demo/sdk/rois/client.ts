@@ -114,7 +114,9 @@ export class Client extends Link {
     if (refs.length === 0) {
       // Some gateways compare the code of the identifier alone with the URN.
       const profiles = Object.entries((await this.getProfile(condition)).component_profiles);
-      refs = profiles.flatMap(([ref, profile]) => (componentUrn(profile) === type.componentType ? [ref] : []));
+      refs = profiles.flatMap(([ref, profile]) =>
+        componentUrn(profile) === type.componentType ? [ref] : [],
+      );
     }
     return refs.map((componentRef) => new type(this, componentRef));
   }

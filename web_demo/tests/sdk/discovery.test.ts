@@ -13,7 +13,9 @@ describe("discovery", () => {
     const urn = (code: string, authority?: string): string =>
       componentUrn({ identifier: authority === undefined ? { code } : { code, authority }, name: "x" });
     expect(urn("Reaction", "OMG")).toBe("urn:x-rois:def:component:OMG::Reaction");
-    expect(urn("urn:x-rois:def:component:OMG::Reaction", "OMG")).toBe("urn:x-rois:def:component:OMG::Reaction");
+    expect(urn("urn:x-rois:def:component:OMG::Reaction", "OMG")).toBe(
+      "urn:x-rois:def:component:OMG::Reaction",
+    );
     expect(urn("Reaction")).toBe("urn:x-rois:def:component:::Reaction");
   });
 
