@@ -122,6 +122,46 @@ async def test_the_smallest_screen_shows_all_without_scrolling_sideways(browser:
         await expect(visit.item("say-send")).to_be_in_viewport()
 
 
+_REACHED: Final = """(names) => names.filter((name) => {
+    const each = document.querySelector(`[data-testid="${name}"]`);
+    const { left, top, right, bottom } = each.getBoundingClientRect();
+    const inside = left >= 0 && top >= 0 && right <= innerWidth && bottom <= innerHeight;
+    const [x, y] = [(left + right) / 2, (top + bottom) / 2];
+    return !inside || !(document.elementFromPoint(x, y)?.closest(`[data-testid="${name}"]`));
+})"""
+"""Which of the page's elements a finger does not reach now: outside of the window, or under something else."""
+
+
+@pytest.mark.parametrize(
+    "size", [(1920, 1080), (1366, 768), (768, 1024), (390, 844), (844, 390)], ids="{0[0]}x{0[1]}".format
+)
+async def test_stop_picture_and_text_box_stay_wherever_the_page_is_scrolled_to(
+    guest: Visit, size: tuple[int, int]
+) -> None:
+    await guest.page.set_viewport_size({"width": size[0], "height": size[1]})
+    staying = ["stop-all", "stage", "say-text", "say-send", "control-toggle", "sound-off", "fullscreen"]
+    await guest.page.keyboard.press("Shift")  # any key lets the page sound
+    await expect(guest.item("sound-off")).to_be_visible()
+    # Of what is under the picture something is in view as well.
+    assert await guest.page.evaluate(_REACHED, [*staying, "reaction-1"]) == []
+    await guest.page.evaluate("scrollTo(0, document.body.scrollHeight)")
+    assert await guest.read("scrollY") > 100
+    assert await guest.page.evaluate(_REACHED, staying) == []
+    await guest.press("fullscreen")
+    await guest.until("document.querySelector(':root:fullscreen') && innerHeight === screen.height")
+    assert await guest.page.evaluate(_REACHED, [*staying, "map"]) == []
+
+
+async def test_what_comes_and_goes_moves_nothing(guest: Visit) -> None:
+    names = ["stage", "say-text", "reaction-1", "map"]
+    places = f"{names}.map((name) => document.querySelector(`[data-testid=${{name}}]`).getBoundingClientRect().y)"
+    before = await guest.read(places)
+    for name in ("banner", "handover"):
+        await guest.read(f"document.querySelector('[data-testid={name}]').hidden = false")
+        await expect(guest.item(name)).to_be_visible()
+        assert await guest.read(places) == before
+
+
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 async def test_every_text_can_be_read(browser: Browser, avatar: Demo, scheme: str) -> None:
     async with visiting(browser, avatar.page, color_scheme=scheme) as visit:

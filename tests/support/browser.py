@@ -91,7 +91,8 @@ class Visit:
 
     async def status(self, kind: str, status: str) -> None:
         """Wait until the page shows this status of its video or audio."""
-        await expect(self.item(f"status-{kind}")).to_have_text(f"STREAMING_{status}", timeout=PATIENCE * 1000)
+        shown = self.item(f"status-{kind}")
+        await expect(shown).to_have_attribute("data-status", f"STREAMING_{status}", timeout=PATIENCE * 1000)
 
     async def banner(self, kind: str, title: str) -> str:
         """Wait for the banner of this kind, whose title has these words; returns all it says."""

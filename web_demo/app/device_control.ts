@@ -98,8 +98,9 @@ export class DeviceControl {
 
   async toggle(): Promise<void> {
     const stream = this.#stream;
-    if (!stream || this.#barred !== "") return;
+    if (!stream) return;
     if (stream.captured !== null || this.#asking) return this.off();
+    if (this.#barred !== "") return;
     this.#asking = true;
     this.#refusal = "";
     this.#render();
@@ -145,7 +146,8 @@ export class DeviceControl {
     const track = stream?.captured ?? null;
     const on = track !== null;
     if (on && this.#body.hidden) void this.#list();
-    this.#button.disabled = stream === null || this.#barred !== "";
+    // What is on can always be switched off.
+    this.#button.disabled = !on && (stream === null || this.#barred !== "");
     explain(this.#button, this.#barred);
     this.#button.setAttribute("aria-pressed", String(on));
     this.#renderWords();

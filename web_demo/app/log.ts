@@ -31,6 +31,7 @@ export class MessageLog {
       else if (scrollTop < this.#scrolled) this.#following = false;
       this.#scrolled = scrollTop;
     });
+    placeWhereThereIsRoom();
     // The list is as high as the rest of the page leaves it.
     new ResizeObserver(() => this.#follow()).observe(this.#list);
     this.#filter.addEventListener("input", () => this.#rebuild());
@@ -94,6 +95,15 @@ export class MessageLog {
     const filtered = this.#filter.value === "" ? `${shown}` : `${shown} of ${all}`;
     setText(this.#count, this.#paused ? `paused, ${this.#missed} more` : filtered);
   }
+}
+
+/** Under the picture where that leaves room, else at the end of the column of cards. */
+function placeWhereThereIsRoom(): void {
+  const card = byRole("card-log", HTMLElement);
+  const isRoomy = matchMedia("(min-width: 1080px) and (min-height: 900px)");
+  const place = (): void => byRole(isRoomy.matches ? "scene" : "side", HTMLElement).append(card);
+  isRoomy.addEventListener("change", place);
+  place();
 }
 
 function row(entry: LogEntry): HTMLLIElement {

@@ -24,7 +24,7 @@ import { MapCard } from "./map/map_card.ts";
 import { recall, remember } from "./memory.ts";
 import { OperatorCard } from "./operator.ts";
 import { Overlay } from "./overlay.ts";
-import { WATCHING } from "./permission.ts";
+import { AWAY, WATCHING } from "./permission.ts";
 import { Reactions } from "./reactions.ts";
 import { Readings } from "./readings.ts";
 import { SayLine } from "./say.ts";
@@ -175,7 +175,8 @@ function standingChanged(): void {
   for (const part of [say, stopButton]) part.barred = watching;
   control.barred = why(seat);
   reactions.barred = why(present?.reaction ?? null);
-  operator.barred = token.counts ? why(seat) : watching;
+  operator.barred = present === null ? AWAY : token.counts ? why(seat) : watching;
+  for (const card of [videoCard, audioCard]) card.present = present !== null;
   gaze.setComponent(why(seat) === "" ? (present?.gaze ?? null) : null);
   map.setAvatar(present);
   map.barred = why(present?.navigation ?? null);

@@ -2,6 +2,8 @@
 
 export const WATCHING = "You are watching: your token does not let you operate the avatar";
 
+export const AWAY = "The avatar is away";
+
 /** The words that stand on the page all the time, for those who hear what they cannot use. */
 const REASON = "handover-words";
 

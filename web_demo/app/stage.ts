@@ -41,6 +41,11 @@ export class Stage {
     const fullscreen = byTestId("fullscreen", HTMLButtonElement);
     fullscreen.hidden = !document.fullscreenEnabled;
     fullscreen.addEventListener("click", () => this.toggleFullscreen());
+    document.addEventListener("fullscreenchange", () => {
+      const label = document.fullscreenElement ? "Leave full screen" : "Full screen";
+      fullscreen.setAttribute("aria-label", label);
+      fullscreen.title = `${label} (f)`;
+    });
   }
 
   get element(): HTMLElement {
@@ -75,9 +80,10 @@ export class Stage {
     if (latency !== null) setText(this.#latency, `${Math.max(0, Math.round(latency))} ms`);
   }
 
+  /** Shows the picture as large as the screen is. The whole page goes with it: STOP, text box and map lie upon it. */
   toggleFullscreen(): void {
     if (document.fullscreenElement) void document.exitFullscreen();
-    else void this.#element.requestFullscreen().catch(() => undefined);
+    else void document.documentElement.requestFullscreen().catch(() => undefined);
   }
 
   #look(present: boolean): Look {

@@ -18,6 +18,7 @@ export class StopButton {
   readonly #title = this.#button.title;
   #engineId: string | null = null;
   #acting: readonly string[] = [];
+  #barred = "";
   #fading: ReturnType<typeof setTimeout> | undefined;
 
   constructor(client: Client) {
@@ -42,13 +43,13 @@ export class StopButton {
     this.#acting = acting;
     if (engineId !== this.#engineId) this.#say(LABEL);
     this.#engineId = engineId;
-    this.#button.hidden = engineId === null;
+    this.#render();
   }
 
   /** Why nothing can be stopped; empty where it can. */
   set barred(barred: string) {
-    this.#button.disabled = barred !== "";
-    explain(this.#button, barred);
+    this.#barred = barred;
+    this.#render();
   }
 
   async press(): Promise<void> {
@@ -78,6 +79,12 @@ export class StopButton {
       }
     }
     throw refused;
+  }
+
+  /** It is always in view, so that it is found where it was. */
+  #render(): void {
+    this.#button.disabled = this.#engineId === null || this.#barred !== "";
+    explain(this.#button, this.#barred);
   }
 
   #say(words: string, why = this.#title): void {
