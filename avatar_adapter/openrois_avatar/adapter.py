@@ -28,6 +28,7 @@ from openrois_avatar.components.system_information import SystemInformation
 from openrois_avatar.devices import Camera, Microphone
 from openrois_avatar.game_engines import choose_game_engine, link_address
 from openrois_avatar.health import Health, worst
+from openrois_avatar.link.demand import PictureDemand
 from openrois_avatar.link.encoded_inlet import EngineEncoded
 from openrois_avatar.link.messages import VideoShape
 from openrois_avatar.metrics.figures import Snapshot
@@ -158,7 +159,7 @@ async def serve_scene(
 
 
 def _publisher(scene: Scene, clock: MediaClock) -> EitherPublisher:
-    encoded = scene.encoded or EngineEncoded(clock)
+    encoded = scene.encoded or EngineEncoded(clock, PictureDemand(clock))
     return EitherPublisher(
         VideoPublisher(scene.video, clock=clock, stamp=True, frame_rate=scene.frame_rate, size=scene.size),
         EncodedPublisher(encoded, clock=clock, frame_rate=scene.frame_rate, size=scene.size),

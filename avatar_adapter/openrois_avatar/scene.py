@@ -188,7 +188,7 @@ async def _engine_scene(
 
         def observe() -> Observed:
             failure = "" if engine.hello is not None else last_words
-            return Observed(engine.video.last_at, engine.video.received, wanted=not pauses.on, failure=failure)
+            return Observed(engine.last_sign_at, engine.video.received, wanted=not pauses.on, failure=failure)
 
         def status() -> ComponentStatus:
             return health.status if engine.hello is not None else ComponentStatus.ERROR

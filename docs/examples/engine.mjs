@@ -106,11 +106,11 @@ function connect() {
   const place = process.env.OPENROIS_LINK_ADDRESS ?? "tcp:127.0.0.1:8766";
   const [host, port] = [place.slice(4, place.lastIndexOf(":")), place.slice(place.lastIndexOf(":") + 1)];
   const link = net.connect(place.startsWith("unix:") ? { path: place.slice(5) } : { host, port: Number(port), noDelay: true });
-  let unread = Buffer.alloc(0), clock = null, sequence = 0, last = now(), told = "";
+  let unread = Buffer.alloc(0), clock = null, sequence = 0, last = now(), told = "", wanted = true;
   link.on("connect", () => {
     const shape = { width: WIDTH, height: HEIGHT, fps: FPS, format: "i420" };
     const secret = process.env.OPENROIS_LINK_SECRET ?? "";
-    say(link, HELLO, { name: "ball", version: "1", secret, video: shape, audio: null, reactions: ["nod"], walks: true });
+    say(link, HELLO, { name: "ball", version: "1", secret, video: shape, audio: null, reactions: ["nod"], walks: true, demand: true });
   });
   link.on("data", (data) => {
     unread = Buffer.concat([unread, data]);
@@ -119,10 +119,16 @@ function connect() {
       const body = JSON.parse(unread.subarray(16, end)); // this engine says `hears` to nobody: there is no AUDIO
       unread = unread.subarray(end);
       if (type === WELCOME) clock = setInterval(tick, 1000 / FPS);
+      else if (type === COMMAND && body.command === "demand") want(body.consumers > 0);
       else if (type === COMMAND) obey(link, body);
       else if (type === BYE) console.log(`the adapter says goodbye: ${body.reason}`);
     }
   });
+  function want(on) {
+    const woken = on && !wanted;
+    wanted = on;
+    if (woken) tick(); // the first picture does not wait for its turn
+  }
   function tick() {
     const moment = now();
     move(link, Number(moment - last) / 1e9);
@@ -132,7 +138,9 @@ function connect() {
       say(link, EVENT, { event: "place", x, y, th });
       told = `${[x, y, th]}`;
     }
-    if (link.writableLength === 0) link.write(video(sequence, moment)); // what cannot be sent in time is left out
+    if (!wanted) {
+      if (sequence % (FPS / 2) === 0) say(link, EVENT, { event: "idle" }); // it draws nothing, and lives
+    } else if (link.writableLength === 0) link.write(video(sequence, moment)); // what cannot be sent in time is left out
     sequence++;
   }
   link.on("error", (error) => console.log(error.message));

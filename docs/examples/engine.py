@@ -29,9 +29,9 @@ def answer(command: dict[str, object]) -> bytes:
 def run(link: socket.socket) -> None:
     """Greet, then show pictures and take commands until the adapter says that it is over."""
     video = {"width": WIDTH, "height": HEIGHT, "fps": FPS, "format": "bgra"}
-    hello = {"name": "grey", "version": "1", "video": video, "audio": None, "reactions": ["nod"]}
+    hello = {"name": "grey", "version": "1", "video": video, "audio": None, "reactions": ["nod"], "demand": True}
     link.sendall(message(HELLO, json.dumps({**hello, "secret": os.environ.get("OPENROIS_LINK_SECRET", "")}).encode()))
-    due, unread = time.monotonic(), b""
+    due, unread, wanted = time.monotonic(), b"", True
     for sequence in itertools.count():
         while select.select([link], [], [], max(0.0, due - time.monotonic()))[0]:
             data = link.recv(65536)
@@ -41,9 +41,16 @@ def run(link: socket.socket) -> None:
                 if kind == BYE or (kind == COMMAND and json.loads(payload)["command"] == "quit"):
                     return
                 if kind == COMMAND:
-                    link.sendall(answer(json.loads(payload)))
+                    command = json.loads(payload)
+                    if command["command"] == "demand":
+                        wanted, due = command["consumers"] > 0, time.monotonic()
+                    link.sendall(answer(command))
             if not data:
                 return
+        if not wanted:  # it draws nothing, and says now and then that it lives
+            link.sendall(message(EVENT, b'{"event": "idle"}'))
+            due = time.monotonic() + 0.5
+            continue
         grey = round(128 + 100 * (sequence / FPS % 1))
         numbers = VIDEO.pack(sequence, time.monotonic_ns(), WIDTH, HEIGHT, 4 * WIDTH, 1, 0, 0)
         link.sendall(message(VIDEO_TYPE, numbers + bytes([grey, grey, grey, 255]) * (WIDTH * HEIGHT)))

@@ -13,9 +13,11 @@ from openrois_avatar.link.messages import (
     Bye,
     Command,
     Completed,
+    Demand,
     Drive,
     Halt,
     Hello,
+    Idle,
     Input,
     LinkError,
     Pause,
@@ -48,6 +50,7 @@ class OddEngine:
         self._driven_until = 0.0
         self._ring: RingWriter | None = None
         self._sound_at = 0.0
+        self._wanted = True
         self._over = False
 
     def run(self) -> None:
@@ -79,7 +82,7 @@ class OddEngine:
                 return replace(hello, audio_channels=None, reactions=(), hears=False, walks=False, input=False)
             case "silent says HELLO":
                 return replace(hello, audio_channels=None)
-        return hello
+        return replace(hello, demand=self._odd.startswith("sleeps"))
 
     def _send(self, *messages: Message) -> None:
         self._link.sendall(b"".join(b"".join(encode(message)) for message in messages))
@@ -101,10 +104,7 @@ class OddEngine:
     def _take(self, message: Message) -> None:
         match message:
             case Welcome():
-                if message.ring is not None:
-                    self._ring = RingWriter(message.ring)
-                if self._odd != "has no place":
-                    self._send(self._place)
+                self._begin(message)
             case Bye():
                 self._over = self._odd != "stays"
             case Audio():
@@ -113,10 +113,24 @@ class OddEngine:
                 self._react(message)
             case Walk() | Drive() | Halt():
                 self._move(message)
-            case Input():
-                self._over = self._odd == "dies of input"
-            case Quit():
-                self._over = True
+            case Demand():
+                self._heed(message)
+            case Input() | Quit():
+                self._over = isinstance(message, Quit) or self._odd == "dies of input"
+
+    def _begin(self, welcome: Welcome) -> None:
+        if welcome.ring is not None:
+            self._ring = RingWriter(welcome.ring)
+        if self._odd != "has no place":
+            self._send(self._place)
+
+    def _heed(self, demand: Demand) -> None:
+        slept = not self._wanted
+        self._wanted = demand.consumers > 0 or self._odd == "sleeps with open eyes"
+        if slept and self._odd == "sleeps for ever":
+            self._wanted = False
+        if slept and self._odd == "sleeps and shows its dream":
+            self._send(self._old_picture())
 
     def _react(self, command: Command) -> None:
         now = time.monotonic()
@@ -161,8 +175,10 @@ class OddEngine:
             self._send(self._place)
         if self._odd == "pauses":
             self._send(*([Pause(True)] if self._number == 0 else []))
-        else:
+        elif self._wanted:
             self._show(now)
+        elif self._number % (FPS // 2) == 0 and self._odd != "sleeps like the dead":
+            self._send(Idle())
         self._sound()
 
     def _show(self, now: float) -> None:
@@ -188,6 +204,10 @@ class OddEngine:
             self._send(Doorbell(*shape, slot))
         else:
             self._send(Video(*shape, PIXELS[: width * HEIGHT * 4]))
+
+    def _old_picture(self) -> Video:
+        moment = time.monotonic() - 0.8
+        return Video(self._number, round(moment * 1e9), WIDTH, HEIGHT, 4 * WIDTH, PixelFormat.BGRA, PIXELS)
 
     def _sound(self) -> None:
         if self._odd in {"can nothing", "is mute"}:

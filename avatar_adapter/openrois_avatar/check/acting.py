@@ -13,9 +13,11 @@ from openrois_avatar.link.media import Audio
 from openrois_avatar.link.messages import (
     Bitrate,
     Completed,
+    Demand,
     Drive,
     Halt,
     Hello,
+    Idle,
     Input,
     KeyFrame,
     Look,
@@ -43,6 +45,8 @@ _NEAR: Final = 0.1
 _BLOCK: Final = 480
 _ON_ITS_WAY: Final = 0.3
 """Seconds."""
+_ASLEEP: Final = 1.0
+"""Seconds in which an engine draws nothing, and says once at least that it lives."""
 _ids: Final = (f"check-{number}" for number in count(1))
 
 
@@ -68,6 +72,7 @@ async def acting(line: Line, hello: Hello, patience: Patience) -> AsyncIterator[
     else:
         yield not_tried("reaction", "HELLO lists none", MESSAGES)
     yield await _key_frame(line, hello, patience)
+    yield await _demanded(line, hello, patience)
     yield await _gestures(line, patience)
     yield await _hearing(line, hello, patience)
     yield await _operated(line, hello, patience)
@@ -138,6 +143,39 @@ async def _key_frame(line: Line, hello: Hello, patience: Patience) -> Finding:
     if not await line.until(lambda: key_frames() > before, patience.answer):
         return failed("key frame", f"none came within {patience.answer:g} s of `key_frame`", ENCODED)
     return passed("key frame", f"one came {1000 * (time.monotonic() - at):.0f} ms after it was asked for", ENCODED)
+
+
+async def _demanded(line: Line, hello: Hello, patience: Patience) -> Finding:
+    """With no demand it draws nothing and says that it lives; with one a new picture comes at once."""
+    if not hello.demand:
+        return not_tried("demand", "HELLO does not say `demand`: it draws while no pictures are wanted", MESSAGES)
+    if line.paused:
+        return not_tried("demand", "the engine pauses its pictures", MESSAGES)
+    line.tell(Demand(0))
+    await line.watch(_ON_ITS_WAY)
+    before, signs = len(line.seen.pictures), _signs(line)
+    await line.watch(_ASLEEP)
+    drawn, signs = len(line.seen.pictures) - before, _signs(line) - signs
+    woken, before = time.monotonic(), len(line.seen.pictures)
+    line.tell(Demand(1))
+    await line.until(lambda: len(line.seen.pictures) > before, patience.answer)
+    faults = [f"{drawn} pictures came while none were wanted"] if drawn else []
+    faults += [] if signs else [f"no `idle` came in {_ASLEEP:g} s in which no pictures were wanted"]
+    if len(line.seen.pictures) == before:
+        return judged(
+            "demand", [*faults, f"no picture came for {patience.answer:g} s when it was wanted"], "", MESSAGES
+        )
+    first = line.seen.pictures[before]
+    if first.claimed < woken - 1 / hello.video.fps and not drawn:
+        faults.append("the first picture that came shows a moment before it was wanted")
+    told = (
+        f"nothing was drawn while no pictures were wanted, the first {1000 * (first.at - woken):.0f} ms after one was"
+    )
+    return judged("demand", faults, told, MESSAGES)
+
+
+def _signs(line: Line) -> int:
+    return sum(isinstance(told.event, Idle) for told in line.seen.events)
 
 
 async def _gestures(line: Line, patience: Patience) -> Finding:

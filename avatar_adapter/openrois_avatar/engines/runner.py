@@ -3,7 +3,8 @@
 Pictures belong to deadlines on CLOCK_MONOTONIC: the picture of a deadline shows the body at that moment and carries it
 as its timestamp. A loop that is late skips to the newest deadline; nothing is queued. Sound leaves ahead of its
 time, so that it is there when its moment comes, however long a picture takes; a reaction begins, and is stopped, at the
-first moment of which the sound has not left yet, both to be seen and to be heard.
+first moment of which the sound has not left yet, both to be seen and to be heard. While no pictures are wanted none is
+drawn, and no silence is sent: body and room go on unseen, and the next picture is drawn as soon as it is wanted.
 """
 
 import argparse
@@ -35,10 +36,12 @@ from openrois_avatar.link.messages import (
     Bitrate,
     Command,
     Completed,
+    Demand,
     Drive,
     Event,
     Halt,
     Hello,
+    Idle,
     Input,
     KeyFrame,
     LinkError,
@@ -65,6 +68,10 @@ AHEAD: Final = 0.06
 """Seconds by which sound leaves ahead of its time: more than a picture takes, and less than a person notices."""
 _REPORT: Final = 10.0
 """Seconds between two reports of what was dropped."""
+_SIGN: Final = 0.5
+"""Seconds between two signs of life while nothing is drawn."""
+_UNSEEN: Final = 0.1
+"""Seconds between two deadlines of body and room while nothing is drawn."""
 
 
 def main(name: str, available: Available, factory: Factory, arguments: Sequence[str]) -> int:
@@ -86,6 +93,7 @@ def main(name: str, available: Available, factory: Factory, arguments: Sequence[
         hears=True,
         ring=True,
         walks=True,
+        demand=True,
     )
     renderer = factory(picture)
     try:
@@ -200,39 +208,69 @@ class Runner:
         """What is to be seen from a moment on."""
         self._sent = clock()
         """The moment up to which sound has left."""
+        self._pictures = _Ticks(clock(), 1 / picture.fps)
+        self._wanted = True
+        """Whether pictures are."""
+        self._signed = clock()
+        """When it gave its last sign of life."""
         self._quit = False
 
     def run(self) -> None:
         """Send pictures and sound on time until the adapter is gone or says `Quit`."""
         start = self._clock()
-        pictures, blocks = _Ticks(start, 1 / self._picture.fps), _Ticks(start, PERIOD)
+        self._pictures, blocks = _Ticks(start, 1 / self._picture.fps), _Ticks(start, PERIOD)
         reports = _Ticks(start + _REPORT, _REPORT)
         while self._link.connected and not self._quit:
             now = self._clock()
             if reports.due <= now:
                 reports.take()
                 self._report()
-            if blocks.due - AHEAD <= now:
+            resting = self._is_resting()
+            if resting:
+                blocks.catch_up(now + AHEAD)
+                self._sent = blocks.due
+            if not resting and blocks.due - AHEAD <= now:
                 self._skips.blocks += blocks.catch_up(now)
                 self._send_sound(blocks.take())
-            elif pictures.due <= now:
-                self._skips.pictures += pictures.catch_up(now)
+            elif self._pictures.due <= now:
+                left_out = self._pictures.catch_up(now)
+                self._skips.pictures += left_out if self._wanted else 0
                 self._listen(0.0)
-                self._send_picture(pictures.take())
+                self._live(self._pictures.take())
             else:
-                self._listen(min(blocks.due - AHEAD, pictures.due) - now)
+                due = self._pictures.due if resting else min(blocks.due - AHEAD, self._pictures.due)
+                self._listen(due - now)
+
+    def _is_resting(self) -> bool:
+        """Whether there is nothing to be seen, and nothing to be heard."""
+        return not self._wanted and self._sound.is_silent and self._life.radio == 0.0
 
     def _listen(self, seconds: float) -> None:
         """Take commands for so long at most."""
         commands = self._link.poll_commands(seconds)
-        self._waiting += commands
-        self._quit = self._quit or any(isinstance(command, Quit) for command in commands)
+        for command in commands:
+            if isinstance(command, Demand):
+                self._heed(command)
+            else:
+                self._waiting.append(command)
+            self._quit = self._quit or isinstance(command, Quit)
+        if commands and not self._wanted:
+            # It obeys at once, not at its next deadline, which may be far.
+            self._pictures = _Ticks(self._clock(), _UNSEEN)
+
+    def _heed(self, demand: Demand) -> None:
+        """Draw from now on, or do not: the first picture that is wanted again is due at once."""
+        wanted = demand.consumers > 0
+        if wanted and not self._wanted:
+            self._pictures = _Ticks(self._clock(), 1 / self._picture.fps)
+        self._wanted = wanted
 
     def _send_sound(self, due: float) -> None:
         self._link.send_audio(self._sound.block(due, self._life.radio), round(due * 1e9))
         self._sent = due + PERIOD
 
-    def _send_picture(self, due: float) -> None:
+    def _live(self, due: float) -> None:
+        """Go on until `due`, and show it if that is wanted."""
         for command in self._waiting:
             self._obey(command, due)
         self._waiting = []
@@ -240,13 +278,19 @@ class Runner:
         if heard := self._link.poll_audio():
             self._animator.hear(due, loudness(heard))
         scene = self._life.advance(due, self._animator.is_expressive(due))
-        planes = i420(self._renderer.draw(self._animator.pose(due, self._life.walking), scene))
-        width, height = self._picture.width, self._picture.height
-        self._link.send_video(planes.tobytes(), width, height, width, PixelFormat.I420, round(due * 1e9))
+        if self._wanted:
+            self._send_picture(self._renderer.draw(self._animator.pose(due, self._life.walking), scene), due)
+        elif due >= self._signed + _SIGN:
+            self._signed = due
+            self._link.send_event(Idle())
         for outcome in self._animator.outcomes(due):
             self._link.send_event(Completed(outcome.id, outcome.status))
         for event in self._life.news():
             self._link.send_event(event)
+
+    def _send_picture(self, pixels: Pixels, due: float) -> None:
+        width, height = self._picture.width, self._picture.height
+        self._link.send_video(i420(pixels).tobytes(), width, height, width, PixelFormat.I420, round(due * 1e9))
 
     def _obey(self, command: Command, now: float) -> None:
         match command:
@@ -266,8 +310,8 @@ class Runner:
                 self._coming.append((self._sent, command))
             case Walk() | Drive() | Halt():
                 self._life.obey(now, command)
-            case Quit() | Input() | KeyFrame() | Bitrate():
-                pass  # its greeting does not ask for input, and its pictures are not encoded
+            case Quit() | Demand() | Input() | KeyFrame() | Bitrate():
+                pass  # the first two are heeded as they come; it asked for no input, and encodes nothing
             case _:
                 assert_never(command)
 

@@ -46,9 +46,14 @@ class Sound:
         """End every cue."""
         self._cues = []
 
+    @property
+    def is_silent(self) -> bool:
+        """Whether the next block is silence as long as no radio is near."""
+        return not self._cues and not self._near
+
     def block(self, time: float, radio: float = 0.0) -> Samples:
         """The 20 ms of sound, (BLOCK, 1), that begin at a time; `radio` is how near that is, 0 (not heard) to 1."""
-        if not self._cues and not radio and not self._near:
+        if self.is_silent and not radio:
             return self._silence
         mixed = self._heard(time, radio)
         for start, wave in self._cues:

@@ -13,6 +13,7 @@ from openrois_streaming.clock import MediaClock
 from openrois_streaming.rtp.h264_units import NotPassable, access_unit
 from openrois_streaming.source import EncodedVideo
 
+from openrois_avatar.link.demand import PictureDemand
 from openrois_avatar.link.inlet import Timestamps
 from openrois_avatar.link.media import Encoded
 from openrois_avatar.link.messages import Bitrate, Command, KeyFrame, LinkError, VideoShape
@@ -26,14 +27,20 @@ _log = logging.getLogger(__name__)
 class EngineEncoded:
     """The encoded pictures of whichever engine is connected, as an `EncodingSource`.
 
-    While no such engine is connected there are no pictures, and what is asked is told to the next one. While nobody has
-    it open pictures are looked at and forgotten. `dropped` counts those that were lost because nobody read.
+    While no such engine is connected there are no pictures, and what is asked is told to the next one. While it is not
+    open no pictures are wanted, and those that come all the same are looked at and forgotten. `dropped` counts those
+    that were lost because they were not read.
+
+    Args:
+        clock: the media clock.
+        demand: what is told that pictures are wanted.
     """
 
-    def __init__(self, clock: MediaClock) -> None:
+    def __init__(self, clock: MediaClock, demand: PictureDemand) -> None:
         self.announced: VideoShape | None = None
         """The pictures of the engine that was connected last, if it encodes them itself."""
         self.dropped = 0
+        self._demand = demand
         self._timestamps = Timestamps(clock)
         self._ask: Callable[[Command], None] | None = None
         self._bitrate: int | None = None
@@ -71,7 +78,7 @@ class EngineEncoded:
         sequence = self._first_sequence + picture.sequence
         self._next_sequence = sequence + 1
         moment = self._timestamps.captured_at(picture.timestamp_ns)
-        if self._open:
+        if self._open and not self._demand.is_stale(moment):
             size = picture.width, picture.height
             self._queue(EncodedVideo(data, picture.keyframe, *size, sequence, moment))
 
@@ -99,10 +106,11 @@ class EngineEncoded:
 
     @asynccontextmanager
     async def open(self) -> AsyncIterator[AsyncIterator[EncodedVideo]]:
-        """Read the pictures that arrive from now on."""
+        """Read the pictures that are drawn from now on."""
         self._open, self._whole = True, True
         try:
-            yield self._pictures()
+            with self._demand.wanted():
+                yield self._pictures()
         finally:
             self._open = False
             self._waiting.clear()

@@ -10,6 +10,7 @@ from typing import Final, NamedTuple
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.source import RawVideo
 
+from openrois_avatar.link.demand import PictureDemand
 from openrois_avatar.link.memory import PictureMemory
 from openrois_avatar.link.picture import raw_video
 from openrois_avatar.link.protocol import Video
@@ -57,20 +58,26 @@ class EngineVideo:
     """The pictures of whichever engine is connected, as a `MediaSource`; the newest replaces one that still waits.
 
     While no engine is connected there are no pictures, and when one comes back they go on: to a reader that is a gap,
-    never an end. While nobody has it open pictures are received and forgotten.
+    never an end. While it is not open no pictures are wanted, and those that come all the same are received and
+    forgotten; nothing is given out that was drawn before it was opened.
 
     `received` counts the pictures that arrived, `dropped` those that a newer one replaced before they were read, and
     those of a ring that were overwritten before, or while they were.
     `last_at` is when the last one came from the engine that is connected now, in seconds of the media clock.
     `memory` is what pictures are received into.
+
+    Args:
+        clock: the media clock.
+        demand: what is told that pictures are wanted.
     """
 
-    def __init__(self, clock: MediaClock) -> None:
+    def __init__(self, clock: MediaClock, demand: PictureDemand) -> None:
         self.received = 0
         self.dropped = 0
         self.last_at: float | None = None
         self.memory = PictureMemory()
         self._clock = clock
+        self._demand = demand
         self._timestamps = Timestamps(clock)
         self._first_sequence = 0
         self._next_sequence = 0
@@ -107,17 +114,18 @@ class EngineVideo:
         sequence = self._first_sequence + video.sequence
         self._next_sequence = sequence + 1
         captured_at = self._timestamps.captured_at(video.timestamp_ns)
-        if self._open:
+        if self._open and not self._demand.is_stale(captured_at):
             self.dropped += self._waiting is not None
             self._waiting = _Waiting(video, sequence, captured_at, is_whole)
             self._arrived.set()
 
     @asynccontextmanager
     async def open(self) -> AsyncIterator[AsyncIterator[RawVideo]]:
-        """Read the pictures that arrive from now on."""
+        """Read the pictures that are drawn from now on."""
         self._open = True
         try:
-            yield self._pictures()
+            with self._demand.wanted():
+                yield self._pictures()
         finally:
             self._open, self._waiting = False, None
 

@@ -14,7 +14,7 @@ from openrois_streaming.supervision import HUNG, LOOK_INTERVAL, SourceWatch
 
 from openrois_avatar.link.encoded_inlet import EngineEncoded
 from openrois_avatar.link.inlet import EngineVideo
-from openrois_avatar.link.messages import Command, Event, Hello, LinkError, Pause
+from openrois_avatar.link.messages import Command, Event, Hello, Idle, LinkError, Pause
 from openrois_avatar.link.receivers import tell
 from openrois_avatar.link.server import LinkServer
 
@@ -42,6 +42,8 @@ class LinkedEngine(ABC):
         """What the subclass has entered."""
         self._still = False
         """Whether it has paused its pictures."""
+        self._idle_at: float | None = None
+        """When it last said that it draws nothing, in seconds of the media clock."""
         self._listening: AbstractAsyncContextManager[LinkServer] = LinkServer.listen(
             address,
             secret,
@@ -75,6 +77,14 @@ class LinkedEngine(ABC):
         """What the engine said of itself; None while it is not there."""
         return None if self._server.engine is None else self._server.engine.hello
 
+    @property
+    def last_sign_at(self) -> float | None:
+        """When it last gave a picture or, while none are wanted, said that it draws none; None if it has not yet."""
+        drawn = self.video.last_at
+        if self._idle_at is None or not self._server.demand.sleeping:
+            return drawn
+        return self._idle_at if drawn is None else max(drawn, self._idle_at)
+
     def send(self, command: Command) -> None:
         """Send a command to the engine; never waits.
 
@@ -91,21 +101,23 @@ class LinkedEngine(ABC):
             self._server.engine.send_audio(sound)
 
     def _greeted(self, hello: Hello) -> None:
-        self._still = False
+        self._still, self._idle_at = False, None
         tell(self._on_hello, hello)
 
     def _take(self, event: Event) -> None:
         if isinstance(event, Pause):
             self._still = event.on
+        elif isinstance(event, Idle):
+            self._idle_at = self._clock.now()
         tell(self._on_event, event)
 
     async def _stall(self, first: float) -> None:
-        """Return once the engine has sent no picture for a while, was to, and this process was able to take one.
+        """Return once the engine has given no sign for a while, was to, and this process was able to take one.
 
-        The first picture may take `first` seconds.
+        The first sign may take `first` seconds, and so may the first picture.
         """
-        watch, video = SourceWatch(self._clock.now()), self._server.video
-        while watch.quiet_for(self._clock.now(), video.last_at, wanted=not self._still) < (
-            first if video.last_at is None else HUNG
+        watch = SourceWatch(self._clock.now())
+        while watch.quiet_for(self._clock.now(), self.last_sign_at, wanted=not self._still) < (
+            first if self.last_sign_at is None else HUNG
         ):
             await self._clock.sleep_until(self._clock.now() + LOOK_INTERVAL)

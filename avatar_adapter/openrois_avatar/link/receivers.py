@@ -11,6 +11,7 @@ import numpy as np
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.source import RawAudio
 
+from openrois_avatar.link.demand import PictureDemand
 from openrois_avatar.link.encoded_inlet import EngineEncoded
 from openrois_avatar.link.inlet import MAX_AHEAD, EngineVideo, believed
 from openrois_avatar.link.media import Audio, Doorbell, Encoded, Video
@@ -29,6 +30,7 @@ class Receivers:
     clock: MediaClock
     video: EngineVideo
     encoded: EngineEncoded
+    demand: PictureDemand
     on_audio: Callable[[RawAudio], None] | None = None
     on_event: Callable[[Event], None] | None = None
     on_hello: Callable[[Hello], None] | None = None
@@ -59,6 +61,8 @@ class Arrivals:
 
     def announce(self, hello: Hello, ask: Callable[[Command], None]) -> None:
         """The engine has been welcomed: `ask` sends it a command."""
+        if hello.demand:
+            self._receivers.demand.begin(ask)
         self._receivers.encoded.begin(hello.video if hello.encodes else None, ask)
         tell(self._receivers.on_hello, hello)
 
@@ -67,6 +71,7 @@ class Arrivals:
         if self._hello is not None:
             self._receivers.video.end()
             self._receivers.encoded.end()
+            self._receivers.demand.end()
             tell(self._receivers.on_gone, reason)
         if self._ring is not None:
             self._ring.release()

@@ -20,6 +20,7 @@ from openrois_streaming.clock import MediaClock, SystemClock
 from openrois_streaming.source import RawAudio
 
 from openrois_avatar.link.connection import FAREWELL_TIMEOUT, EngineConnection
+from openrois_avatar.link.demand import PictureDemand
 from openrois_avatar.link.encoded_inlet import EngineEncoded
 from openrois_avatar.link.inlet import EngineVideo
 from openrois_avatar.link.listening import BACKLOG, listening
@@ -41,13 +42,15 @@ class LinkServer:
     """Listens for engines; made by `listen`.
 
     `address` and `secret` are what an engine must be given. `video` (a `MediaSource`), and `encoded` (an
-    `EncodingSource`) for engines that encode their pictures themselves, outlive the engines that come and go.
+    `EncodingSource`) for engines that encode their pictures themselves, outlive the engines that come and go, and so
+    does `demand`: what wants pictures.
     """
 
     def __init__(self, secret: str, receivers: Receivers, greeting_timeout: float) -> None:
         self.secret = secret
         self.video = receivers.video
         self.encoded = receivers.encoded
+        self.demand = receivers.demand
         self.address = ""
         self._receivers = receivers
         self._greeting_timeout = greeting_timeout
@@ -86,7 +89,9 @@ class LinkServer:
             LinkError: the address is malformed, not of this machine alone, or cannot be listened on.
         """
         clock = clock or SystemClock()
-        receivers = Receivers(clock, EngineVideo(clock), EngineEncoded(clock), on_audio, on_event, on_hello, on_gone)
+        demand = PictureDemand(clock)
+        video, encoded = EngineVideo(clock, demand), EngineEncoded(clock, demand)
+        receivers = Receivers(clock, video, encoded, demand, on_audio, on_event, on_hello, on_gone)
         server = cls(secrets.token_urlsafe(32) if secret is None else secret, receivers, greeting_timeout)
         with listening(address) as (listener, server.address):
             accepting = asyncio.create_task(server._accept_all(listener), name="engine link")

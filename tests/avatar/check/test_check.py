@@ -50,6 +50,10 @@ ODD = {
     "stops with ERROR": ("stop", "completed with ERROR when it was stopped"),
     "knows everything": ("unknown", "completed with OK, not with ERROR"),
     "ignores what it does not know": ("unknown", "was not answered within 0.6 s"),
+    "sleeps with open eyes": ("demand", "pictures came while none were wanted"),
+    "sleeps for ever": ("demand", "no picture came for 0.6 s when it was wanted"),
+    "sleeps like the dead": ("demand", "no `idle` came in 1 s"),
+    "sleeps and shows its dream": ("demand", "shows a moment before it was wanted"),
     "dies of sound": ("hearing", "after 20 blocks of the operator's sound: "),
     "dies of input": ("input", "after a key, a pointer, a wheel, a gamepad and `release`: "),
     "has no place": ("walk", "no `place` came after the greeting"),
@@ -62,7 +66,7 @@ ODD = {
 }
 """What is wrong with an engine, the check that finds it, and what it says."""
 
-RIGHT = ("nothing", "ring used", "can nothing", "comes back", "pauses", "is mute", "loses the first")
+RIGHT = ("nothing", "sleeps", "ring used", "can nothing", "comes back", "pauses", "is mute", "loses the first")
 """Engines with which nothing is wrong."""
 
 

@@ -16,10 +16,12 @@ from openrois_avatar.link.address import ADDRESS_VARIABLE, SECRET_VARIABLE
 from openrois_avatar.link.messages import (
     Command,
     Completed,
+    Demand,
     Drive,
     Event,
     Floor,
     Halt,
+    Idle,
     Log,
     Look,
     Place,
@@ -135,6 +137,36 @@ def test_sound_is_there_before_its_time_while_pictures_are_drawn(seconds: float)
     # The first three leave together.
     assert min(ahead[3:]) >= (AHEAD - seconds) * 1e9 - 1000
     assert max(ahead) <= AHEAD * 1e9 + 1000
+
+
+def test_nothing_is_drawn_while_no_pictures_are_wanted() -> None:
+    link, drawing = played(4.0, {0.5: Demand(0), 2.51: Demand(1)})
+    times = [stamp / 1e9 - 100 for stamp, _, _ in link.pictures]
+    asleep = [time for time in times if 0.55 < time < 2.5]
+    assert asleep == []
+    assert len(drawing.poses) == len(times)
+    unheard = [stamp for stamp, _ in link.blocks if 100.6e9 < stamp < 102.5e9]
+    assert unheard == [], "silence need not be sent"
+    assert {round((stamp - 100e9) / 1e6) % 20 for stamp, _ in link.blocks} == {0}, "and moves nothing"
+    woken = [time for time in times if time > 2.5]
+    assert woken[0] == pytest.approx(2.51, abs=0.002), "the first picture does not wait for its turn, and is new"
+    assert [time - woken[0] for time in woken] == pytest.approx([number / 30 for number in range(len(woken))], abs=1e-6)
+    signs = [time for time, event in link.events if isinstance(event, Idle)]
+    assert [later - earlier < 0.6 for earlier, later in pairwise([0.5, *signs, 2.51])] == [True] * (len(signs) + 1)
+    assert not any(isinstance(event, Log) for _, event in link.events)
+
+
+def test_what_is_asked_of_a_sleeping_engine_is_done() -> None:
+    walk = Walk("b", (Waypoint(0.3, 0.0),), 0.5)
+    link, drawing = played(8.0, {0.0: Demand(0), 0.5: React("a", "wave"), 1.0: walk})
+    assert len(drawing.poses) <= 1
+    done = [event for _, event in link.told if isinstance(event, Completed)]
+    assert done == [Completed("b", "OK"), Completed("a", "OK")] or done == [Completed("a", "OK"), Completed("b", "OK")]
+    assert [event for _, event in link.told if isinstance(event, Place)][-1].x == pytest.approx(0.3, abs=0.01)
+    cue = [stamp / 1e9 - 100 for stamp, samples in link.blocks if samples.any()]
+    assert max(int(np.abs(samples).max()) for _, samples in link.blocks) > 1000
+    assert 0.5 <= cue[0] <= 0.62, "it is not later heard than by those who look"
+    assert [later - earlier for earlier, later in pairwise(cue)] == pytest.approx([0.02] * (len(cue) - 1), abs=1e-6)
 
 
 def test_a_reaction_is_seen_when_it_is_heard() -> None:

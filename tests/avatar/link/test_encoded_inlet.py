@@ -3,9 +3,10 @@ from collections.abc import AsyncIterator
 from dataclasses import replace
 
 import pytest
+from openrois_avatar.link.demand import PictureDemand
 from openrois_avatar.link.encoded_inlet import MAX_WAITING, EngineEncoded
 from openrois_avatar.link.media import Encoded
-from openrois_avatar.link.messages import Bitrate, Command, KeyFrame, LinkError, VideoShape
+from openrois_avatar.link.messages import Bitrate, Command, Demand, KeyFrame, LinkError, VideoShape
 from openrois_streaming.codecs import H264
 from openrois_streaming.encoder_video import VideoEncoder
 from openrois_streaming.source import EncodedVideo
@@ -38,7 +39,7 @@ class Asked:
 
 
 def inlet(asked: Asked) -> EngineEncoded:
-    encoded = EngineEncoded(VirtualClock())
+    encoded = EngineEncoded(clock := VirtualClock(), PictureDemand(clock))
     encoded.begin(SHAPE, asked)
     return encoded
 
@@ -133,3 +134,17 @@ def test_what_is_not_as_it_claims_is_a_fault(made: list[Encoded]) -> None:
     ):
         with pytest.raises(LinkError, match=named):
             encoded.put(wrong)
+
+
+async def test_an_engine_that_sleeps_is_told_first_and_gives_nothing_old(made: list[Encoded]) -> None:
+    clock, asked = VirtualClock(now=1000), Asked()
+    demand = PictureDemand(clock)
+    encoded = EngineEncoded(clock, demand)
+    demand.begin(asked)
+    encoded.begin(SHAPE, asked)
+    async with encoded.open() as pictures:
+        encoded.request_key_frame()
+        assert asked.commands == [Demand(0), Demand(1), KeyFrame()]
+        encoded.put(replace(made[0], timestamp_ns=round(999.99e9)))
+        encoded.put(replace(made[0], sequence=1, timestamp_ns=round(1000e9)))
+        assert (await anext(pictures)).captured_at == 1000.0

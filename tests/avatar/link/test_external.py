@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from openrois_avatar.link.client import LinkClient
 from openrois_avatar.link.external import FIRST_PICTURE, ExternalEngine
-from openrois_avatar.link.messages import Hello, LinkError, Log, Pause, React, VideoShape
+from openrois_avatar.link.messages import Demand, Hello, Idle, LinkError, Log, Pause, React, VideoShape
 from openrois_avatar.link.protocol import PixelFormat
 from openrois_avatar.link.reconnecting import connections
 from openrois_streaming.supervision import HUNG, LOOK_INTERVAL
@@ -115,6 +115,32 @@ async def test_one_that_sends_no_pictures_any_more_is_sent_away(world: World) ->
     assert link.reason == "no picture has come for a while"
     again = await world.join(until=3)
     assert again.connected
+
+
+async def test_one_that_sleeps_is_not_sent_away_while_it_says_that_it_lives(world: World) -> None:
+    link = await world.join(replace(HELLO, demand=True))
+    assert await asyncio.to_thread(link.poll_commands, 5) == [Demand(0)]
+    for count in range(4):
+        link.send_event(Idle())
+        await world.told_of(2 + count)
+        await world.look(HUNG - 0.4)
+    assert link.connected
+    await world.look(1)
+    await world.told_of(6)
+    assert world.told[5:] == ["no picture has come for a while"]
+
+
+async def test_a_sign_of_life_is_no_picture_where_one_is_wanted(world: World) -> None:
+    link = await world.join(replace(HELLO, demand=True))
+    async with world.engine.video.open() as pictures:
+        link.send_video(bytes(32), 4, 2, 16, PixelFormat.BGRA, round(world.clock.now() * 1e9))
+        await anext(pictures)
+        for count in range(2):
+            link.send_event(Idle())
+            await world.told_of(2 + count)
+            await world.look(HUNG - 0.4)
+    await world.told_of(4)
+    assert world.told[3:] == ["no picture has come for a while"]
 
 
 async def test_the_first_picture_may_take_longer(world: World) -> None:

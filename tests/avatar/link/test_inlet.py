@@ -3,6 +3,7 @@ from collections.abc import AsyncIterator
 from dataclasses import replace
 
 import pytest
+from openrois_avatar.link.demand import PictureDemand
 from openrois_avatar.link.inlet import MAX_AHEAD, EngineVideo, Timestamps, believed
 from openrois_streaming.source import RawVideo
 
@@ -42,7 +43,7 @@ async def next_of(pictures: AsyncIterator[RawVideo]) -> RawVideo:
 
 
 async def test_pictures_flow() -> None:
-    video = EngineVideo(VirtualClock(now=1000))
+    video = EngineVideo(clock := VirtualClock(now=1000), PictureDemand(clock))
     async with video.open() as pictures:
         video.put(picture(0, at(999.99)))
         first = await next_of(pictures)
@@ -57,7 +58,7 @@ async def test_pictures_flow() -> None:
 
 
 async def test_a_slow_reader_gets_the_newest() -> None:
-    video = EngineVideo(VirtualClock())
+    video = EngineVideo(clock := VirtualClock(), PictureDemand(clock))
     async with video.open() as pictures:
         for sequence in range(3):
             video.put(picture(sequence))
@@ -66,7 +67,7 @@ async def test_a_slow_reader_gets_the_newest() -> None:
 
 
 async def test_what_came_while_nobody_read_is_forgotten() -> None:
-    video = EngineVideo(VirtualClock())
+    video = EngineVideo(clock := VirtualClock(), PictureDemand(clock))
     video.put(picture(0))
     async with video.open() as pictures:
         video.put(picture(1))
@@ -80,7 +81,7 @@ async def test_what_came_while_nobody_read_is_forgotten() -> None:
 
 
 async def test_the_next_engine_continues_the_count() -> None:
-    video = EngineVideo(VirtualClock())
+    video = EngineVideo(clock := VirtualClock(), PictureDemand(clock))
     video.begin()
     async with video.open() as pictures:
         video.put(picture(7))
@@ -91,7 +92,7 @@ async def test_the_next_engine_continues_the_count() -> None:
 
 
 async def test_lent_pixels_are_copied_when_they_are_read_and_torn_ones_not_shown() -> None:
-    video = EngineVideo(VirtualClock())
+    video = EngineVideo(clock := VirtualClock(), PictureDemand(clock))
     pixels = bytearray(32)
     async with video.open() as pictures:
         video.put(replace(picture(0), pixels=memoryview(pixels)), lambda: False)

@@ -54,11 +54,15 @@ export(bool) var hears := false
 export(bool) var walks := false
 export(bool) var takes_input := false
 export(bool) var quits := true
+# Whether the game draws nothing at all while no pictures are wanted; not for a game that has a player at its window.
+export(bool) var sleeps := false
 
 const _FIRST_DELAY := 500
 const _LONGEST_DELAY := 10000
 # Msec between two of the same kind.
 const _PACE := {"place": 50, "things": 100}
+# Msec between two signs of life while no pictures are wanted.
+const _SIGN := 500
 
 var _carrier: Carrier = null
 var _connected := false
@@ -75,6 +79,8 @@ var _blocks := 0
 var _delay := _FIRST_DELAY
 var _again_at := 0
 var _paused := false
+var _wanted := true  # whether the adapter wants pictures
+var _signed_at := 0
 var _told := {}  # what the adapter is told again after a reconnect, by kind
 var _late := {}  # kinds that are to be told as soon as their pace allows it
 var _told_at := {}
@@ -103,6 +109,7 @@ func _ready() -> void:
 
 
 func _exit_tree() -> void:
+	_want(true)
 	close("the engine ends")
 
 
@@ -228,6 +235,7 @@ func _open() -> void:
 		"hears": hears,
 		"walks": walks,
 		"input": takes_input,
+		"demand": true,
 	}
 	_carrier = Carrier.new(address.substr(4, cut - 4), int(address.substr(cut + 1)), Wire.json(Wire.HELLO, hello))
 	_carrier.start()
@@ -249,6 +257,7 @@ func _begin() -> void:
 
 
 func _lose(reason: String) -> void:
+	_want(true)
 	_carrier.close()
 	_carrier = null
 	_again_at = OS.get_ticks_msec() + _delay
@@ -295,6 +304,8 @@ func _obey(body: Dictionary) -> void:
 			emit_signal("halt")
 		"input":
 			emit_signal("input", body["message"])
+		"demand":
+			_want(body["consumers"] > 0)
 		"quit":
 			emit_signal("quit")
 			if quits:
@@ -302,6 +313,16 @@ func _obey(body: Dictionary) -> void:
 				get_tree().quit()
 		var other:
 			_carrier.fail("the adapter sent an unknown command: %s" % [other])
+
+
+# Make pictures from now on, or none: the next one that is wanted is drawn at once.
+func _want(on: bool) -> void:
+	if on == _wanted:
+		return
+	_wanted = on
+	_due = _clock.now()
+	if sleeps:
+		VisualServer.render_loop_enabled = on
 
 
 # Tell something of which only the newest matters, if it is new, and not oftener than its pace.
@@ -340,6 +361,11 @@ func _send_sound() -> void:
 
 
 func _ask_for_picture() -> void:
+	if not _wanted:
+		if OS.get_ticks_msec() - _signed_at >= _SIGN:
+			_signed_at = OS.get_ticks_msec()
+			_send_event({"event": "idle"})
+		return
 	var now := _frame_at
 	var period := 1e6 / pictures_per_second
 	# A frame that comes a little early is better than none until the next one.

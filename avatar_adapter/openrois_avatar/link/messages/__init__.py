@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, Final, TypeAlias
 
+from openrois_avatar.link.messages.demand import Demand, Idle
 from openrois_avatar.link.messages.encoding import Bitrate, KeyFrame
 from openrois_avatar.link.messages.events import Completed, Log, Pause, Status
 from openrois_avatar.link.messages.gestures import (
@@ -64,11 +65,13 @@ __all__ = [
     "Bye",
     "Command",
     "Completed",
+    "Demand",
     "Drive",
     "Event",
     "Floor",
     "Halt",
     "Hello",
+    "Idle",
     "Input",
     "KeyFrame",
     "LinkError",
@@ -95,8 +98,10 @@ __all__ = [
     "event_from_json",
 ]
 
-Command: TypeAlias = React | Speak | Silence | Look | Stop | Walk | Drive | Halt | Input | KeyFrame | Bitrate | Quit
-Event: TypeAlias = Completed | Log | Pause | Reached | Place | Floor | Things
+Command: TypeAlias = (
+    React | Speak | Silence | Look | Stop | Walk | Drive | Halt | Input | Demand | KeyFrame | Bitrate | Quit
+)
+Event: TypeAlias = Completed | Log | Pause | Idle | Reached | Place | Floor | Things
 
 _COMMANDS: Final[Mapping[str, Callable[[Mapping[str, Any]], Command]]] = {
     "react": React.from_json,
@@ -108,6 +113,7 @@ _COMMANDS: Final[Mapping[str, Callable[[Mapping[str, Any]], Command]]] = {
     "drive": Drive.from_json,
     "halt": Halt.from_json,
     "input": Input.from_json,
+    "demand": Demand.from_json,
     "key_frame": KeyFrame.from_json,
     "bitrate": Bitrate.from_json,
     "quit": Quit.from_json,
@@ -116,6 +122,7 @@ _EVENTS: Final[Mapping[str, Callable[[Mapping[str, Any]], Event]]] = {
     "completed": Completed.from_json,
     "log": Log.from_json,
     "pause": Pause.from_json,
+    "idle": Idle.from_json,
     "reached": Reached.from_json,
     "place": Place.from_json,
     "floor": Floor.from_json,

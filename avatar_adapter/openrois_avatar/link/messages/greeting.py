@@ -74,6 +74,8 @@ class Hello:
     """Whether it wants a ring for its pictures: memory that it shares with the adapter."""
     input: bool = False
     """Whether it takes `Input`: what the operator does with keyboard, mouse, touch and gamepad."""
+    demand: bool = False
+    """Whether it takes `Demand`, and draws nothing while no pictures are wanted."""
 
     @property
     def encodes(self) -> bool:
@@ -93,6 +95,7 @@ class Hello:
             "walks": self.walks,
             "ring": self.ring,
             "input": self.input,
+            "demand": self.demand,
         }
 
     @classmethod
@@ -115,6 +118,7 @@ class Hello:
             walks="walks" in body and truth(body, "walks"),
             ring="ring" in body and truth(body, "ring"),
             input="input" in body and truth(body, "input"),
+            demand="demand" in body and truth(body, "demand"),
         )
 
 

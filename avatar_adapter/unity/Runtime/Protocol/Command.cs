@@ -12,6 +12,7 @@ namespace OpenRoIS.Link
         internal const int MaxPath = 1000;
         private const int MaxVisemes = 2000;
         private const long MaxBitrate = 1000000000;
+        private const long MaxConsumers = 1000000;
         private const long Day = 86400000;
 
         private static readonly Dictionary<string, Func<JObject, Command>> Readers =
@@ -33,6 +34,8 @@ namespace OpenRoIS.Link
                 { "bitrate", body => new Bitrate(
                     (int)Member.Integer(body["bits_per_second"], "bits_per_second", 1, MaxBitrate)) },
                 { "input", body => new OperatorInput(Member.Mapping(body["message"], "message")) },
+                { "demand", body => new Demand(
+                    (int)Member.Integer(body["consumers"], "consumers", 0, MaxConsumers)) },
                 { "quit", body => new Quit() }
             };
 
@@ -285,6 +288,17 @@ namespace OpenRoIS.Link
         internal Bitrate(int bitsPerSecond)
         {
             BitsPerSecond = bitsPerSecond;
+        }
+    }
+
+    /// <summary>So many want pictures from now on; with none draw nothing. LinkClient.PicturesWanted follows.</summary>
+    public sealed class Demand : Command
+    {
+        public readonly int Consumers;
+
+        internal Demand(int consumers)
+        {
+            Consumers = consumers;
         }
     }
 

@@ -82,6 +82,11 @@ namespace OpenRoIS.Link
             return Message("pause", new JProperty("on", on));
         }
 
+        internal static byte[] Idle()
+        {
+            return Message("idle");
+        }
+
         internal static byte[] Reached(string id, int index)
         {
             if (index < 0 || index >= Command.MaxPath)

@@ -37,6 +37,9 @@ namespace OpenRoIS.Link
         /// <summary>Whether it takes Input.</summary>
         public bool TakesInput;
 
+        /// <summary>Whether it draws nothing while no pictures are wanted: LinkClient.PicturesWanted.</summary>
+        public bool TakesDemand;
+
         internal JObject ToJson()
         {
             JObject video = new JObject(
@@ -55,7 +58,8 @@ namespace OpenRoIS.Link
                 new JProperty("hears", Hears),
                 new JProperty("walks", Walks),
                 new JProperty("ring", Ring && !Encodes),
-                new JProperty("input", TakesInput));
+                new JProperty("input", TakesInput),
+                new JProperty("demand", TakesDemand));
         }
     }
 

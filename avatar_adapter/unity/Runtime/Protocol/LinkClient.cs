@@ -16,6 +16,9 @@ namespace OpenRoIS.Link
         private const int FirstDelay = 500;
         private const int LongestDelay = 5000;
 
+        /// <summary>Nanoseconds between two signs of life while no pictures are wanted.</summary>
+        private const long SignEvery = 500000000;
+
         private readonly Address _address;
         private readonly Hello _hello;
         private readonly MonotonicClock _clock = new MonotonicClock();
@@ -31,6 +34,8 @@ namespace OpenRoIS.Link
         private LinkConnection _newest;
         private Socket _socket;
         private bool _closed;
+        private volatile bool _wanted = true;
+        private long _signedNs;
 
         /// <param name="address">unix:/path or tcp:host:port.</param>
         /// <param name="hello">What the engine says of itself; must not be changed any more.</param>
@@ -54,6 +59,14 @@ namespace OpenRoIS.Link
             get { return _clock.Now; }
         }
 
+        /// <summary>
+        /// Whether pictures are wanted: while they are not, draw none. Those that are sent all the same are left out.
+        /// </summary>
+        public bool PicturesWanted
+        {
+            get { return _wanted; }
+        }
+
         /// <summary>Begin to connect.</summary>
         public void Start()
         {
@@ -65,9 +78,11 @@ namespace OpenRoIS.Link
         {
             if (!_inbox.TryTake(out notice))
             {
+                SignOfLife();
                 return false;
             }
             Connected connected = notice as Connected;
+            Demand demand = notice as Demand;
             if (connected != null)
             {
                 TellAgain(connected.Connection);
@@ -76,6 +91,11 @@ namespace OpenRoIS.Link
             else if (notice is Disconnected)
             {
                 _current = null;
+                _wanted = true;
+            }
+            else if (demand != null)
+            {
+                _wanted = demand.Consumers > 0 || !_hello.TakesDemand;
             }
             return true;
         }
@@ -86,7 +106,7 @@ namespace OpenRoIS.Link
         /// <param name="pixels">As many bytes as the shape says.</param>
         /// <param name="shape">How they are laid out.</param>
         /// <param name="timestampNs">The moment that the picture shows, as of Now.</param>
-        /// <returns>False if nobody is there to see it.</returns>
+        /// <returns>False if no adapter is there, or no picture is wanted.</returns>
         /// <exception cref="LinkException">The shape does not describe the pixels.</exception>
         public bool SendPicture(byte[] pixels, Picture shape, long timestampNs)
         {
@@ -108,7 +128,7 @@ namespace OpenRoIS.Link
                 throw new LinkException($"{shape.Size} bytes of pixels expected, {size} found");
             }
             LinkConnection connection = _current;
-            return connection != null && connection.SendPicture((byte*)pixels, shape, timestampNs);
+            return connection != null && _wanted && connection.SendPicture((byte*)pixels, shape, timestampNs);
         }
 
         /// <summary>
@@ -129,7 +149,7 @@ namespace OpenRoIS.Link
                 throw new LinkException($"a picture of {data.Length} bytes");
             }
             LinkConnection connection = _current;
-            return connection != null && connection.SendEncoded(data, width, height, timestampNs, isKeyFrame);
+            return connection != null && _wanted && connection.SendEncoded(data, width, height, timestampNs, isKeyFrame);
         }
 
         /// <summary>Send a block of sound: s16 at 48 kHz, channels in turn. From any thread.</summary>
@@ -214,6 +234,16 @@ namespace OpenRoIS.Link
         public void Dispose()
         {
             Close("the engine ends");
+        }
+
+        /// <summary>Say that the engine lives while no picture shows it.</summary>
+        private void SignOfLife()
+        {
+            if (!_wanted && Now - _signedNs >= SignEvery)
+            {
+                _signedNs = Now;
+                _current?.SendEvent(EventMessage.Idle());
+            }
         }
 
         private void Tell(Told kind, byte[] message)

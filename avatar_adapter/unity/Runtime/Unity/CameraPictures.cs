@@ -32,6 +32,15 @@ namespace OpenRoIS.Link.Unity
             source.targetTexture = _target;
         }
 
+        /// <summary>Let the camera draw from now on, or not.</summary>
+        internal void Draw(bool on)
+        {
+            if (_source.enabled != on)
+            {
+                _source.enabled = on;
+            }
+        }
+
         /// <summary>Take the picture of this frame if one is due; call it when the frame is drawn.</summary>
         /// <param name="frameNs">The moment for which the scene was moved.</param>
         internal void Take(long frameNs)

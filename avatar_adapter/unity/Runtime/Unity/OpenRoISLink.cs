@@ -207,6 +207,7 @@ namespace OpenRoIS.Link.Unity
             {
                 Tell(notice);
             }
+            _pictures?.Draw(_client.PicturesWanted);
         }
 
         /// <summary>On the thread that mixes the sound.</summary>
@@ -234,7 +235,8 @@ namespace OpenRoIS.Link.Unity
                 Hears = Hears,
                 Walks = Walks,
                 Ring = true,
-                TakesInput = TakesInput
+                TakesInput = TakesInput,
+                TakesDemand = true
             };
         }
 
@@ -327,7 +329,7 @@ namespace OpenRoIS.Link.Unity
             {
                 Drive?.Invoke((Drive)command);
             }
-            else
+            else if (command is Halt)
             {
                 Halt?.Invoke();
             }
@@ -362,7 +364,7 @@ namespace OpenRoIS.Link.Unity
             while (true)
             {
                 yield return drawn;
-                if (_client.IsConnected)
+                if (_client.IsConnected && _client.PicturesWanted)
                 {
                     _pictures.Take(_frameNs);
                 }

@@ -37,6 +37,7 @@ namespace OpenRoIS.Samples
                 Hears = true,
                 Walks = true,
                 TakesInput = true,
+                TakesDemand = true,
                 Ring = arguments.Length < 2 || arguments[1] != "socket"
             };
             using (LinkClient link = new LinkClient(address, hello))
@@ -89,8 +90,11 @@ namespace OpenRoIS.Samples
                     _link.Place(_walker.X, _walker.Y, _walker.Th);
                     FinishReactions();
                     MakeSound(seconds, now);
-                    Draw(now);
-                    _link.SendPicture(_pixels, _shape, now);
+                    if (_link.PicturesWanted)
+                    {
+                        Draw(now);
+                        _link.SendPicture(_pixels, _shape, now);
+                    }
                     long early = (now + period - _link.Now) / 1000000;
                     if (early > 0)
                     {
@@ -162,7 +166,7 @@ namespace OpenRoIS.Samples
                 {
                     _quits = true;
                 }
-                else
+                else if (!(notice is Demand))
                 {
                     TakeConnection(notice);
                 }
