@@ -203,8 +203,6 @@ static func from_rotation(rotation_y: float) -> float:
 
 func _process(_delta: float) -> void:
 	_clock.follow()
-	_frame_before = _frame_at
-	_frame_at = _clock.now()
 	if _carrier == null:
 		if OS.get_ticks_msec() >= _again_at:
 			_open()
@@ -215,6 +213,9 @@ func _process(_delta: float) -> void:
 		for message in _carrier.receive():
 			if _carrier != null:  # a signal's receiver may close the link
 				_take(message[0], message[1])
+	# The game moves after this, for this moment: not for one before the picture was wanted.
+	_frame_before = _frame_at
+	_frame_at = _clock.now()
 	if _carrier != null and _carrier.reason() != "":
 		_lose(_carrier.reason())
 	elif _connected:

@@ -201,12 +201,13 @@ namespace OpenRoIS.Link.Unity
 
         private void Update()
         {
-            _frameNs = _client.Now;
             Notice notice;
             while (_client.TryTake(out notice))
             {
                 Tell(notice);
             }
+            // The scene moves after this, for this moment: not for one before the picture was wanted.
+            _frameNs = _client.Now;
             _pictures?.Draw(_client.PicturesWanted);
         }
 
