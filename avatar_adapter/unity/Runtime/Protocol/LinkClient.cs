@@ -35,6 +35,7 @@ namespace OpenRoIS.Link
         private Socket _socket;
         private bool _closed;
         private volatile bool _wanted = true;
+        private long _wantedNs;
         private long _signedNs;
 
         /// <param name="address">unix:/path or tcp:host:port.</param>
@@ -92,10 +93,11 @@ namespace OpenRoIS.Link
             {
                 _current = null;
                 _wanted = true;
+                Volatile.Write(ref _wantedNs, 0);
             }
             else if (demand != null)
             {
-                _wanted = demand.Consumers > 0 || !_hello.TakesDemand;
+                Heed(demand);
             }
             return true;
         }
@@ -128,7 +130,7 @@ namespace OpenRoIS.Link
                 throw new LinkException($"{shape.Size} bytes of pixels expected, {size} found");
             }
             LinkConnection connection = _current;
-            return connection != null && _wanted && connection.SendPicture((byte*)pixels, shape, timestampNs);
+            return connection != null && IsWanted(timestampNs) && connection.SendPicture((byte*)pixels, shape, timestampNs);
         }
 
         /// <summary>
@@ -149,7 +151,8 @@ namespace OpenRoIS.Link
                 throw new LinkException($"a picture of {data.Length} bytes");
             }
             LinkConnection connection = _current;
-            return connection != null && _wanted && connection.SendEncoded(data, width, height, timestampNs, isKeyFrame);
+            bool sends = connection != null && IsWanted(timestampNs);
+            return sends && connection.SendEncoded(data, width, height, timestampNs, isKeyFrame);
         }
 
         /// <summary>Send a block of sound: s16 at 48 kHz, channels in turn. From any thread.</summary>
@@ -234,6 +237,22 @@ namespace OpenRoIS.Link
         public void Dispose()
         {
             Close("the engine ends");
+        }
+
+        private void Heed(Demand demand)
+        {
+            bool wanted = demand.Consumers > 0 || !_hello.TakesDemand;
+            if (wanted && !_wanted)
+            {
+                Volatile.Write(ref _wantedNs, Now);
+            }
+            _wanted = wanted;
+        }
+
+        /// <summary>Whether a picture of a moment is: one from before the demand may come late out of a read-back.</summary>
+        private bool IsWanted(long timestampNs)
+        {
+            return _wanted && timestampNs >= Volatile.Read(ref _wantedNs);
         }
 
         /// <summary>Say that the engine lives while no picture shows it.</summary>
