@@ -28,11 +28,20 @@ class Room:
     """Everything in the scene but the figure. What is nearest is drawn first."""
 
     def __init__(self, scene: NodePath) -> None:
+        self._all: NodePath = scene.attach_new_node("room")
+        scene = self._all
         self._visitor = _Visitor(scene)
         self._furniture = _still("furniture", scene, furniture.furniture())
         self._below = [_still("floor", scene, furniture.floor()), _ground(scene)]
         _wall(scene)
         self._shadows = [_shadow(scene), _shadow(scene)]
+
+    def show(self, visible: bool) -> None:
+        """Draw the room from now on, or do not."""
+        if visible:
+            self._all.unstash()
+        else:
+            self._all.stash()
 
     def update(self, scene: Scene) -> None:
         """Bring up to date who is where. Close views see no floor, that of home no furniture."""

@@ -10,11 +10,12 @@ import numpy as np
 from panda3d.core import GraphicsEngine, NodePath
 
 from openrois_avatar.engines.animation.pose import Pose
+from openrois_avatar.engines.panda3d.backdrop import Backdrop
 from openrois_avatar.engines.panda3d.geometry import Solid, matrix
 from openrois_avatar.engines.panda3d.room import Room
 from openrois_avatar.engines.panda3d.view import View
 from openrois_avatar.engines.room.scene import AT_HOME, Scene
-from openrois_avatar.engines.room.shot import METRE, Shot
+from openrois_avatar.engines.room.shot import HOME_SHOT, METRE, Shot
 from openrois_avatar.engines.sculpt import figure
 from openrois_avatar.engines.sculpt.distance import Array
 from openrois_avatar.engines.sculpt.part import Part, State
@@ -32,7 +33,7 @@ _NARROW: Final = 0.90
 class Stage:
     """Draws the figure; one per process.
 
-    In a close view of calm hands only the middle of the picture is drawn anew: what is beside it does not change.
+    Where the figure begins, only the figure is drawn anew, and with calm hands only in the middle of the picture.
 
     Raises:
         RuntimeError: Panda3D cannot draw here.
@@ -42,18 +43,21 @@ class Stage:
         cv2.setNumThreads(1)
         self._engine = GraphicsEngine.get_global_ptr()
         scene = NodePath("stage")
+        self._figure: NodePath = scene.attach_new_node("figure")
         columns = min(picture.width, 2 * round(picture.height * _NARROW / 2))
         first = (picture.width - columns) // 2
         self._middle = slice(first, first + columns)
         self._narrow, self._wide = View(scene, columns, picture.height), View(scene, picture.width, picture.height)
         self._pixels = np.empty((picture.height, picture.width, 4), np.uint8)
-        self._beside: Shot | None = None
-        """The shot in which the picture shows nothing but the wall beside its middle."""
+        self._backdrop: Backdrop | None = None
+        """What is behind the figure where it begins, once that was drawn."""
+        self._is_narrow = False
+        """Whether the picture shows the backdrop beside its middle."""
         self._aspect = picture.width / picture.height
         # Nearest first, what never changes its shape apart from what does.
         parts = sorted(figure.build(), key=lambda part: (figure.SPACES.index(part.space), _moves(part)))
         self._groups = [
-            _Group(list(group), scene) for _, group in groupby(parts, lambda part: (part.space, _moves(part)))
+            _Group(list(group), self._figure) for _, group in groupby(parts, lambda part: (part.space, _moves(part)))
         ]
         self._room = Room(scene)
 
@@ -68,20 +72,35 @@ class Stage:
                 group.update(pose, frames[group.space], _RELIGHT if shot.is_close else _RELIGHT_FAR)
         company = scene.visitor is not None and shot.sees(scene.visitor.place, self._aspect)
         self._room.update(scene if company else replace(scene, visitor=None))
-        hands = visible["hand_left"] or visible["hand_right"]
-        calm = shot.is_close and not hands and not company
-        narrow = calm and shot == self._beside
-        self._beside = shot if calm else None
-        for view, on in ((self._narrow, narrow), (self._wide, not narrow)):
-            view.turn(on)
-            if on:
-                view.aim(shot)
-        self._engine.render_frame()
-        if narrow:
-            np.copyto(self._pixels[:, self._middle], self._narrow.read())
+        if shot != HOME_SHOT or company:
+            self._is_narrow = False
+            np.copyto(self._pixels, self._drawn(self._wide, shot))
         else:
-            np.copyto(self._pixels, self._wide.read())
+            hands = visible["hand_left"] or visible["hand_right"]
+            self._draw_at_home(narrow=not hands)
         return self._pixels
+
+    def _drawn(self, view: View, shot: Shot) -> Pixels:
+        """What the scene shows; another picture reuses the array."""
+        for each in (self._narrow, self._wide):
+            each.turn(each is view)
+        view.aim(shot)
+        self._engine.render_frame()
+        return view.read()
+
+    def _draw_at_home(self, narrow: bool) -> None:
+        """Draw the figure over a backdrop that was drawn before; where only its middle changes, only that."""
+        if self._backdrop is None:
+            self._figure.stash()
+            self._backdrop = Backdrop(self._drawn(self._wide, HOME_SHOT))
+            self._figure.unstash()
+        if narrow and not self._is_narrow:
+            self._backdrop.fill(self._pixels)
+        self._is_narrow = narrow
+        view, columns = (self._narrow, self._middle) if narrow else (self._wide, slice(None))
+        self._room.show(False)
+        self._backdrop.lay_under(self._drawn(view, HOME_SHOT), columns, self._pixels)
+        self._room.show(True)
 
 
 def _moves(part: Part) -> bool:

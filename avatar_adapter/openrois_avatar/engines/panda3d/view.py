@@ -21,8 +21,11 @@ from panda3d.core import (
 from openrois_avatar.engines.room.shot import DISTANCE, SPAN, Shot
 from openrois_avatar.engines.settings import Pixels
 
-_OVERSAMPLING: Final = 2
-"""A buffer is so many times larger than its picture: the renderer itself does not smooth edges."""
+_OVERSAMPLING: Final = 3, 2
+"""A buffer is larger than its picture by this ratio: the renderer itself does not smooth edges.
+
+Three pixels become two by linear interpolation, which for this ratio nearly is the mean over the area that a pixel
+covers, and a sixth of what OpenCV takes for that."""
 _NEAR_WALL, _FAR_WALL = 60.0, 160.0
 """Farther than the wall in close views and in others, in dm: depth is the finer the less there is of it."""
 
@@ -42,10 +45,10 @@ class View:
 
     def __init__(self, scene: NodePath, columns: int, height: int) -> None:
         self._texture = Texture()
-        self._buffer = _opened(columns * _OVERSAMPLING, height * _OVERSAMPLING)
+        larger, smaller = _OVERSAMPLING
+        self._buffer = _opened(columns * larger // smaller, height * larger // smaller)
         self._buffer.add_render_texture(self._texture, GraphicsOutput.RTM_copy_ram)
-        # Wall and ground cover every pixel.
-        self._buffer.set_clear_color_active(False)
+        self._buffer.set_clear_color((0, 0, 0, 0))
         self._lens = _lens(columns / height)
         self._camera: NodePath = scene.attach_new_node(Camera("camera", self._lens))
         self._buffer.make_display_region().set_camera(self._camera)
@@ -65,7 +68,7 @@ class View:
         width, height = self._buffer.get_x_size(), self._buffer.get_y_size()
         large = np.frombuffer(self._texture.get_ram_image(), np.uint8).reshape(height, width, 4)
         size = (self._small.shape[1], self._small.shape[0])
-        cv2.resize(large, size, dst=self._small, interpolation=cv2.INTER_AREA)
+        cv2.resize(large, size, dst=self._small, interpolation=cv2.INTER_LINEAR)
         # Panda3D's rows run from the bottom up.
         return self._small[::-1]
 
