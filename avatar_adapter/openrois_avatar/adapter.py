@@ -73,7 +73,7 @@ async def run_avatar(settings: AvatarSettings) -> AsyncIterator[Avatar]:
     clock = SystemClock()
     async with AsyncExitStack() as stack:
         if settings.engine == "synthetic":
-            scene = synthetic_scene(clock)
+            scene = synthetic_scene(clock, stamped=settings.stamp)
         elif settings.engine == "external":
             awaited = external_scene(settings.engine_id, settings.link, settings.link_secret, clock)
             scene = await stack.enter_async_context(awaited)
@@ -161,7 +161,7 @@ async def serve_scene(
 def _publisher(scene: Scene, clock: MediaClock) -> EitherPublisher:
     encoded = scene.encoded or EngineEncoded(clock, PictureDemand(clock))
     return EitherPublisher(
-        VideoPublisher(scene.video, clock=clock, stamp=True, frame_rate=scene.frame_rate, size=scene.size),
+        VideoPublisher(scene.video, clock=clock, stamp=scene.stamped, frame_rate=scene.frame_rate, size=scene.size),
         EncodedPublisher(encoded, clock=clock, frame_rate=scene.frame_rate, size=scene.size),
         lambda: encoded.announced is not None,
     )

@@ -24,6 +24,7 @@ from openrois.transport.address import adapter_url
 from openrois.transport.credential_options import add_credential_options, credentials
 from openrois_avatar.adapter import Avatar, run_avatar
 from openrois_avatar.check import command as check
+from openrois_avatar.engine_options import add_engine_options, engine_arguments
 from openrois_avatar.facades.running import FACADES, FacadeAvatar, run_facade
 from openrois_avatar.facades.server import FacadeUnavailable
 from openrois_avatar.game_engines import NoGameEngine
@@ -32,7 +33,7 @@ from openrois_avatar.link_options import add_facade_option, add_link_options, li
 from openrois_avatar.metrics.exposition import scraped
 from openrois_avatar.network_options import add_network_options, network_settings
 from openrois_avatar.pixel_streaming.settings import add_pixel_streaming_options, pixel_streaming
-from openrois_avatar.settings import ENGINES, AvatarSettings
+from openrois_avatar.settings import AvatarSettings
 
 __all__ = ["main"]
 
@@ -55,7 +56,7 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument("--gateway", default=defaults.gateway, metavar="URL", help="where it is (%(default)s)")
     add_credential_options(parser)
     parser.add_argument("--engine-id", default=defaults.engine_id, help="unique behind its gateway (%(default)s)")
-    parser.add_argument("--engine", choices=ENGINES, default=defaults.engine, help="what renders it (%(default)s)")
+    add_engine_options(parser)
     add_link_options(parser, when=" if it is external or a facade")
     add_facade_option(parser)
     parser.add_argument(
@@ -75,6 +76,7 @@ def main(arguments: Sequence[str]) -> int:
     parser.add_argument("--log-format", choices=("text", "json"), default="text", help="of log lines (%(default)s)")
     chosen = parser.parse_args(arguments)
     try:
+        engine_arguments(chosen)
         gateway = adapter_url(chosen.gateway)
         metrics = None if chosen.metrics is None else metrics_address(chosen.metrics)
         network = network_settings(chosen)
@@ -92,6 +94,7 @@ def main(arguments: Sequence[str]) -> int:
         gateway,
         chosen.engine_id,
         chosen.engine,
+        chosen.stamp,
         link=chosen.link,
         facade=chosen.facade,
         link_secret=secret,

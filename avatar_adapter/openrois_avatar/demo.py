@@ -17,10 +17,10 @@ from openrois.transport.credential_options import add_credential_options, creden
 from openrois.transport.websocket import dial
 from openrois_avatar.attendance import Attendance
 from openrois_avatar.demo_access import add_access_options, demo_access
+from openrois_avatar.engine_options import add_engine_options, engine_arguments
 from openrois_avatar.link_options import add_facade_option, add_link_options, link_arguments
 from openrois_avatar.network_options import add_host_options, host_arguments
 from openrois_avatar.process import Program, ProgramFailed
-from openrois_avatar.settings import ENGINES
 
 __all__ = ["main"]
 
@@ -50,7 +50,7 @@ def main(arguments: Sequence[str]) -> int:
     """Run the command and return its exit status: 0 when stopped, 1 when it could not start, 2 for wrong usage."""
     parser = CommandLine("openrois demo", description="A live avatar on a page of this machine.")
     parser.add_argument("--port", type=port_number, default=8765, help="TCP port of the page (%(default)s)")
-    parser.add_argument("--engine", choices=ENGINES, default="auto", help="what renders the avatar (%(default)s)")
+    add_engine_options(parser)
     add_link_options(parser, when=" if it is external or a facade")
     add_facade_option(parser)
     add_host_options(parser)
@@ -60,6 +60,7 @@ def main(arguments: Sequence[str]) -> int:
     chosen = parser.parse_args(arguments)
     try:
         access = demo_access(chosen)
+        of_engine = engine_arguments(chosen)
     except ValueError as error:
         parser.error(str(error))
     set_up_logging(verbose=chosen.verbose)
@@ -75,7 +76,7 @@ def main(arguments: Sequence[str]) -> int:
         url = access.url("ws", chosen.port)
         of_avatar = (*link_arguments(chosen), *host_arguments(chosen), *credential_arguments(chosen), *more)
         gateway = ("gateway", "--port", str(chosen.port), "--drain", "0", *access.gateway_arguments(), *more)
-        avatar = ("avatar", "--gateway", f"{url}adapter", "--engine", chosen.engine, *of_avatar)
+        avatar = ("avatar", "--gateway", f"{url}adapter", *of_engine, *of_avatar)
         demo = _Demo(
             Program(gateway, announces="listening "),
             Program(avatar, announces="ready "),

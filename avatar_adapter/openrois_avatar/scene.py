@@ -59,7 +59,8 @@ class Scene:
     pictures are not to be shown now. `hear` lets it hear the operator. `world` is what is known of the scene, `legs`
     move the figure in it, `voice` is what it speaks with; None where there is no figure. `announced` tells of the
     pictures to be expected of another game engine that has come. `seat` says who operates the figure by hand.
-    `encoded` has the pictures while it is an engine that encodes them itself.
+    `encoded` has the pictures while it is an engine that encodes them itself. `stamped`: each picture shows its number
+    and the time of its capture, to be measured; an avatar's never do.
     """
 
     video: MediaSource[RawVideo]
@@ -77,6 +78,7 @@ class Scene:
     announced: Listeners[VideoShape] = field(default_factory=Listeners)
     seat: Seat | None = None
     encoded: EngineEncoded | None = None
+    stamped: bool = False
 
     def place(self) -> Place | None:
         """Where the figure is, as far as the game engine has told."""
@@ -87,7 +89,9 @@ class Scene:
         return self.engine.status
 
 
-def synthetic_scene(clock: MediaClock, width: int = 640, height: int = 360, fps: float = 30.0) -> Scene:
+def synthetic_scene(
+    clock: MediaClock, width: int = 640, height: int = 360, fps: float = 30.0, *, stamped: bool = False
+) -> Scene:
     """Return colour bars with a moving dot, and a tone at each whole second; nobody is there to act.
 
     Args:
@@ -95,6 +99,7 @@ def synthetic_scene(clock: MediaClock, width: int = 640, height: int = 360, fps:
         width: of the picture, in pixels.
         height: of the picture, in pixels.
         fps: pictures per second.
+        stamped: whether each shows its number and the time of its capture.
     """
     bars = ColourBars(width, height, fps, clock=clock)
     engine = Health("the test picture", clock.now())
@@ -109,6 +114,7 @@ def synthetic_scene(clock: MediaClock, width: int = 640, height: int = 360, fps:
         lambda: unobserved,
         Pauses(),
         lambda _sound: None,
+        stamped=stamped,
     )
 
 

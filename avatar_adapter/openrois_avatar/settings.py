@@ -26,6 +26,7 @@ class AvatarSettings:
         gateway: `ws://host:port/adapter` of the gateway.
         engine_id: leads every ref of this avatar; unique behind its gateway.
         engine: one of `ENGINES`.
+        stamp: whether a test picture shows its number and the time of its capture, to be measured.
         link: where an external engine is awaited, `tcp:host:port` or `unix:/path`, on this machine.
         facade: where an engine that sends its pictures itself finds its signaling server, `host:port` on this machine.
         link_secret: what an engine must know; empty: any engine will do.
@@ -40,6 +41,7 @@ class AvatarSettings:
     gateway: str = "ws://127.0.0.1:8765/adapter"
     engine_id: str = "avatar"
     engine: str = "auto"
+    stamp: bool = False
     link: str = DEFAULT_LINK
     facade: str = DEFAULT_FACADE
     link_secret: str = field(default="", repr=False)

@@ -3,6 +3,7 @@
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
+import av
 import numpy as np
 import pytest
 from openrois_avatar import adapter
@@ -10,7 +11,9 @@ from openrois_avatar.devices import Microphone
 from openrois_avatar.health import Health, Observed
 from openrois_avatar.link.messages import Pause
 from openrois_avatar.pauses import Pauses
-from openrois_avatar.scene import Scene
+from openrois_avatar.scene import Scene, synthetic_scene
+from openrois_streaming import stamp
+from openrois_streaming.clock import SystemClock
 from openrois_streaming.sessions import StreamSessions
 from openrois_streaming.source import RawAudio, RawVideo
 
@@ -44,6 +47,19 @@ async def test_the_first_viewer_is_offered_the_sizes_of_the_scene_before_any_pic
     async with adapter.serve_scene("avatar", stage.scene, stage.clock) as avatar:
         rungs = [each.rung for each in avatar.video.renditions("video/VP8")]
         assert [(rung.width, rung.height) for rung in rungs if rung is not None] == [(640, 480), (320, 240)]
+
+
+@pytest.mark.parametrize("stamped", [False, True])
+async def test_a_picture_is_stamped_only_where_its_scene_asks_for_that(stamped: bool) -> None:
+    clock = SystemClock()
+    scene = synthetic_scene(clock, 320, 180, stamped=stamped)
+    async with adapter.serve_scene("avatar", scene, clock) as avatar:
+        async with avatar.video.renditions("video/VP8")[0].subscribe() as subscription:
+            frame = await subscription.get()
+    decoder = av.CodecContext.create("vp8", "r")
+    assert isinstance(decoder, av.VideoCodecContext)
+    [decoded] = decoder.decode(av.Packet(frame.data))
+    assert (stamp.read(decoded.to_ndarray(format="gray")) is not None) is stamped
 
 
 async def test_the_engine_hears_the_operator(monkeypatch: pytest.MonkeyPatch) -> None:

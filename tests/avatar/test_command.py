@@ -56,6 +56,7 @@ def test_it_can_be_stopped_while_its_game_engine_starts(
         ("--max-viewer-bitrate", "fast"),
         ("--max-viewer-bitrate", "5"),
         ("--pixel-streaming", "ws://[::1]", "--engine", "unreal"),
+        ("--stamp",),
     ],
 )
 def test_the_command_says_what_is_wrong(arguments: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:

@@ -103,6 +103,12 @@ def test_a_port_is_free_again_at_once(tmp_path: Path) -> None:
             end(again)
 
 
+def test_an_avatar_is_never_stamped(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        demo_module.main(["--engine", "puppet", "--stamp"])
+    assert "--stamp: the pictures of puppet are not stamped" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize("port", ["0", "-1", "65536", "http"])
 def test_what_is_no_port_is_wrong_usage(port: str, capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit) as refusal:

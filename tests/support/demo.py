@@ -101,10 +101,14 @@ class Demo:
 def running_demo(folder: Path, engine: str = "synthetic", more: Sequence[str] = ()) -> Iterator[Demo]:
     """Run a demo for as long as the block does, with more options where they are given; its log goes into `folder`.
 
+    A test picture is stamped.
+
     Raises:
         AssertionError: it did not start, or left a process behind.
     """
     path, port = folder / "demo.log", free_port()
+    if engine == "synthetic":
+        more = ("--stamp", *more)
     with path.open("w") as log:
         process = start("demo", "--engine", engine, "--port", str(port), *more, log=log)
     try:

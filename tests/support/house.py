@@ -83,7 +83,7 @@ async def house() -> AsyncIterator[House]:
 async def _house() -> AsyncIterator[House]:
     async with (
         run_gateway(GatewaySettings(port=0)) as gateway,
-        run_avatar(AvatarSettings(engine="synthetic")) as avatar,
+        run_avatar(AvatarSettings(engine="synthetic", stamp=True)) as avatar,
     ):
         async with AsyncExitStack() as guests:
             built = House(avatar, gateway, guests)

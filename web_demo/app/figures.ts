@@ -84,5 +84,5 @@ export class FiguresPanel {
 
 function latencyTitle(clock: ClockOffset | null): string {
   if (clock === null) return "Unknown: the avatar's clock has not been read";
-  return `From the camera to this screen, read from the stamp in the picture; exact to ${formatNumber(clock.uncertainty + 1, 0)} ms`;
+  return `From the camera to this screen; exact to ${formatNumber(clock.uncertainty + 1, 0)} ms`;
 }

@@ -1,14 +1,7 @@
 /** The page: wires the SDK to what a person sees. */
 
 import { Client } from "../sdk/index.ts";
-import {
-  MediaReceiver,
-  SAME_CLOCK,
-  StampReader,
-  decodableCodecs,
-  isLoopback,
-  measureOffset,
-} from "../sdk/media/index.ts";
+import { MediaReceiver, SAME_CLOCK, decodableCodecs, isLoopback, measureOffset } from "../sdk/media/index.ts";
 import type { Desire, LocalStream, RemoteStream } from "../sdk/media/index.ts";
 import { AvatarDirectory, bodyOf } from "./avatars.ts";
 import type { Avatar } from "./avatars.ts";
@@ -94,7 +87,6 @@ operator.onChange = () => {
   handover.held = words && `${words}: you have control`;
 };
 new MessageLog(client);
-new StampReader(stage.video, stage.frames, (reading) => readings.stampRead(reading));
 
 let shown: Avatar | null = null;
 window.openrois = { client, video: null, audio: null, microphone: null, camera: null };
@@ -289,7 +281,7 @@ function toggleVideo(): void {
   void (video.desire === "suspended" ? video.resume() : video.suspend());
 }
 
-stage.frames.onFrame(() => readings.frameShown());
+stage.frames.onFrame((frame) => readings.frameShown(frame));
 client.on("state", avatarChanged);
 client.on("state", () => void askWhy());
 globalThis.addEventListener("hashchange", () => {

@@ -1,7 +1,7 @@
 /** What the page measures of picture and sound, once a second, for all who show it. */
 
-import { RecentMedian } from "../sdk/media/index.ts";
-import type { ClockOffset, Figures, RemoteStream, StampReading } from "../sdk/media/index.ts";
+import { RecentMedian, wallNow } from "../sdk/media/index.ts";
+import type { ClockOffset, Figures, PresentedFrame, RemoteStream } from "../sdk/media/index.ts";
 import { Freezes } from "./freezes.ts";
 
 /** One second. What is not known is null. */
@@ -18,6 +18,9 @@ export interface Reading {
 
 /** Figures that are older than this, in milliseconds, are not shown: they come once a second. */
 const FRESH = 2500;
+
+/** Milliseconds; a picture that seems to be older came before the track was another one, whose timestamps begin elsewhere. */
+const IMPLAUSIBLE = 60_000;
 
 /** The newest figures of one stream. */
 class Newest {
@@ -79,13 +82,14 @@ export class Readings {
     this.#audio.watch(audio);
   }
 
-  frameShown(): void {
+  frameShown({ visibleAt, rtpTimestamp }: PresentedFrame): void {
+    const now = performance.now();
     this.#presented += 1;
-    this.#freezes.frame(performance.now());
-  }
-
-  stampRead({ takenAt, visibleAt }: StampReading): void {
-    if (this.#clock) this.#latencies.push(performance.now(), visibleAt - (takenAt - this.#clock.offset));
+    this.#freezes.frame(now);
+    const capturedAt = rtpTimestamp === null ? null : (this.#stream?.capturedAt(rtpTimestamp) ?? null);
+    if (capturedAt === null || this.#clock === null) return;
+    const latency = wallNow() + visibleAt - now - (capturedAt - this.#clock.offset);
+    if (Math.abs(latency) < IMPLAUSIBLE) this.#latencies.push(now, latency);
   }
 
   #read(): void {

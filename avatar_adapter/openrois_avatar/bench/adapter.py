@@ -29,7 +29,7 @@ Show = Literal["bars", "head"]
 
 async def _run(gateway: str, width: int, height: int, fps: float, show: str) -> None:
     clock = SystemClock()
-    scene = synthetic_scene(clock, width, height, fps)
+    scene = synthetic_scene(clock, width, height, fps, stamped=True)
     if show == "head":
         scene = replace(scene, video=TalkingHead(width, height, fps, clock=clock))
     async with serve_scene(ENGINE_ID, scene, clock) as avatar:

@@ -1,9 +1,6 @@
 /** What a video element presents, frame by frame, and the last picture for when there is none. */
 
 import { Emitter } from "../events.ts";
-import { CELLS, readStamp, stampRows, stampWallTime, stripBits } from "./stamp.ts";
-import type { Stamp } from "./stamp.ts";
-import { wallNow } from "./clock_offset.ts";
 
 /** Milliseconds that a frame takes to the screen at most, after the browser has told of it. */
 const SOON = 50;
@@ -13,6 +10,8 @@ export interface PresentedFrame {
   readonly visibleAt: number;
   /** How many frames the element has presented. */
   readonly presented: number;
+  /** Of the packets that brought it; null where the browser does not tell. */
+  readonly rtpTimestamp: number | null;
 }
 
 /**
@@ -51,7 +50,11 @@ export class FrameWatch {
       this.#lastAt = now;
       // After a pause Chromium may tell a time of its smoothing, 250 ms later; but what it calls for is nearly on the screen.
       const visibleAt = Math.max(now, Math.min(metadata.expectedDisplayTime, now + SOON));
-      this.#events.emit("frame", { visibleAt, presented: metadata.presentedFrames });
+      this.#events.emit("frame", {
+        visibleAt,
+        presented: metadata.presentedFrames,
+        rtpTimestamp: metadata.rtpTimestamp ?? null,
+      });
     });
   }
 }
@@ -143,49 +146,5 @@ export class LastingPicture {
     this.#video.srcObject = new MediaStream([track]);
     // Autoplay refuses only sound, and a video of ours is muted; an interrupted play() is followed by another.
     void this.#video.play().catch(() => undefined);
-  }
-}
-
-export interface StampReading {
-  readonly stamp: Stamp;
-  /** When the frame was taken, in milliseconds since the epoch on the engine's clock. */
-  readonly takenAt: number;
-  /** When it is visible here, in milliseconds since the epoch on this machine's clock. */
-  readonly visibleAt: number;
-}
-
-/** Pixels of one cell, to which the strip is scaled. */
-const CELL_PIXELS = 8;
-
-/** Reads the stamp out of what a video presents, at most ten times a second. */
-export class StampReader {
-  readonly #video: HTMLVideoElement;
-  readonly #context: CanvasRenderingContext2D | null;
-  #readAt = 0;
-
-  constructor(video: HTMLVideoElement, frames: FrameWatch, onReading: (reading: StampReading) => void) {
-    this.#video = video;
-    const canvas = document.createElement("canvas");
-    canvas.width = CELLS * CELL_PIXELS;
-    canvas.height = CELL_PIXELS;
-    this.#context = canvas.getContext("2d", { willReadFrequently: true });
-    frames.onFrame(({ visibleAt }) => {
-      if (visibleAt - this.#readAt < 95) return;
-      this.#readAt = visibleAt;
-      const stamp = this.read();
-      if (!stamp) return;
-      const visible = wallNow() + visibleAt - performance.now();
-      onReading({ stamp, takenAt: stampWallTime(stamp.time, visible), visibleAt: visible });
-    });
-  }
-
-  /** Reads the picture that is shown now; null when it carries no stamp. */
-  read(): Stamp | null {
-    const { videoWidth, videoHeight } = this.#video;
-    if (!this.#context || videoWidth === 0) return null;
-    const rows = stampRows(videoHeight);
-    const { width, height } = this.#context.canvas;
-    this.#context.drawImage(this.#video, 0, videoHeight - rows, videoWidth, rows, 0, 0, width, height);
-    return readStamp(stripBits(this.#context.getImageData(0, 0, width, height).data, width, height));
   }
 }

@@ -1,7 +1,7 @@
 /** One RTCPeerConnection of the answering side. */
 
 import { InputChannels } from "../input/channels.ts";
-import type { Offer } from "../rois/generated/types.ts";
+import type { Offer, SenderClock } from "../rois/generated/types.ts";
 import type { Candidate } from "./negotiation.ts";
 
 /** Makes a peer connection; replaced in tests. */
@@ -33,6 +33,8 @@ export class MediaPeer {
   readonly connection: RTCPeerConnection;
   /** For what a person does; null where the engine offers no data channels. */
   input: InputChannels | null = null;
+  /** What the engine said last of when it captures what it sends. */
+  clocks: readonly SenderClock[] = [];
   #sections = new Map<string, RTCRtpTransceiver>();
   #closed = false;
 

@@ -5,7 +5,13 @@ import type { BackoffOptions } from "../rois/backoff.ts";
 import type { ConnectionState } from "../rois/connection.ts";
 import { engineOf } from "../rois/discovery.ts";
 import { RoISError } from "../rois/errors.ts";
-import type { Bye, MediaKind, Offer, StreamStatusNotification } from "../rois/generated/types.ts";
+import type {
+  Bye,
+  CaptureClocks,
+  MediaKind,
+  Offer,
+  StreamStatusNotification,
+} from "../rois/generated/types.ts";
 import type { InputChannels } from "../input/channels.ts";
 import { Capture } from "./capture.ts";
 import { decodableCodecs, encodableCodecs } from "./codecs.ts";
@@ -198,6 +204,12 @@ export class MediaReceiver {
         return this.#follow(
           this.#negotiation.candidate({ ...missing, ...params } as unknown as CandidateMessage),
         );
+      }
+      case "signaling.capture_clocks": {
+        const { peer_id: peerId, senders } = params as unknown as CaptureClocks;
+        const open = this.#peers.get(peerId);
+        if (open) open.peer.clocks = senders;
+        return;
       }
       case "signaling.bye": {
         const { peer_id: peerId, reason } = params as unknown as Bye;

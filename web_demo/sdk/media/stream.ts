@@ -3,6 +3,7 @@
 import { Emitter } from "../events.ts";
 import type { BackoffOptions } from "../rois/backoff.ts";
 import type { Direction, MediaKind, StreamStatus } from "../rois/generated/types.ts";
+import { captureTime } from "./capture_time.ts";
 import { Hush } from "./hush.ts";
 import { StreamPlace } from "./place.ts";
 import { Reconciler } from "./reconciler.ts";
@@ -215,6 +216,18 @@ export class RemoteStream extends ControlledStream {
   /** Milliseconds from the arrival of its media to their being played, lately; null while nothing plays. */
   get playoutDelay(): number | null {
     return this.place.playoutDelay;
+  }
+
+  /**
+   * When a picture or a block of sound that arrives now was captured, in milliseconds since the epoch on the engine's
+   * clock; null while the engine has not said so.
+   *
+   * @param rtpTimestamp of a frame, as `requestVideoFrameCallback` and `getSynchronizationSources` give it
+   */
+  capturedAt(rtpTimestamp: number): number | null {
+    const { current } = this.place;
+    const clock = current?.peer.clocks.find(({ mid }) => mid === current.transceiver.mid);
+    return clock ? captureTime(clock, rtpTimestamp) : null;
   }
 
   /**

@@ -1,16 +1,14 @@
 /** The engine's half of the media, in the same browser: a drawn avatar, a voice, and an offering peer connection. */
 
 import type { JsonObject } from "../../sdk/jsonrpc/peer.ts";
-import { CELLS, stampBits, stampRows, stampTime } from "../../sdk/media/stamp.ts";
 
 const WIDTH = 640;
 const HEIGHT = 360;
 
-/** Draws somebody to look at, with a stamp, thirty times a second. */
+/** Draws somebody to look at thirty times a second. */
 export class DrawnAvatar {
   readonly #context: CanvasRenderingContext2D;
   readonly #canvas = document.createElement("canvas");
-  #number = 0;
   /** 0 (shut) to 1 (open). */
   mouth = 0;
   /** The head's offset in pixels. */
@@ -54,7 +52,6 @@ export class DrawnAvatar {
     }
     this.#ellipse("#d5a184", x, y + 14, 7, 10);
     this.#ellipse("#9c4a4a", x, y + 46, 20, 3 + 13 * this.mouth);
-    this.#stamp();
   }
 
   #ellipse(colour: string, x: number, y: number, rx: number, ry: number): void {
@@ -62,16 +59,6 @@ export class DrawnAvatar {
     this.#context.beginPath();
     this.#context.ellipse(x, y, rx, ry, 0, 0, 2 * Math.PI);
     this.#context.fill();
-  }
-
-  #stamp(): void {
-    const wall = performance.timeOrigin + performance.now();
-    const bits = stampBits({ number: this.#number++ % 2 ** 24, time: stampTime(wall) });
-    const rows = stampRows(HEIGHT);
-    bits.forEach((bit, cell) => {
-      this.#context.fillStyle = bit ? "#fff" : "#000";
-      this.#context.fillRect((cell * WIDTH) / CELLS, HEIGHT - rows, WIDTH / CELLS, rows);
-    });
   }
 }
 

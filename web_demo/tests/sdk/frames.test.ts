@@ -113,6 +113,14 @@ it("believes a browser that never tells where frames come from", () => {
   expect(counted).toHaveBeenCalledOnce();
 });
 
+it("tells the RTP timestamp of each frame, where the browser does", () => {
+  const seen: (number | null)[] = [];
+  frames.onFrame(({ rtpTimestamp }) => seen.push(rtpTimestamp));
+  video.present({ rtpTimestamp: 0 });
+  video.present({ rtpTimestamp: 4_000_000_000 });
+  expect(seen).toEqual([0, 4_000_000_000]);
+});
+
 it("believes no time of display that is far behind the frame", () => {
   const seen: number[] = [];
   frames.onFrame(({ visibleAt }) => seen.push(visibleAt));

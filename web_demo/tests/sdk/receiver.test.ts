@@ -349,6 +349,29 @@ describe("recovery", () => {
     expect(old?.connectionState).toBe("closed");
   });
 
+  it("knows when a picture was captured, by the clock of the peer connection that brings it", async () => {
+    const clock = { ssrc: 7, clock_rate: 90_000, rtp_origin: 0, wall: 5000 };
+    const tell = (peer_id: string, mid: string, wall: number): void =>
+      gateway.notify("signaling.capture_clocks", { peer_id, senders: [{ ...clock, mid, wall }] });
+    await running();
+    expect(video.capturedAt(90)).toBeNull();
+    tell("p1", "1", 0);
+    tell("p9", "0", 0);
+    expect(video.capturedAt(90)).toBeNull();
+    tell("p1", "0", 5000);
+    expect(video.capturedAt(90)).toBe(5001);
+    tell("p1", "0", 9000);
+    expect(video.capturedAt(90)).toBe(9001);
+    offer("p2", 1, [["0", video]], { replaces: "p1" });
+    await pass(1);
+    tell("p2", "0", 1000);
+    expect(video.capturedAt(90)).toBe(9001);
+    await flow(500);
+    expect(video.capturedAt(90)).toBe(1001);
+    gateway.socket.end(1006);
+    expect(video.capturedAt(90)).toBe(1001);
+  });
+
   it("asks for another peer connection when frames stay away, and switches without a gap", async () => {
     await running();
     const old = peer();
