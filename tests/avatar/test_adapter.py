@@ -53,9 +53,11 @@ async def test_the_first_viewer_is_offered_the_sizes_of_the_scene_before_any_pic
 async def test_a_picture_is_stamped_only_where_its_scene_asks_for_that(stamped: bool) -> None:
     clock = SystemClock()
     scene = synthetic_scene(clock, 320, 180, stamped=stamped)
-    async with adapter.serve_scene("avatar", scene, clock) as avatar:
-        async with avatar.video.renditions("video/VP8")[0].subscribe() as subscription:
-            frame = await subscription.get()
+    async with (
+        adapter.serve_scene("avatar", scene, clock) as avatar,
+        avatar.video.renditions("video/VP8")[0].subscribe() as subscription,
+    ):
+        frame = await subscription.get()
     decoder = av.CodecContext.create("vp8", "r")
     assert isinstance(decoder, av.VideoCodecContext)
     [decoded] = decoder.decode(av.Packet(frame.data))

@@ -5,7 +5,8 @@
   const KEPT = 3000;
   const clock = performance.now.bind(performance);
   const probe = {
-    // The newest frames that the page's video has presented: number and time of the stamp, mean luma, when (ms).
+    // The newest frames that the page's video has presented: number and time of the stamp, mean luma, when (ms), when the
+    // page takes it to be visible, and its RTP timestamp.
     frames: [],
     presented: 0,
     unreadable: 0,
@@ -122,13 +123,14 @@
     });
   };
 
-  const presented = (now) => {
+  const presented = (now, { expectedDisplayTime, rtpTimestamp }) => {
     probe.video.requestVideoFrameCallback(presented);
     const stamp = readStamp(probe.video);
     if (!stamp) probe.unreadable += 1;
     const { number, time } = stamp ?? { number: null, time: null };
     probe.presented += 1;
-    probe.frames.push({ number, time, luma: probe.luma(), at: now });
+    const visible = Math.max(now, Math.min(expectedDisplayTime, now + 50));
+    probe.frames.push({ number, time, luma: probe.luma(), at: now, visible, rtp: rtpTimestamp });
     if (probe.frames.length > KEPT) probe.frames.shift();
     for (const watch of watchers.values()) watch(now);
   };
@@ -179,6 +181,15 @@
     }
     return begun;
   };
+
+  // Milliseconds from a stamp's time, which is modulo 2^44 units of 0.1 ms, to a time of day.
+  probe.since = (time, wall) => {
+    const range = 2 ** 44 / 10;
+    const passed = (((wall - time) % range) + range) % range;
+    return passed > range / 2 ? passed - range : passed;
+  };
+
+  probe.median = (values) => values.toSorted((one, other) => one - other)[Math.floor(values.length / 2)];
 
   document.addEventListener("DOMContentLoaded", () => {
     probe.video = document.querySelector('[data-testid="avatar-video"]');
