@@ -61,7 +61,7 @@ async def test_a_picture_is_stamped_only_where_its_scene_asks_for_that(stamped: 
     decoder = av.CodecContext.create("vp8", "r")
     assert isinstance(decoder, av.VideoCodecContext)
     [decoded] = decoder.decode(av.Packet(frame.data))
-    assert (stamp.read(decoded.to_ndarray(format="gray")) is not None) is stamped
+    assert (stamp.read(np.asarray(decoded.to_ndarray(format="gray"), np.uint8)) is not None) is stamped
 
 
 async def test_the_engine_hears_the_operator(monkeypatch: pytest.MonkeyPatch) -> None:
