@@ -241,3 +241,61 @@ async def test_a_stop_right_behind_the_start_is_enough(guest: Visit) -> None:
     await guest.until(f"probe.sound.at(-1).at > {ended} + 1000")
     assert await guest.read(f"probe.sound.slice(-30).every(({{ rms }}) => rms < {AUDIBLE})")
     assert len(guest.executed("avatar/SpeechSynthesis", "stop")) == stops
+
+
+def _spoken(visit: Visit) -> list[tuple[str, str]]:
+    """What the page asked the avatar to speak so far, and as what."""
+    return [
+        (argument["name"], argument["value"])
+        for message in visit.sent
+        if message["method"] == "rois.command.execute"
+        for unit in message["params"]["command_unit_list"]
+        for argument in unit.get("arguments", [])
+        if argument["name"] in {"speech_text", "ssml_text"}
+    ]
+
+
+async def test_sentences_wait_for_each_other_and_what_waits_is_seen_and_removed(guest: Visit) -> None:
+    for text in ("First.", "Second.", "Third."):
+        await say(guest, text)
+        await expect(guest.item("say-text")).to_have_value("")
+    waiting = guest.item("say-queue").get_by_role("listitem")
+    await expect(waiting).to_have_count(2)
+    await guest.page.get_by_role("button", name="Remove “Second.”").click()
+    await guest.until(f"{SAYING} === 'done' && document.querySelector('[data-testid=say-queue]').hidden")
+    texts = [value for _, value in _spoken(guest)]
+    assert texts == ["First.", "Third."]
+
+
+async def test_a_long_text_loses_nothing_and_ssml_is_spoken_without_its_tags(guest: Visit) -> None:
+    long = " ".join(f"Sentence number {number}." for number in range(250))
+    await guest.item("say-text").fill(long)
+    await guest.item("say-text").press("Enter")
+    await guest.until_executed("avatar/SpeechSynthesis", "start")
+    [(_, spoken)] = _spoken(guest)
+    assert len(spoken) <= 4000
+    rest = await guest.item("say-queue").locator("span").inner_text()
+    assert f"{spoken} {rest}" == long
+    await guest.press("say-stop")
+    await guest.until(f"{SAYING} === 'stopped'")
+    await expect(guest.item("say-queue")).to_be_hidden()
+
+    await say(guest, "<speak>Parrots <emphasis>whistle</emphasis> loudly.</speak>")
+    await guest.until(f"{_MARKED} === 'whistle'")
+    await expect(guest.item("say-words")).to_have_text("Parrots whistle loudly.")
+    await guest.until(f"{SAYING} === 'done'")
+
+
+async def test_the_voice_is_named_kept_and_said_to_spell_out_what_it_cannot_read(guest: Visit) -> None:
+    language, hint = guest.item("say-language"), guest.item("say-hint")
+    await expect(language).to_be_visible()
+    names = await language.locator("option").all_inner_texts()
+    assert len(names) > 100
+    assert [name for name in names if not name[0].isupper()] == []
+    await guest.item("say-text").fill("漢字")
+    await expect(hint).to_contain_text("“漢字” may be spelled out")
+    await language.select_option(label="Chinese")
+    await expect(hint).to_be_hidden()
+    await guest.page.reload()
+    await expect(language).to_have_value("zh")
+    assert await language.locator("optgroup").first.get_attribute("label") == "Recent"

@@ -5,9 +5,13 @@ import type { Client } from "../sdk/index.ts";
 import { ComponentWatch, isUsable } from "./component_status.ts";
 import type { Availability } from "./component_status.ts";
 import { byRole, byTestId, make, setText } from "./dom.ts";
-import { languageChoice } from "./languages.ts";
+import { languageChoice, languageName, recallLanguages, rememberLanguage } from "./languages.ts";
+import type { LanguageOption } from "./languages.ts";
 import { describeEnd, describeFailure } from "./outcome.ts";
 import { explain } from "./permission.ts";
+import { spellingHint } from "./scripts.ts";
+import { QueueRefusal, SpeechQueue } from "./speech_queue.ts";
+import type { Utterance } from "./speech_queue.ts";
 import { SpeechWords } from "./speech_words.ts";
 
 type State = "idle" | "speaking" | "paused" | "done" | "stopped" | "failed" | "refused" | "unavailable";
@@ -23,6 +27,9 @@ export class SayLine {
   readonly #stop = byTestId("say-stop", HTMLButtonElement);
   readonly #pause = byTestId("say-pause", HTMLButtonElement);
   readonly #state = byTestId("say-state", HTMLElement);
+  readonly #hint = byTestId("say-hint", HTMLElement);
+  readonly #list = byTestId("say-queue", HTMLOListElement);
+  readonly #queue = new SpeechQueue();
   readonly #watch: ComponentWatch;
   readonly #words: SpeechWords;
   readonly #onCut: (cut: Promise<unknown>) => void;
@@ -30,6 +37,8 @@ export class SayLine {
   #usable = false;
   #barred = "";
   #performance = 0;
+  /** Whether what waits is being spoken, one after the other. */
+  #running = false;
   #stopping = new AbortController();
   #last = "";
 
@@ -41,7 +50,12 @@ export class SayLine {
     this.#watch = new ComponentWatch(client, (status) => this.#available(status));
     this.#form.addEventListener("submit", (event) => {
       event.preventDefault();
-      void this.#speak();
+      this.#submit();
+    });
+    this.#input.addEventListener("input", () => this.#renderHint());
+    this.#language.addEventListener("change", () => {
+      rememberLanguage(localStorage, this.#language.value);
+      this.#renderHint();
     });
     this.#stop.addEventListener("click", () => this.stop());
     this.#pause.addEventListener("click", () => void this.#togglePause());
@@ -79,7 +93,10 @@ export class SayLine {
     this.#input.focus();
   }
 
+  /** Ends what is spoken, and forgets what waits. */
   stop(): void {
+    this.#queue.clear();
+    this.#renderQueue();
     if (!this.#speech || !this.#speaking) return;
     this.#stopping.abort();
     if (this.#speech.inUse) this.#onCut(this.#speech.stop().catch(() => undefined));
@@ -105,31 +122,63 @@ export class SayLine {
     else this.#show("paused", "paused");
   }
 
-  async #speak(): Promise<void> {
+  /** Speaks what was typed, behind what is being spoken. */
+  #submit(): void {
     const text = this.#input.value.trim();
+    if (!this.#speech || !this.#usable || this.#barred !== "") return;
+    if (text === "" && this.#queue.waiting.length === 0) return this.focus();
+    try {
+      if (text !== "") this.#queue.add(text, this.#language.value);
+    } catch (error) {
+      if (!(error instanceof QueueRefusal)) throw error;
+      return this.#showHint(error.message);
+    }
+    if (text !== "") this.#last = text;
+    this.#input.value = "";
+    this.#renderHint();
+    this.#renderQueue();
+    void this.#speakAll();
+  }
+
+  /** Speaks all that waits, until something ends otherwise than well. */
+  async #speakAll(): Promise<void> {
+    if (this.#running) return;
+    this.#running = true;
+    for (let utterance = this.#queue.next(); utterance; utterance = this.#queue.next()) {
+      this.#renderQueue();
+      const state = await this.#speak(utterance);
+      if (state === "done") continue;
+      // A stop means silence; what could not be spoken is kept, to be tried again.
+      if (state === "stopped") this.#queue.clear();
+      else if (this.#input.value === "" && this.#queue.waiting.length === 0)
+        this.#input.value = utterance.text;
+      else this.#queue.putBack(utterance);
+      break;
+    }
+    this.#running = false;
+    this.#renderQueue();
+  }
+
+  async #speak({ text, ssml, language }: Utterance): Promise<State> {
     const speech = this.#speech;
-    if (!speech || !this.#usable || this.#barred !== "") return;
-    if (text === "") return this.focus();
+    if (!speech) return "failed";
     const performance = ++this.#performance;
-    const language = this.#language.value;
-    const parameters = { speech_text: text, ...(language !== "" && { language }) };
+    const parameters = {
+      ...(ssml ? { ssml_text: text } : { speech_text: text }),
+      ...(language !== "" && { language }),
+    };
     const { signal } = (this.#stopping = new AbortController());
     this.#show("speaking", "speaking");
-    await this.#words.begin(text);
-    if (performance !== this.#performance) return;
+    await this.#words.begin(text, ssml);
     if (signal.aborted) {
       this.#words.end();
-      return this.#show("stopped", "stopped");
+      this.#show("stopped", "stopped");
+      return "stopped";
     }
-    const spoken = speech.perform(parameters, () => {
-      this.#last = text;
-      if (this.#input.value.trim() === text) this.#input.value = "";
-    });
-    const { state, text: words } = await describeEnd(spoken, BUSY);
-    // A sentence that the next one has cut short is nobody's concern any more.
-    if (performance !== this.#performance) return;
+    const { state, text: words } = await describeEnd(speech.perform(parameters), BUSY);
     this.#words.end();
-    this.#show(state, words);
+    if (performance === this.#performance) this.#show(state, words);
+    return state;
   }
 
   #available(status: Availability): void {
@@ -151,13 +200,53 @@ export class SayLine {
     if (!speech) return;
     try {
       const { languages: tags } = await speech.synthesizableLanguages();
-      const { options, selected } = languageChoice(tags, this.#language.value, navigator.languages);
-      this.#language.replaceChildren(...options.map(({ tag, name }) => make("option", { value: tag }, name)));
+      const { recent, others, selected } = languageChoice(
+        tags,
+        recallLanguages(localStorage),
+        navigator.languages,
+      );
+      const groups = [
+        ["Recent", recent],
+        ["All", others],
+      ] as const;
+      const named = groups.filter(([, options]) => options.length > 0);
+      this.#language.replaceChildren(
+        ...(named.length > 1
+          ? named.map(([label, options]) => make("optgroup", { label }, ...options.map(option)))
+          : named.flatMap(([, options]) => options.map(option))),
+      );
       this.#language.value = selected;
-      this.#language.hidden = options.length === 0;
+      this.#language.hidden = named.length === 0;
+      this.#renderHint();
     } catch {
       this.#language.hidden = true;
     }
+  }
+
+  #renderHint(): void {
+    const { value } = this.#language;
+    this.#showHint(spellingHint(this.#input.value, value, languageName(value)));
+  }
+
+  #showHint(text: string): void {
+    this.#hint.hidden = text === "";
+    setText(this.#hint, text);
+  }
+
+  #renderQueue(): void {
+    const { waiting } = this.#queue;
+    this.#list.hidden = waiting.length === 0;
+    this.#list.replaceChildren(
+      ...waiting.map(({ id, text }) => {
+        const remove = make("button", { type: "button", "aria-label": `Remove “${text.slice(0, 40)}”` }, "×");
+        remove.addEventListener("click", () => {
+          this.#queue.remove(id);
+          this.#renderQueue();
+          this.focus();
+        });
+        return make("li", {}, make("span", {}, text), remove);
+      }),
+    );
   }
 
   #show(state: State, text: string): void {
@@ -175,4 +264,8 @@ export class SayLine {
     this.#pause.title = paused ? "Go on" : "Pause";
     this.#pause.classList.toggle("paused", paused);
   }
+}
+
+function option({ tag, name }: LanguageOption): HTMLOptionElement {
+  return make("option", { value: tag }, name);
 }

@@ -28,9 +28,9 @@ export class SpeechWords {
     this.#progress = new SpeechProgress(this.#client, componentRef);
   }
 
-  /** A text is about to be said. Resolves when its words will be told. */
-  async begin(text: string): Promise<void> {
-    this.#text = new SpokenText(text, this.#lastId);
+  /** A text, or an SSML document, is about to be said. Resolves when its words will be told. */
+  async begin(text: string, ssml: boolean): Promise<void> {
+    this.#text = new SpokenText(text, this.#lastId, ssml);
     this.#render();
     const progress = this.#progress;
     if (!progress) return;

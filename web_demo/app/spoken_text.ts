@@ -6,17 +6,25 @@ export interface Parts {
   readonly after: string;
 }
 
+/** The entities that XML itself knows. */
+const ENTITIES: Readonly<Record<string, string>> = { amp: "&", lt: "<", gt: ">", quot: '"', apos: "'" };
+
 /** Follows one text of several that the avatar may be saying, one after the other. */
 export class SpokenText {
   readonly #characters: readonly string[];
   readonly #text: string;
   readonly #earlier: string;
+  readonly #ssml: boolean;
   #id = "";
   #parts: Parts | null = null;
 
-  /** @param earlier the id of the speech before, whose last words may still be told */
-  constructor(text: string, earlier = "") {
+  /**
+   * @param earlier the id of the speech before, whose last words may still be told
+   * @param ssml whether the text is an SSML document, of which only the contents are shown
+   */
+  constructor(text: string, earlier = "", ssml = false) {
     this.#text = text;
+    this.#ssml = ssml;
     this.#characters = [...text];
     this.#earlier = earlier;
   }
@@ -27,7 +35,7 @@ export class SpokenText {
   }
 
   get parts(): Parts {
-    return this.#parts ?? { before: "", word: "", after: this.#text };
+    return this.#parts ?? { before: "", word: "", after: this.#shown(this.#text) };
   }
 
   /** A word is heard. Returns whether it is of this text. */
@@ -35,12 +43,21 @@ export class SpokenText {
     if (id === this.#earlier || (this.#id !== "" && id !== this.#id)) return false;
     if (position < 0 || length < 0 || position + length > this.#characters.length) return false;
     this.#id = id;
-    const part = (from: number, to?: number): string => this.#characters.slice(from, to).join("");
+    const part = (from: number, to?: number): string =>
+      this.#shown(this.#characters.slice(from, to).join(""));
     this.#parts = {
       before: part(0, position),
       word: part(position, position + length),
       after: part(position + length),
     };
     return true;
+  }
+
+  /** A part of the text as people read it. Words begin and end outside of tags. */
+  #shown(text: string): string {
+    if (!this.#ssml) return text;
+    return text
+      .replace(/<[^>]*>/g, "")
+      .replace(/&(\w+);/g, (entity, name: string) => ENTITIES[name] ?? entity);
   }
 }

@@ -25,4 +25,12 @@ describe("SpokenText", () => {
     expect(text.heard("new", -1, 3)).toBe(false);
     expect(text.parts.word).toBe("Hello");
   });
+
+  it("shows SSML without its tags", () => {
+    const source = '<speak>Tom &amp; <emphasis level="strong">Jerry</emphasis></speak>';
+    const text = new SpokenText(source, "", true);
+    expect(text.parts).toEqual({ before: "", word: "", after: "Tom & Jerry" });
+    expect(text.heard("1", source.indexOf("Jerry"), 5)).toBe(true);
+    expect(text.parts).toEqual({ before: "Tom & ", word: "Jerry", after: "" });
+  });
 });

@@ -1,7 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { bodyOf, findAvatars } from "../../app/avatars.ts";
 import { formatBitrate, formatLatency, formatTime, secondsUntil } from "../../app/format.ts";
-import { languageChoice } from "../../app/languages.ts";
 import { describeCompleted, describeFailure } from "../../app/outcome.ts";
 import { plainReason } from "../../app/plain_words.ts";
 import { bestColumns, reactionLook } from "../../app/reaction_names.ts";
@@ -34,24 +33,6 @@ describe("bestColumns", () => {
     [0, 6],
   ])("for %i buttons are %i", (count, columns) => {
     expect(bestColumns(count, [6, 5, 7])).toBe(columns);
-  });
-});
-
-describe("languageChoice", () => {
-  it("names the languages and sorts them", () => {
-    const { options } = languageChoice(["fr", "de", "en-GB", "de", "not a tag"], "", []);
-    expect(options.map(({ name }) => name)).toEqual(["British English", "French", "German", "not a tag"]);
-  });
-
-  it.each<[string, string[], string, string[]]>([
-    ["de", ["de", "en"], "de", ["en"]],
-    ["en-GB", ["de", "en", "en-GB"], "", ["fr", "en-GB"]],
-    ["en", ["de", "en"], "fr", ["de"]],
-    ["de", ["fr", "de"], "", ["de"]],
-    ["fr", ["fr"], "", []],
-    ["", [], "", ["en"]],
-  ])("selects %s", (expected, tags, chosen, preferred) => {
-    expect(languageChoice(tags, chosen, preferred).selected).toBe(expected);
   });
 });
 
