@@ -8,7 +8,7 @@ import os
 import signal
 from asyncio.subprocess import DEVNULL, PIPE, STDOUT, Process
 from collections import deque
-from collections.abc import AsyncIterator, Mapping
+from collections.abc import AsyncIterator, Callable, Mapping
 from contextlib import asynccontextmanager, suppress
 from typing import Final
 
@@ -97,9 +97,16 @@ async def _end(process: Process) -> None:
 
 
 class Output:
-    """What a child prints for people: its lines are logged at INFO, `MAX_LINES` a second; more are only counted."""
+    """What a child prints for people: its lines are logged at INFO, `MAX_LINES` a second; more are only counted.
 
-    def __init__(self, name: str, clock: MediaClock) -> None:
+    Args:
+        name: of the child, in the log.
+        clock: for the seconds.
+        on_line: gets every line; None: nothing does.
+    """
+
+    def __init__(self, name: str, clock: MediaClock, on_line: Callable[[str], None] | None = None) -> None:
+        self._on_line = on_line
         self._last: deque[str] = deque(maxlen=_REMEMBERED)
         self._name = name
         self._clock = clock
@@ -135,6 +142,8 @@ class Output:
     def _line(self, line: bytes) -> None:
         text = line[:MAX_LINE].decode(errors="replace").rstrip()
         self._last.append(text)
+        if self._on_line is not None:
+            self._on_line(text)
         second = int(self._clock.now())
         if second != self._second:
             self._report()

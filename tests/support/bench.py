@@ -4,8 +4,11 @@ from openrois_avatar.bench.fanout_report import FanoutReport
 from openrois_avatar.bench.latency_report import LatencyReport
 from openrois_avatar.bench.observation import Observation, Sightings
 from openrois_avatar.bench.runs import AIORTC, OPENROIS, Run, compare
+from openrois_avatar.bench.stop_report import Load, StopReport
+from openrois_avatar.bench.stop_report import Run as StopRun
 
 from openrois.bench.conditions import Conditions
+from openrois.bench.figures import Waits
 
 CONDITIONS = Conditions(
     cpus=2, processor="P", system="S", python="3", versions={"aiortc": "1"}, load_before=0.1, load_after=0.2
@@ -38,3 +41,14 @@ def fanout(*, delivered: bool, others: float | None = None) -> FanoutReport:
         for way, cpu, encoders, fps in ((OPENROIS, 0.1, 1, 30.0), (AIORTC, 0.4, 2, 29.6 if delivered else 3.0))
     ]
     return FanoutReport(conditions=CONDITIONS, seconds=1, rounds=1, comparisons=compare(runs), runs=tuple(runs))
+
+
+def stop_run(load: Load, p99: float = 20.0, **more: object) -> StopRun:
+    """A run under a load, of which everything was there unless `more` says otherwise."""
+    reached = {"reports": load.reports, "strangers": load.strangers, "joined": load.viewers}
+    waits = Waits(count=300, p50=4_000.0, p95=9_000.0, p99=p99 * 1000)
+    return StopRun.model_validate({"load": load, "stops": waits, "unconfirmed": 0, "pictures": 30.0, **reached, **more})
+
+
+def stop(*runs: StopRun) -> StopReport:
+    return StopReport(engine="synthetic", conditions=CONDITIONS, seconds=20, pinned=True, runs=runs)

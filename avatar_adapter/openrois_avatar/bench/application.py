@@ -52,7 +52,9 @@ class Application:
     def __init__(self, session: RpcSession) -> None:
         self._session = session
         self._offers: asyncio.Queue[dict[str, Any]] = asyncio.Queue(16)
-        session.notifications = {"signaling.offer": self._offers.put_nowait}
+        self.bye = ""
+        """Why the engine has ended a peer connection; empty where it has not."""
+        session.notifications = {"signaling.offer": self._offers.put_nowait, "signaling.bye": self._bye}
 
     async def ask(self, method: str, **params: Any) -> dict[str, Any]:
         """Call a method and return its result.
@@ -65,9 +67,11 @@ class Application:
             raise BenchFailed(f"{method} was answered {result['return_code']}")
         return result
 
-    @asynccontextmanager
-    async def playing(self, component_ref: str, codec: str) -> AsyncIterator[Playing]:
-        """Play the stream of a component for as long as the context lasts.
+    def _bye(self, params: dict[str, Any]) -> None:
+        self.bye = params["reason"]
+
+    async def offered(self, component_ref: str, codec: str) -> tuple[str, dict[str, Any]]:
+        """Connect a stream of a component; returns its id and the offer.
 
         Raises:
             BenchFailed: it is refused, or no offer comes.
@@ -77,20 +81,28 @@ class Application:
             "data_type_ref": "string",
             "value": json.dumps({"codecs": [codec]}),
         }
-        asked_at = time.monotonic()
         connected = await self.ask("rois.stream.connect_stream", component_ref=component_ref, parameters=[encoding])
         async with within(_PATIENCE, "the offer"):
-            offer = await self._offers.get()
+            return connected["stream_id"], await self._offers.get()
+
+    async def answer(self, offer: dict[str, Any], sdp: str) -> None:
+        """Answer an offer."""
+        await self.ask("signaling.answer", peer_id=offer["peer_id"], generation=offer["generation"], sdp=sdp)
+
+    @asynccontextmanager
+    async def playing(self, component_ref: str, codec: str) -> AsyncIterator[Playing]:
+        """Play the stream of a component for as long as the context lasts.
+
+        Raises:
+            BenchFailed: it is refused, or no offer comes.
+        """
+        asked_at = time.monotonic()
+        stream_id, offer = await self.offered(component_ref, codec)
         pictures: asyncio.Queue[SeenPicture] = asyncio.Queue(_WAITING)
         async with MeasuringSink(on_picture=pictures.put_nowait) as sink:
-            await self.ask(
-                "signaling.answer",
-                peer_id=offer["peer_id"],
-                generation=offer["generation"],
-                sdp=await sink.answer(offer["sdp"]),
-            )
-            yield Playing(self, connected["stream_id"], pictures, asked_at)
-            await self.ask("rois.stream.disconnect_stream", stream_id=connected["stream_id"])
+            await self.answer(offer, await sink.answer(offer["sdp"]))
+            yield Playing(self, stream_id, pictures, asked_at)
+            await self.ask("rois.stream.disconnect_stream", stream_id=stream_id)
 
 
 @asynccontextmanager

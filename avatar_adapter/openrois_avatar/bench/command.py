@@ -7,6 +7,7 @@ from openrois.command_line import CommandLine
 from openrois_avatar.bench.browser import find_chromium
 from openrois_avatar.bench.fanout import FanoutSettings, run_fanout
 from openrois_avatar.bench.latency import LatencySettings, run_latency
+from openrois_avatar.bench.stop import StopSettings, run_stop
 
 __all__ = ["main"]
 
@@ -19,7 +20,7 @@ def main(arguments: Sequence[str]) -> int:
     """
     parser = CommandLine("openrois bench", description="Measures on this machine.")
     benches = parser.add_subparsers(dest="bench", required=True, metavar="BENCH")
-    latency, fanout = LatencySettings(), FanoutSettings()
+    latency, fanout, stop = LatencySettings(), FanoutSettings(), StopSettings()
     told = "from capture to viewer, over gateway and adapter: a measuring sink, and Chromium if there is one (a minute)"
     options = benches.add_parser("latency", help=told, description=told)
     options.add_argument(
@@ -38,6 +39,16 @@ def main(arguments: Sequence[str]) -> int:
     add_json(options)
     options.set_defaults(
         loop_factory=None, run=lambda chosen: run_fanout(FanoutSettings(chosen.seconds, chosen.rounds), tell)
+    )
+    told = "STOP and a dead man's switch beside viewers that flood the engine with datagrams (two and a half minutes)"
+    options = benches.add_parser("stop", help=told, description=told)
+    options.add_argument("--engine", choices=("synthetic",), default=stop.engine, help="what is shown (%(default)s)")
+    options.add_argument("--seconds", type=seconds, default=stop.seconds, help="under each load (%(default)s)")
+    options.add_argument("--dead-man", type=count, default=stop.dead_man, help="tries under each load (%(default)s)")
+    add_json(options)
+    options.set_defaults(
+        loop_factory=None,
+        run=lambda chosen: run_stop(StopSettings(chosen.seconds, chosen.dead_man, engine=chosen.engine), tell),
     )
     add_gateway_benches(benches)
     return carry_out(parser.parse_args(arguments))

@@ -1,33 +1,26 @@
 """`openrois bench latency`: from the capture of a picture to the viewer, over gateway and adapter."""
 
-import asyncio
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from typing import Final
-from urllib.parse import urlsplit
 
-from openrois_streaming.clock import SystemClock
 from openrois_streaming.codecs import H264
 
 from openrois.bench.conditions import conditions, load
-from openrois.bench.errors import BenchFailed, within
-from openrois_avatar.bench.adapter import COMPONENT_REF, ENGINE_ID, Show
-from openrois_avatar.bench.application import Application, application
+from openrois.bench.errors import BenchFailed
+from openrois_avatar.bench.adapter import COMPONENT_REF, Show
 from openrois_avatar.bench.browser import chromium_version, watch_in_chromium
 from openrois_avatar.bench.latency_report import SINK, LatencyReport
 from openrois_avatar.bench.observation import Observation, Order, Sightings
 from openrois_avatar.bench.partner import partner
-from openrois_avatar.child import Output, child_process
+from openrois_avatar.bench.product import product
 
 __all__ = ["LatencySettings", "avatar", "patience", "run_latency", "watch_in_sink"]
 
-_START_TIMEOUT: Final = 30.0
 _VIEWER_START: Final = 20.0
 _RUN: Final = 4.0
 """Seconds that a viewer may take at most to start, and for connecting, suspending and resuming once."""
-
-_LISTENING: Final = "listening "
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,33 +103,5 @@ async def avatar(width: int, height: int, fps: float = 30, show: Show = "bars") 
     Raises:
         BenchFailed: it does not start.
     """
-    clock = SystemClock()
-    said = Output("gateway", clock)
-    arguments = ("openrois.cli", "gateway", "--port", "0")
-    async with child_process(*arguments, output=said, conversation=True) as gateway:
-        assert gateway.stdout is not None
-        async with within(_START_TIMEOUT, "the start of the gateway"):
-            line = (await gateway.stdout.readline()).decode()
-        if not line.startswith(_LISTENING):
-            raise BenchFailed(f"the gateway does not start: {said.last_words}")
-        host = urlsplit(line.removeprefix(_LISTENING).strip()).netloc
-        adapter = ("openrois_avatar.bench.adapter", f"ws://{host}/adapter", str(width), str(height), str(fps), show)
-        said = Output("adapter", clock)
-        async with child_process(*adapter, output=said) as process:
-            await _attached(host, process, said)
-            yield host
-
-
-async def _attached(host: str, adapter: asyncio.subprocess.Process, said: Output) -> None:
-    """Wait until the gateway knows the adapter."""
-    async with within(_START_TIMEOUT, "the start of the adapter"), application(f"ws://{host}/") as asking:
-        while ENGINE_ID not in await _engines(asking):
-            if adapter.returncode is not None:
-                raise BenchFailed(f"the adapter does not start: {said.last_words}")
-            await asyncio.sleep(0.1)
-
-
-async def _engines(asking: Application) -> list[str]:
-    """Return the ids of the engines behind the gateway."""
-    profile = (await asking.ask("rois.system.get_profile"))["profile"]
-    return [below["identifier"]["code"] for below in profile.get("sub_profiles", ())]
+    async with product(width, height, fps, show) as served:
+        yield served.host

@@ -11,10 +11,12 @@ from openrois_avatar.bench.fanout import FanoutSettings
 from openrois_avatar.bench.fanout_report import FanoutReport
 from openrois_avatar.bench.latency import LatencySettings
 from openrois_avatar.bench.latency_report import LatencyReport
+from openrois_avatar.bench.stop import StopSettings
+from openrois_avatar.bench.stop_report import Load, StopReport
 
 from openrois.bench.command import INTERRUPTED
 from openrois.bench.errors import BenchFailed
-from tests.support.bench import fanout, latency, observation
+from tests.support.bench import fanout, latency, observation, stop, stop_run
 
 Progress = Callable[[str], None]
 
@@ -23,7 +25,7 @@ class Benches:
     """Benches that take no time, and what they were told to do."""
 
     def __init__(self) -> None:
-        self.asked: list[LatencySettings | FanoutSettings] = []
+        self.asked: list[LatencySettings | FanoutSettings | StopSettings] = []
 
     async def latency(self, settings: LatencySettings, progress: Progress) -> LatencyReport:
         progress("640x360: sink")
@@ -34,12 +36,17 @@ class Benches:
         self.asked.append(settings)
         return fanout(delivered=True)
 
+    async def stop(self, settings: StopSettings, progress: Progress) -> StopReport:
+        self.asked.append(settings)
+        return stop(stop_run(Load(name="idle")))
+
 
 @pytest.fixture
 def benches(monkeypatch: pytest.MonkeyPatch) -> Benches:
     benches = Benches()
     monkeypatch.setattr(command, "run_latency", benches.latency)
     monkeypatch.setattr(command, "run_fanout", benches.fanout)
+    monkeypatch.setattr(command, "run_stop", benches.stop)
     monkeypatch.setattr(command, "find_chromium", lambda: "/the/browser")
     return benches
 
@@ -57,13 +64,15 @@ def test_the_report_is_printed_and_progress_stands_beside_it(
 def test_options_say_how_long_and_how_often(benches: Benches) -> None:
     assert command.main(["latency", "--seconds", "1.5", "--runs", "2"]) == 0
     assert command.main(["fanout", "--seconds", "0.5", "--rounds", "4"]) == 0
+    assert command.main(["stop", "--engine", "synthetic", "--seconds", "2", "--dead-man", "1"]) == 0
     assert benches.asked == [
         LatencySettings(seconds=1.5, runs=2, chromium="/the/browser"),
         FanoutSettings(seconds=0.5, rounds=4),
+        StopSettings(seconds=2, dead_man=1),
     ]
 
 
-@pytest.mark.parametrize("bench", ["latency", "fanout"])
+@pytest.mark.parametrize("bench", ["latency", "fanout", "stop"])
 def test_everything_is_written_as_json(benches: Benches, tmp_path: Path, bench: str) -> None:
     file = tmp_path / "figures.json"
     assert command.main([bench, "--json", str(file)]) == 0
@@ -80,6 +89,7 @@ def test_everything_is_written_as_json(benches: Benches, tmp_path: Path, bench: 
         ["latency", "--runs", "1.5"],
         ["latency", "--runs", "1001"],
         ["fanout", "--rounds", "-1"],
+        ["stop", "--dead-man", "0"],
         ["fanout", "--seconds", "nan"],
         ["fanout", "--json", "/nowhere/at/all"],
         ["fanout", "--json", "/"],

@@ -1,7 +1,8 @@
 from openrois_avatar.bench.fanout_report import FanoutReport
 from openrois_avatar.bench.latency_report import LatencyReport
+from openrois_avatar.bench.stop_report import Load, StopReport
 
-from tests.support.bench import fanout, latency, observation
+from tests.support.bench import fanout, latency, observation, stop, stop_run
 
 
 def test_latency_as_text_has_a_line_for_each_measure() -> None:
@@ -60,3 +61,39 @@ def test_fanout_as_json_is_the_whole_report() -> None:
     told = report.model_dump(mode="json")
     assert told["comparisons"][0]["ratio"] is None
     assert [run["delivered"] for run in told["runs"]] == [True, False]
+
+
+IDLE = Load(name="idle")
+FLOOD = Load(name="flood", reports=5_000, strangers=20_000, viewers=64)
+
+
+def test_stop_as_text_has_a_line_for_each_load() -> None:
+    told = str(stop(stop_run(IDLE), stop_run(FLOOD, p99=70.0, dead_man=(399.6, 430.2)))).splitlines()
+    assert told[4:7] == [
+        "load   STOPs  p50   p99  unconfirmed  dead man  RTCP/s  strangers/s  joined  pictures/s",
+        "idle     300  4.0  20.0            0                 0            0     0/0        30.0",
+        "flood    300  4.0  70.0            0  430        5,000       20,000   64/64        30.0",
+    ]
+    assert told[-1] == "all goals reached by the runs that count"
+
+
+def test_stop_says_which_goals_were_missed() -> None:
+    run = stop_run(FLOOD, p99=71.0, unconfirmed=2, dead_man=(400.0, 501.0), viewer_ended="the viewer is gone")
+    assert stop(stop_run(IDLE), run).findings() == (
+        "flood: p99 is 51 ms above idle, more than 50 ms",
+        "flood: the honest viewer's peer connection ended: the viewer is gone",
+        "flood: 2 STOPs were not confirmed",
+        "flood: a dead man's switch took 501 ms",
+    )
+
+
+def test_a_run_that_does_not_reach_its_rates_does_not_count_for_its_p99() -> None:
+    run = stop_run(FLOOD, p99=500.0, reports=4_400, strangers=18_000, joined=57)
+    report = stop(stop_run(IDLE), run)
+    assert "flood: does not count, only 4,400 of 5,000 RTCP/s, 57 of 64 joining viewers" in str(report)
+    assert report.findings() == ("all goals reached by the runs that count",)
+
+
+def test_stop_as_json_is_the_whole_report() -> None:
+    report = stop(stop_run(IDLE), stop_run(FLOOD))
+    assert StopReport.model_validate_json(report.model_dump_json()) == report
