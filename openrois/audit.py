@@ -1,4 +1,4 @@
-"""The audit trail: who was refused what, and who moved what, as JSON lines; what happens is never delayed by it."""
+"""The audit trail: who came, was refused what, and moved what, as JSON lines; what happens is never delayed by it."""
 
 import json
 import time
@@ -31,10 +31,10 @@ _Record = tuple[float, str, str, str, str, str, str, str]
 class Audit(AbstractContextManager["Audit"]):
     """Where records go: to a file, or nowhere.
 
-    A call takes a microsecond or two and never waits: a thread writes. Refusals, which strangers can cause at will, may
-    fill half of the queue only, so that they do not crowd out what was done. What is lost is counted, here and in the
-    file. **Commands and STOP go on when the trail cannot be written; operations of administrators do not**: they call
-    `require` first.
+    A call takes a microsecond or two and never waits: a thread writes. Refusals and sign-ins, which others can cause at
+    will, may fill half of the queue only, so that they do not crowd out what was done. What is lost is counted, here
+    and in the file. **Commands and STOP go on when it cannot be written; operations of administrators do not**: they
+    call `require` first.
 
     Args:
         path: the file; None for nowhere.
@@ -127,12 +127,22 @@ class Audit(AbstractContextManager["Audit"]):
         self.actions += 1
         self._put("acted", principal, method, subject, detail)
 
+    def signed(self, principal: Principal, path: str, detail: str) -> None:
+        """Record that a connection has signed in or out.
+
+        Args:
+            principal: who.
+            path: what for: `/` for an application, `/adapter` for an adapter.
+            detail: with which roles and from where it came, or how it ended.
+        """
+        self._put("session", principal, "session", path, detail)
+
     def _put(self, kind: str, principal: Principal | None, method: str, subject: str, detail: str) -> None:
         if self._writer is None:
             return
         who, token = ("", "") if principal is None else (principal.subject, principal.token_id)
         record = (self._clock(), kind, who, token, method, subject, detail, correlation())
-        self._writer.put(record, dispensable=kind == "refused")
+        self._writer.put(record, dispensable=kind != "acted")
 
     def _line(self, record: _Record) -> str:
         at, kind, who, token, method, subject, detail, correlation = record

@@ -12,6 +12,7 @@ from openrois.correlation import connection
 from openrois.errors import BadParameter, RoISError
 from openrois.gateway.heartbeat import Heartbeat
 from openrois.gateway.renewal import REFRESH, Renewal, expiring
+from openrois.gateway.sign_in import SignIns
 from openrois.gateway.tenure import Tenure
 from openrois.jsonrpc.session import CALL_TIMEOUT, RpcSession
 from openrois.remote.proxy import RemoteProxy
@@ -36,6 +37,7 @@ async def serve_adapter(
     *,
     tenure: Tenure | None = None,
     renewal: Renewal | None = None,
+    sign_ins: SignIns | None = None,
 ) -> StreamClosed:
     """Attach the engine at the other end for as long as the connection lasts; return why it ended.
 
@@ -48,8 +50,10 @@ async def serve_adapter(
         answer_timeout: seconds that the adapter has for each answer.
         tenure: whose connection it is, and for how long; unless given that of somebody on this machine.
         renewal: how that is made longer.
+        sign_ins: records that it came and left.
     """
     tenure = tenure or Tenure(LOCAL)
+    sign_ins = sign_ins or SignIns(host.audit)
     session = RpcSession(
         stream, call_timeout=answer_timeout, on_failure=host.crashed, call_latencies=host.traffic.call_latencies
     )
@@ -70,8 +74,13 @@ async def serve_adapter(
     attaching = host.tasks.start(_keep_attached(host, session, proxy, changed, tenure))
     closed = StreamClosed(1006)
     try:
-        with connection(f"adapter-{secrets.token_hex(4)}"), host.traffic.counted("adapter", session):
+        with (
+            connection(f"adapter-{secrets.token_hex(4)}"),
+            sign_ins.visit(tenure.principal, "/adapter", tenure.address) as visit,
+            host.traffic.counted("adapter", session),
+        ):
             closed = await session.run()
+            visit.ended = str(closed)
         return closed
     finally:
         if not attaching.done():

@@ -20,6 +20,7 @@ from openrois.correlation import connection
 from openrois.errors import RoISError
 from openrois.gateway.refusals import RefusalNotes
 from openrois.gateway.renewal import Renewal, expiring
+from openrois.gateway.sign_in import SignIns
 from openrois.gateway.tenure import Tenure
 from openrois.interfaces import base_methods, lease_methods, stream_methods
 from openrois.interfaces.crowding import intake_rules
@@ -55,7 +56,11 @@ REQUESTS_AT_ONCE: Final = 10_000
 
 
 async def serve_application(
-    host: EngineHost, stream: MessageStream, tenure: Tenure | None = None, renewal: Renewal | None = None
+    host: EngineHost,
+    stream: MessageStream,
+    tenure: Tenure | None = None,
+    renewal: Renewal | None = None,
+    sign_ins: SignIns | None = None,
 ) -> StreamClosed:
     """Serve one application until its connection ends; return why it did.
 
@@ -64,8 +69,10 @@ async def serve_application(
         stream: the connection.
         tenure: whose it is, and for how long; unless given that of somebody on this machine.
         renewal: how that is made longer.
+        sign_ins: records that it came and left.
     """
     tenure = tenure or Tenure(LOCAL)
+    sign_ins = sign_ins or SignIns(host.audit)
     rate = RateLimit(REQUESTS_AT_ONCE, REQUESTS_PER_SECOND, time.monotonic)
     session = RpcSession(stream, rules=intake_rules(rate), latencies=host.traffic.latencies)
     signaling = _Signaling(host)
@@ -89,8 +96,13 @@ async def serve_application(
     closed = StreamClosed(_WITHOUT_HANDSHAKE)
     lost = False
     try:
-        with connection(app.client_id[:8]), host.traffic.counted("application", session, app.events.count):
+        with (
+            connection(app.client_id[:8]),
+            sign_ins.visit(tenure.principal, "/", tenure.address) as visit,
+            host.traffic.counted("application", session, app.events.count),
+        ):
             closed = await session.run()
+            visit.ended = str(closed)
         lost = closed.code == _WITHOUT_HANDSHAKE
         return closed
     finally:

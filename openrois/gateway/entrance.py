@@ -19,6 +19,7 @@ from openrois.gateway.encryption import Certificate
 from openrois.gateway.reloading import Reloader
 from openrois.gateway.renewal import Renewal
 from openrois.gateway.settings import GatewaySettings
+from openrois.gateway.sign_in import SignIns
 from openrois.gateway.tenure import Tenures
 from openrois.tasks import TaskScope
 
@@ -36,6 +37,7 @@ class Entrance:
         admission: who is let in.
         tenures: for how long.
         renewal: how that is made longer.
+        sign_ins: records who came and left.
         certificate: what TLS is done with; None for none.
         reloader: reads again what has changed: keys, revocations, the certificate.
     """
@@ -43,6 +45,7 @@ class Entrance:
     admission: Admission
     tenures: Tenures
     renewal: Renewal
+    sign_ins: SignIns
     certificate: Certificate | None
     reloader: Reloader
 
@@ -81,7 +84,7 @@ class Entrance:
         tasks.start(reloader.run())
         tasks.start(tenures.watch())
         admission = Admission(origin_rules(settings), verifier, audit, turned_away)
-        return cls(admission, tenures, Renewal(verifier, clock, audit), certificate, reloader)
+        return cls(admission, tenures, Renewal(verifier, clock, audit), SignIns(audit), certificate, reloader)
 
 
 def _keys(settings: GatewaySettings, reloader: Reloader, tasks: TaskScope) -> KeySource:

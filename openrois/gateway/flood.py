@@ -1,4 +1,4 @@
-"""Refusals for the audit trail where somebody is refused at will: of a flood it is told how many were left out."""
+"""Bounds what the audit trail records of one kind of event that others can cause at will, and counts the rest."""
 
 from collections.abc import Callable
 
@@ -8,15 +8,17 @@ __all__ = ["Flood"]
 
 
 class Flood:
-    """Refusals of one kind.
+    """Records of one kind.
 
     Args:
         at_once: how many are told one by one.
         per_second: how many of them in the long run.
         clock: monotonic seconds.
+        what: the kind, as the records name it.
     """
 
-    def __init__(self, at_once: int, per_second: float, clock: Callable[[], float]) -> None:
+    def __init__(self, at_once: int, per_second: float, clock: Callable[[], float], what: str = "refusals") -> None:
+        self._what = what
         self._limit = RateLimit(at_once, per_second, clock)
         self._omitted = 0
 
@@ -26,9 +28,9 @@ class Flood:
         self._omitted += not admitted
         return admitted
 
-    def told(self, reason: str) -> str:
-        """Return what is recorded of one that is told: why it was, and how many were left out before."""
+    def told(self, text: str) -> str:
+        """Return what is recorded of one that is told: its text, and how many were left out before."""
         if not self._omitted:
-            return reason
+            return text
         omitted, self._omitted = self._omitted, 0
-        return f"{reason} (and {omitted} more refusals before)"
+        return f"{text} (and {omitted} more {self._what} before)"

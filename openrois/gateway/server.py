@@ -183,14 +183,16 @@ class _Server:
 
     async def _page_or_application(self, request: web.Request) -> web.StreamResponse:
         if _wants_websocket(request):
-            tenure = Tenure(await self._entrance.admission.application(request))
+            tenure = Tenure(await self._entrance.admission.application(request), address=request.remote or "")
             return await self._serve(
                 request,
                 self._application_profile,
                 tenure,
                 self._places.of_application(request.remote or ""),
                 self._places.entering(),
-                lambda stream: serve_application(self._host, stream, tenure, self._entrance.renewal),
+                lambda stream: serve_application(
+                    self._host, stream, tenure, self._entrance.renewal, self._entrance.sign_ins
+                ),
             )
         path = request.match_info["path"]
         if path == _OPENRPC:
@@ -205,7 +207,7 @@ class _Server:
     async def _adapter(self, request: web.Request) -> web.StreamResponse:
         if not _wants_websocket(request):
             raise web.HTTPUpgradeRequired(text="adapters connect here by WebSocket\n")
-        tenure = Tenure(await self._entrance.admission.adapter(request))
+        tenure = Tenure(await self._entrance.admission.adapter(request), address=request.remote or "")
         return await self._serve(
             request,
             self._adapter_profile,
@@ -213,7 +215,12 @@ class _Server:
             self._places.of_adapter(),
             nullcontext(),
             lambda stream: serve_adapter(
-                self._host, stream, self._adapter_timeout, tenure=tenure, renewal=self._entrance.renewal
+                self._host,
+                stream,
+                self._adapter_timeout,
+                tenure=tenure,
+                renewal=self._entrance.renewal,
+                sign_ins=self._entrance.sign_ins,
             ),
         )
 

@@ -46,6 +46,7 @@ class Tenure:
         on_expiring: told how many seconds are left; returns whether the other side could be told.
         warned: whether it was told.
         is_over: whether it has ended, and cannot be made longer any more.
+        address: where it comes from; empty where it comes over no network.
     """
 
     principal: Principal
@@ -53,6 +54,7 @@ class Tenure:
     on_expiring: Callable[[float], bool] = lambda _seconds: False
     warned: bool = field(default=False, repr=False)
     is_over: bool = field(default=False, repr=False)
+    address: str = ""
 
     def replace(self, principal: Principal) -> None:
         """Put another principal in place of this one."""

@@ -106,7 +106,7 @@ async def test_strangers_all_get_the_same_answer(tmp_path: Path, caplog: pytest.
             answers.add(await refused(coming, headers={"Authorization": "Basic dTpw"}))
             answers.add(await refused(coming, fresh(), offered=(V1, f"openrois.bearer.{fresh()}")))
             assert answers == {(401, b"a valid token is needed\n")}
-    reasons = {line["reason"] for line in coming.audited()}
+    reasons = {line.get("reason") for line in coming.audited()}
     assert {"missing", "malformed", "algorithm", "signature", "header", "claim"} <= reasons
     said = said_by_us(caplog) + json.dumps(coming.audited())
     for token, _ in usable.values():
