@@ -7,11 +7,15 @@ from weakref import WeakValueDictionary
 from openrois.errors import OutOfResources
 
 __all__ = [
+    "FIRST_OF_SUBJECT",
+    "FIRST_TEXT_OF_SUBJECT",
     "LEFT_TO_OTHERS",
     "MAX_OF_SUBJECT",
     "MAX_TEXT_OF_SUBJECT",
     "MAX_UNFINISHED",
     "MAX_UNFINISHED_TEXT",
+    "RESERVED",
+    "RESERVED_TEXT",
     "STOP_TEXT",
     "AcceptedTogether",
     "Allowance",
@@ -24,16 +28,27 @@ MAX_UNFINISHED: Final = 16_384
 MAX_UNFINISHED_TEXT: Final = 64 * 1024 * 1024
 """Bytes that are kept of them: a command may wait for a day, and its arguments with it."""
 
-MAX_OF_SUBJECT: Final = 4096
+MAX_OF_SUBJECT: Final = 3072
 """Commands of all applications of one subject: whoever comes again and again leaves something to others."""
 
-MAX_TEXT_OF_SUBJECT: Final = 16 * 1024 * 1024
+MAX_TEXT_OF_SUBJECT: Final = 12 * 1024 * 1024
 """Bytes that are kept of them."""
 
 LEFT_TO_OTHERS: Final = 3
-"""Times what one subject's commands take that stays free beside them, so that whoever comes next finds something.
+"""Times what one subject's commands take that stays free beside them and what is reserved: each subject has up to a
+quarter of what the others leave. What ends others need not leave anything."""
 
-Whoever comes has up to a quarter of what is left then. What ends others need not leave anything."""
+RESERVED: Final = 4096
+"""Commands that are kept for the first ones of each subject, however many others have filled the rest together."""
+
+RESERVED_TEXT: Final = 16 * 1024 * 1024
+"""Bytes that are kept for them."""
+
+FIRST_OF_SUBJECT: Final = 8
+"""Commands of a subject that count as its first ones, and may use what is reserved: enough for 512 subjects."""
+
+FIRST_TEXT_OF_SUBJECT: Final = RESERVED_TEXT * FIRST_OF_SUBJECT // RESERVED
+"""Bytes that may be kept of them."""
 
 STOP_TEXT: Final = 16 * 1024
 """Bytes that may be kept beyond of each command that may be unfinished beyond: of a `stop`."""
@@ -137,8 +152,10 @@ class _Share(Allowance):
     def check(self, count: int, text: int, beyond: int = 0) -> None:
         """Do nothing where so many more commands fit, and enough is left to others."""
         super().check(count, text, beyond)
-        free = self._whole.most - self._whole.taken - count
-        free_text = self._whole.most_text - self._whole.text - text
+        if self.taken + count <= FIRST_OF_SUBJECT and self.text + text <= FIRST_TEXT_OF_SUBJECT:
+            return
+        free = self._whole.most - RESERVED - self._whole.taken - count
+        free_text = self._whole.most_text - RESERVED_TEXT - self._whole.text - text
         is_fair = LEFT_TO_OTHERS * (self.taken + count) <= free and LEFT_TO_OTHERS * (self.text + text) <= free_text
         if not is_fair and not beyond:
             raise OutOfResources("unfinished commands of others leave one subject a smaller share than usual")

@@ -183,11 +183,17 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
     ),
     "components that one application has bound": ((command.MAX_BOUND,), (f"{HERE}::test_bound_components",)),
     "unfinished commands of all applications, those that are gone included / of one subject": (
-        (command_budget.MAX_UNFINISHED, command_budget.MAX_OF_SUBJECT),
+        (
+            command_budget.MAX_UNFINISHED,
+            command_budget.MAX_OF_SUBJECT,
+            command_budget.RESERVED,
+            command_budget.FIRST_OF_SUBJECT,
+        ),
         (
             f"{HERE}::test_unfinished_commands_of_all",
             f"{HERE}::test_those_of_applications_that_are_gone_count",
             f"{BUDGET}::test_one_subject_has_a_share",
+            f"{BUDGET}::test_what_is_reserved_is_for_the_first_commands_of_each_subject",
         ),
     ),
     "what is kept of unfinished commands: of one application / of one subject / of all": (

@@ -2,7 +2,17 @@
 
 import pytest
 
-from openrois.command_budget import MAX_OF_SUBJECT, MAX_TEXT_OF_SUBJECT, STOP_TEXT, Allowance, CommandBudget
+from openrois.command_budget import (
+    FIRST_OF_SUBJECT,
+    FIRST_TEXT_OF_SUBJECT,
+    MAX_OF_SUBJECT,
+    MAX_TEXT_OF_SUBJECT,
+    RESERVED,
+    RESERVED_TEXT,
+    STOP_TEXT,
+    Allowance,
+    CommandBudget,
+)
 from openrois.errors import OutOfResources
 
 MANY = 1_000_000_000
@@ -46,11 +56,36 @@ def test_however_many_take_all_they_can_the_next_finds_something(text: int) -> N
                 return times
         raise AssertionError
 
-    shares = [fill(f"subject {number}") for number in range(16)]
-    assert shares[:4] == [4096, 3072, 2304, 1728]
+    shares = [fill(f"subject {number}") for number in range(64)]
+    assert shares[:4] == [3072, 2304, 1728, 1296]
     assert fill("subject 0") == 0
-    assert fill("somebody new") >= 40
+    assert {fill(f"somebody new {number}") for number in range(400)} == {FIRST_OF_SUBJECT}
     budget.take(somebody(), 1, STOP_TEXT, "subject 1", beyond=1)
+
+
+@pytest.mark.parametrize("text", [0, FIRST_TEXT_OF_SUBJECT // FIRST_OF_SUBJECT])
+def test_what_is_reserved_is_for_the_first_commands_of_each_subject(text: int) -> None:
+    budget, taken = CommandBudget(), []
+    # Whatever has filled the rest.
+    taken.append(budget.take(somebody(), budget.most - RESERVED, budget.most_text - RESERVED_TEXT))
+    subjects = [f"subject {number}" for number in range(RESERVED // FIRST_OF_SUBJECT)]
+    for subject in subjects:
+        for _ in range(FIRST_OF_SUBJECT):
+            taken.append(budget.take(somebody(), 1, text, subject))
+        with pytest.raises(OutOfResources, match="a smaller share than usual"):
+            budget.take(somebody(), 1, 1, subject)
+    with pytest.raises(OutOfResources, match="the engine has at most"):
+        budget.take(somebody(), 1, 0, "one subject more")
+    taken[-1].end_one()
+    budget.take(somebody(), 1, text, subjects[-1])
+
+
+def test_a_first_command_that_is_too_long_has_no_share_of_what_is_reserved() -> None:
+    budget = CommandBudget()
+    budget.take(somebody(), 1, budget.most_text - RESERVED_TEXT)
+    with pytest.raises(OutOfResources, match="a smaller share than usual"):
+        budget.take(somebody(), 1, FIRST_TEXT_OF_SUBJECT + 1, "ann")
+    budget.take(somebody(), 1, FIRST_TEXT_OF_SUBJECT, "ann")
 
 
 def test_who_is_the_only_subject_has_the_whole() -> None:
