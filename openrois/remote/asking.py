@@ -87,14 +87,16 @@ class Asking:
             raise _refusal(name, checked.return_code, reason)
         return checked
 
-    async def ask_unread(self, name: str, params: Params, too_late: Callable[[Any], None]) -> Any:
+    async def ask_unread(
+        self, name: str, params: Params, too_late: Callable[[Any], None], before: Callable[[], None]
+    ) -> Any:
         """Ask and return the result as it came, unless its return code says that it is a refusal.
 
         Raises:
             RoISError: as `ask`.
         """
         reason = _Latest()
-        result = await self._ask(name, params, None, too_late, reason)
+        result = await self._ask(name, params, None, too_late, reason, before=before)
         code = result.get("return_code") if isinstance(result, dict) else None
         if code in _REFUSALS:
             raise _refusal(name, ReturnCode(code), reason)

@@ -2,6 +2,7 @@
 
 import logging
 import secrets
+from collections import deque
 from collections.abc import Awaitable, Callable, Iterable, Mapping
 from typing import Any, Final
 
@@ -46,6 +47,9 @@ EXTENSION_NOTIFICATIONS: Final = (
 CLIENT_GONE: Final = "openrois.client_gone"
 """Notification of a parent to its sub-engine: the application `client_id` is gone for good."""
 
+MAX_GONE: Final = 4096
+"""Applications that are gone and of which that waits to be told; with one more it is told without room."""
+
 
 class RemoteExtension:
     """The extension of a remote engine; an `Extension`.
@@ -54,7 +58,7 @@ class RemoteExtension:
 
     Args:
         ask: asks the other side and returns the result as it came; one that comes after the asking was given up goes to
-            its third argument.
+            its third argument. Its fourth is called right before it asks, when there is room for that.
         post: asks the other side and drops the answer.
         notify: tells the other side.
         is_theirs: tells whether a reference or id belongs to an engine of the other side.
@@ -64,7 +68,7 @@ class RemoteExtension:
 
     def __init__(
         self,
-        ask: Callable[[str, Mapping[str, Any], Callable[[Any], None]], Awaitable[Any]],
+        ask: Callable[[str, Mapping[str, Any], Callable[[Any], None], Callable[[], None]], Awaitable[Any]],
         post: Callable[[str, Mapping[str, Any]], None],
         notify: Callable[[str, Mapping[str, Any]], None],
         is_theirs: Callable[[str], bool],
@@ -78,6 +82,12 @@ class RemoteExtension:
         self._engines: frozenset[str] = frozenset()
         self._clients: dict[str, Client] = {}
         self._ids: dict[Client, str] = {}
+        self._heard: set[str] = set()
+        """The ids of clients that the other side has heard of."""
+        self._gone: deque[str] = deque()
+        """Those of clients that are gone, where that waits for room to be told."""
+        self._outbox = outbox
+        self._tasks = tasks
         self._holders = ToldHolders(self._named, notify, outbox, tasks)
         self._foreign = Tally(_log, "notifications that name a reference or id of another engine")
 
@@ -100,21 +110,38 @@ class RemoteExtension:
         client_id = self._ids.get(client) or self._free_id(client)
         if method == _CONNECT:
             self._note(client, client_id)
+
+        def before() -> None:
+            if client in self._ids:
+                self._heard.add(client_id)
+            elif method == _CONNECT:
+                raise ComponentFailed("the application has left meanwhile")
+
         result = await self._ask(
-            method, {**params, "client_id": client_id}, lambda late: self._end_late_stream(late, client_id)
+            method, {**params, "client_id": client_id}, lambda late: self._end_late_stream(late, client_id), before
         )
         if not isinstance(result, dict):
             raise ComponentFailed(f"the engine's answer to {method} is not an object")
         return result
 
     def catch_up(self) -> None:
-        """Tell who holds what, where that waits for room and there is some by now."""
+        """Tell who holds what and who is gone, where that waits for room and there is some by now."""
         self._holders.catch_up()
+        while self._gone and self._outbox.is_roomy:
+            self._tell_gone()
+
+    async def _wait_to_tell(self) -> None:
+        while self._gone and await self._outbox.room():
+            self.catch_up()
+
+    def _tell_gone(self) -> None:
+        self._notify(CLIENT_GONE, {"client_id": self._gone.popleft()})
 
     def _named(self, client: Client) -> str:
         """Return the id of a client on the other side, which is told of its end from now on."""
         if client not in self._ids:
             self._note(client, self._free_id(client))
+        self._heard.add(self._ids[client])
         return self._ids[client]
 
     def _note(self, client: Client, client_id: str) -> None:
@@ -130,12 +157,22 @@ class RemoteExtension:
             self._post("rois.stream.disconnect_stream", {"stream_id": stream_id, "client_id": client_id})
 
     async def forget(self, client: Client) -> None:
-        """Tell the other side that an application is gone, if it was ever heard of there."""
+        """Tell the other side that an application is gone, if it was ever heard of there: now or when there is room."""
         client_id = self._ids.pop(client, None)
         self._holders.forget(client, client_id)
-        if client_id is not None:
-            del self._clients[client_id]
-            self._notify(CLIENT_GONE, {"client_id": client_id})
+        if client_id is None:
+            return
+        del self._clients[client_id]
+        if client_id not in self._heard:
+            return
+        self._heard.remove(client_id)
+        self._gone.append(client_id)
+        if len(self._gone) > MAX_GONE:
+            # Another side that reads nothing for so long loses its connection, as by any other message too many.
+            self._tell_gone()
+        elif len(self._gone) == 1 and not self._outbox.is_roomy:
+            self._tasks.start(self._wait_to_tell())
+        self.catch_up()
 
     def notifications(self) -> dict[str, NotificationHandler]:
         """Return the handlers that hand a notification to the application it is for."""
@@ -158,4 +195,6 @@ class RemoteExtension:
         """Forget the applications: the other side is gone."""
         self._clients.clear()
         self._ids.clear()
+        self._heard.clear()
+        self._gone.clear()
         self._holders.clear()

@@ -1,5 +1,6 @@
 """Extension calls of many applications over one connection, seen from the parent."""
 
+import asyncio
 import logging
 from collections.abc import AsyncIterator, Callable, Mapping
 from typing import Any
@@ -8,7 +9,8 @@ import pytest
 
 from openrois.contract import Client
 from openrois.errors import ComponentFailed
-from openrois.jsonrpc.outbox import Outbox
+from openrois.jsonrpc.outbox import Outbox, OutboxOverflow
+from openrois.remote import extension
 from openrois.remote.extension import EXTENSION_NOTIFICATIONS, RemoteExtension
 from openrois.tasks import TaskScope
 
@@ -23,22 +25,40 @@ class OtherSide:
         self.told: list[tuple[str, dict[str, Any]]] = []
         self.answer: Any = {"return_code": "OK"}
         self.too_late: Callable[[Any], None] = lambda _result: None
+        self.outbox = Outbox(control_limit=8)
         self.extension = RemoteExtension(
             self._ask,
             lambda name, params: self.posted.append((name, dict(params))),
             self._notify,
             lambda reference: reference.startswith("robot/"),
-            Outbox(),
+            self.outbox,
             tasks,
         )
 
     def _notify(self, name: str, params: Mapping[str, Any]) -> None:
+        self.outbox.put(name)
         self.told.append((name, dict(params)))
 
-    async def _ask(self, name: str, params: Mapping[str, Any], too_late: Callable[[Any], None]) -> Any:
+    async def _ask(
+        self, name: str, params: Mapping[str, Any], too_late: Callable[[Any], None], before: Callable[[], None]
+    ) -> Any:
+        await self.outbox.room()
+        before()
         self.asked.append((name, dict(params)))
         self.too_late = too_late
         return self.answer
+
+    def crowd(self) -> None:
+        """Let so much wait that there is no room."""
+        while self.outbox.is_roomy:
+            self.outbox.put("much")
+
+    async def ease(self) -> None:
+        """Read what waits."""
+        while len(self.outbox):
+            await self.outbox.get()
+        for _ in range(10):
+            await asyncio.sleep(0)
 
     def tell(self, name: str, **params: Any) -> None:
         self.extension.notifications()[name](params)
@@ -174,3 +194,44 @@ async def test_who_holds_a_component_is_told_and_named_again_in_the_end(other: O
         ("openrois.holder", {**held, "holds": False, "client_id": "ann"}),
         ("openrois.client_gone", {"client_id": "ann"}),
     ]
+
+
+async def test_in_a_crowd_who_is_gone_is_told_when_there_is_room(other: OtherSide) -> None:
+    came = [Heard().client(f"client {number}") for number in range(100)]
+    for client in came:
+        await other.extension.call(CONNECT, {}, client)
+    other.crowd()
+    waiting = len(other.outbox)
+    for client in came:
+        await other.extension.forget(client)
+    # Half of what may wait is left to what cannot be put off.
+    assert (len(other.outbox), other.told) == (waiting, [])
+    for _ in range(100):
+        await other.ease()
+    assert other.told == [("openrois.client_gone", {"client_id": client.client_id}) for client in came]
+
+
+async def test_who_came_and_went_in_a_crowd_is_not_told_at_all(other: OtherSide) -> None:
+    other.crowd()
+    for number in range(100):
+        client = Heard().client(f"client {number}")
+        asking = asyncio.ensure_future(other.extension.call(CONNECT, {}, client))
+        await asyncio.sleep(0)
+        await other.extension.forget(client)
+        if number % 2:
+            asking.cancel()
+    await other.ease()
+    assert (other.asked, other.told) == ([], [])
+
+
+async def test_of_too_many_who_are_gone_the_connection_ends(other: OtherSide, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(extension, "MAX_GONE", 10)
+    came = [Heard().client(f"client {number}") for number in range(100)]
+    for client in came:
+        await other.extension.call(CONNECT, {}, client)
+    other.crowd()
+    for client in came[:12]:
+        await other.extension.forget(client)
+    with pytest.raises(OutboxOverflow):
+        await asyncio.gather(*map(other.extension.forget, came[12:]))
+    assert len(other.told) < 10
