@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[1]
 ELSEWHERE = ("authoring", "bench", "client", "conformance", "profile_command", "profile_xml", "testing")
 """Packages that are no part of a gateway or of what an adapter is written with."""
 
-MEDIA = ("admission", "guard", "turns")
+MEDIA = ("admission", "guard", "interfaces", "turns")
 """Modules of `openrois_streaming.network` that bound what comes in."""
 
 NO_LIMITS = {

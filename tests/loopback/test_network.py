@@ -8,11 +8,14 @@ from collections.abc import Callable
 from contextlib import suppress
 from typing import cast
 
+import ifaddr
 import pytest
 from aioice import stun
 from openrois_signaling.messages import Candidate, IceServer, Offer
-from openrois_streaming.network.guard import QUEUE_LIMIT
+from openrois_streaming.network.guard import PAIRS_LIMIT, QUEUE_LIMIT
+from openrois_streaming.network.interfaces import ADDRESSES_LIMIT
 from openrois_streaming.network.settings import NetworkSettings, PortRange
+from openrois_streaming.seams.ice import IceAgent
 from openrois_streaming.state import StreamStatus
 
 from tests.support import loopback
@@ -48,6 +51,12 @@ def ports_of(offer: Offer) -> list[int]:
     """The UDP ports on 127.0.0.1 that an offer names."""
     named = [line.split() for line in offer.sdp.splitlines() if line.startswith("a=candidate:")]
     return [int(words[5]) for words in named if words[4] == "127.0.0.1"]
+
+
+def ports_and_hosts(offer: Offer) -> list[tuple[str, str]]:
+    """The UDP addresses and ports that an offer names."""
+    named = [line.split() for line in offer.sdp.splitlines() if line.startswith("a=candidate:")]
+    return [(words[4], words[5]) for words in named]
 
 
 def attribute(sdp: str, name: str) -> str:
@@ -200,6 +209,31 @@ async def test_without_a_way_out_a_peer_connection_ends_with_a_reason(
         await engine.until("v", StreamStatus.NOT_CONNECTED)
         assert [bye.reason for bye in engine.byes] == [reason]
         assert engine.offers == []
+
+
+async def test_a_machine_and_an_application_with_very_many_addresses(monkeypatch: pytest.MonkeyPatch) -> None:
+    many = [ifaddr.IP(f"127.0.0.{host}", 8, "many0") for host in range(1, 62)]
+    monkeypatch.setattr(ifaddr, "get_adapters", lambda: [ifaddr.Adapter("many0", "many0", many, index=1)])
+    lists: list[int] = []
+    limit_pairs = IceAgent._sort_check_list
+
+    def observed(agent: IceAgent) -> None:
+        limit_pairs(agent)
+        lists.append(len(agent.connection._check_list))
+
+    monkeypatch.setattr(IceAgent, "_sort_check_list", observed)
+    candidates = "".join(f"a=candidate:{n} 1 udp {n} 127.0.1.{n} {3000 + n} typ host\r\n" for n in range(1, 61))
+
+    def answered(sdp: str) -> str:
+        head, first = loopback.without(sdp, "a=candidate:", "a=end-of-candidates").split("m=")
+        return f"{head}m={first}{candidates}"
+
+    async with loopback.engine() as engine, loopback.viewer(engine) as viewer:
+        viewer.bend_answer = answered
+        engine.connect("v", "video")
+        await viewer.plays()
+        assert len(set(ports_and_hosts(engine.offers[0]))) == ADDRESSES_LIMIT
+        assert max(lists) == PAIRS_LIMIT
 
 
 class StunServer(asyncio.DatagramProtocol):

@@ -10,7 +10,7 @@ from typing import Final
 from aioice import Candidate, stun
 
 from openrois_streaming.errors import NoPath
-from openrois_streaming.network.interfaces import NoInterface, host_addresses
+from openrois_streaming.network.interfaces import NoInterface, media_addresses
 from openrois_streaming.network.servers import Servers, StunServer, TurnServer
 from openrois_streaming.network.settings import NetworkSettings, PortRange
 from openrois_streaming.seams.ice import IceAgent, local_candidate
@@ -58,7 +58,7 @@ class Gathering:
             return await self._relays_alone(agent)
         ports = _ports(self._network.ports)
         try:
-            addresses = host_addresses(self._network.interfaces)
+            addresses = media_addresses(self._network.interfaces)
         except NoInterface as error:
             _log.error("%s", error)
             raise NoPath("the engine has not the network interface that it is set to use") from None

@@ -24,6 +24,9 @@ SOURCES_LIMIT: Final = 64
 QUEUE_LIMIT: Final = 1024
 """Datagrams of proven sources that may wait for DTLS and SRTP; then the newest are dropped."""
 
+PAIRS_LIMIT: Final = 100
+"""Candidate pairs of one peer connection that are checked (RFC 8445 section 6.1.2.5), those of the highest priority."""
+
 REPLIES_AT_ONCE: Final = 10
 REPLIES_PER_SECOND: Final = 5.0
 """How many unauthenticated STUN requests are answered with an error."""

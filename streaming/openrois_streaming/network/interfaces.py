@@ -1,9 +1,19 @@
 """The addresses of this machine that media may use."""
 
 import ipaddress
+import itertools
+import logging
 from collections.abc import Iterator, Sequence
+from functools import cache
+from typing import Final
 
 import ifaddr
+
+ADDRESSES_LIMIT: Final = 10
+"""Addresses of this machine that one peer connection uses, with a socket each; with as many of the other end they make
+the 100 candidate pairs of RFC 8445 section 6.1.2.5."""
+
+_log = logging.getLogger(__name__)
 
 
 class NoInterface(ValueError):
@@ -31,6 +41,31 @@ def host_addresses(interfaces: Sequence[str] = ()) -> list[str]:
             raise NoInterface(f"no interface has the name or the address {wanted}; there are: {known}")
         chosen += [address for address in found if address not in chosen]
     return chosen
+
+
+def media_addresses(interfaces: Sequence[str] = ()) -> list[str]:
+    """As `host_addresses`, but `ADDRESSES_LIMIT` at most: of every interface some, in turn.
+
+    Raises:
+        NoInterface: one of them is not there.
+    """
+    addresses = host_addresses(interfaces)
+    if len(addresses) <= ADDRESSES_LIMIT:
+        return addresses
+    grouped: dict[str, list[str]] = {}
+    for name, address in _present():
+        if address in addresses:
+            grouped.setdefault(name, []).append(address)
+    in_turn = (each for rank in itertools.zip_longest(*grouped.values()) for each in rank if each is not None)
+    chosen = list(itertools.islice(dict.fromkeys(in_turn), ADDRESSES_LIMIT))
+    _tell(len(addresses), ", ".join(chosen))
+    return chosen
+
+
+@cache
+def _tell(number: int, chosen: str) -> None:
+    """Log what was chosen of how many, once."""
+    _log.warning("of %d addresses media uses %d: %s; --interface chooses others", number, ADDRESSES_LIMIT, chosen)
 
 
 def _present() -> Iterator[tuple[str, str]]:

@@ -8,6 +8,8 @@ What is reached for, and why nothing public does it:
 * `RTCIceTransport._recv` is what DTLS and SRTP wait in for the next datagram: it suspends them in time.
 * `StunProtocol` receives every datagram; a `Gate` stands in front of it. `check_state` and `check_incoming` tell which
   sources prove themselves, `respond_error` answers those that do not, and `_queue` is what waits for DTLS and SRTP.
+* `sort_check_list` comes whenever there are more pairs to check; there may be so many that to pair and sort them takes
+  seconds.
 * `_nominated` is the pair that is sent over; when its other end is silent, a pair that has proven itself takes over.
 """
 
@@ -27,6 +29,7 @@ from aiortc.rtcicetransport import RTCIceTransport
 from openrois_streaming.network.admission import Admission, Traffic, Verdict, media_traffic
 from openrois_streaming.network.datagrams import KINDS, Kind, StunClass, stun_class, transaction_of
 from openrois_streaming.network.guard import (
+    PAIRS_LIMIT,
     QUEUE_LIMIT,
     REPLIES_AT_ONCE,
     REPLIES_PER_SECOND,
@@ -234,6 +237,9 @@ class IceAgent:
         connection.check_state = self._check_state  # type: ignore[method-assign]
         connection.check_incoming = self._check_incoming  # type: ignore[method-assign, assignment]
         connection.respond_error = self._respond_error  # type: ignore[method-assign]
+        self._aioice_sort_check_list = connection.sort_check_list
+        connection.sort_check_list = self._sort_check_list  # type: ignore[method-assign]
+        self._told_of_pairs = False
         self._aioice_close = connection.close
         connection.close = self._close  # type: ignore[method-assign]
 
@@ -394,7 +400,11 @@ class IceAgent:
         elif not protocol.gate.expect(addr):
             pass
         elif not self.is_done:
-            self._aioice_check_incoming(message, addr, protocol)
+            # It may be of a pair that is new, and may not be left out then.
+            if self._limit_pairs(PAIRS_LIMIT - 1):
+                self._aioice_check_incoming(message, addr, protocol)
+            else:
+                self.figures.forbidden += 1
         elif addr not in protocol.gate.proven:
             self.checks.prove(protocol, addr)
 
@@ -406,6 +416,27 @@ class IceAgent:
             if not self._replies.admits():
                 return
         self._aioice_respond_error(request, addr, protocol, error_code)
+
+    def _sort_check_list(self) -> None:
+        self._aioice_sort_check_list()
+        self._limit_pairs(PAIRS_LIMIT)
+
+    def _limit_pairs(self, limit: int) -> bool:
+        """Leave out pairs of the lowest priority that are not being checked; whether no more than `limit` are left."""
+        pairs = self.connection._check_list
+        for pair in reversed(pairs[:]):
+            if len(pairs) <= limit:
+                return True
+            if pair.task is None and pair.state in (_STATE.FROZEN, _STATE.WAITING):
+                pairs.remove(pair)
+                self._tell_of_pairs()
+        return len(pairs) <= limit
+
+    def _tell_of_pairs(self) -> None:
+        if not self._told_of_pairs:
+            self._told_of_pairs = True
+            told = "a peer connection has more than %d candidate pairs: those of the lowest priority are not checked"
+            _log.info(f"{told} (RFC 8445)", PAIRS_LIMIT)
 
     def _admit(self, protocol: GuardedProtocol, source: Source) -> None:
         for data in protocol.gate.admit(source):

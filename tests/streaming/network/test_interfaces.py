@@ -1,6 +1,8 @@
+import logging
+
 import ifaddr
 import pytest
-from openrois_streaming.network.interfaces import NoInterface, host_addresses
+from openrois_streaming.network.interfaces import ADDRESSES_LIMIT, NoInterface, host_addresses, media_addresses
 
 LOOPBACK = ifaddr.Adapter("lo", "lo", [ifaddr.IP("127.0.0.1", 8, "lo"), ifaddr.IP(("::1", 0, 0), 128, "lo")], index=1)
 ETHERNET = ifaddr.Adapter(
@@ -46,3 +48,28 @@ def test_one_that_is_not_there_is_said() -> None:
 def test_loopback_is_used_where_there_is_nothing_else(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(ifaddr, "get_adapters", lambda: [LOOPBACK])
     assert host_addresses() == ["127.0.0.1"]
+
+
+def test_of_many_addresses_media_uses_a_few_of_every_interface_and_says_so_once(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    many = ifaddr.Adapter("vm0", "vm0", [ifaddr.IP(f"10.1.0.{host}", 24, "vm0") for host in range(1, 62)], index=4)
+    monkeypatch.setattr(ifaddr, "get_adapters", lambda: [many, ETHERNET, BRIDGE])
+    assert len(host_addresses()) == 64
+    with caplog.at_level(logging.WARNING):
+        chosen = media_addresses()
+        assert media_addresses() == chosen
+    assert chosen == [
+        "10.1.0.1",
+        "10.0.0.2",
+        "172.17.0.1",
+        "10.1.0.2",
+        "fd00::2",
+        *(f"10.1.0.{n}" for n in range(3, 8)),
+    ]
+    assert len(chosen) == ADDRESSES_LIMIT
+    assert caplog.messages == [
+        "of 64 addresses media uses 10: 10.1.0.1, 10.0.0.2, 172.17.0.1, 10.1.0.2, fd00::2, 10.1.0.3, 10.1.0.4, "
+        "10.1.0.5, 10.1.0.6, 10.1.0.7; --interface chooses others"
+    ]
+    assert media_addresses(("eth0",)) == ["10.0.0.2", "fd00::2"]

@@ -1,11 +1,14 @@
 import asyncio
+import logging
 from typing import Any
 
 import pytest
+from aioice import Candidate, stun
 from aiortc import RTCPeerConnection
-from openrois_streaming.network.guard import GuardFigures
+from openrois_streaming.network.guard import PAIRS_LIMIT, GuardFigures
+from openrois_streaming.network.interfaces import ADDRESSES_LIMIT
 from openrois_streaming.network.turns import Ingress
-from openrois_streaming.seams.ice import IceAgent
+from openrois_streaming.seams.ice import IceAgent, local_candidate
 
 from tests.support.streaming import settle
 
@@ -42,3 +45,50 @@ async def test_a_socket_that_is_given_up_while_it_is_opened_is_closed(
     assert transports[0].is_closing() is given_up
     await connection.close()
     assert transports[0].is_closing()
+
+
+async def test_a_peer_connection_checks_so_many_pairs_and_the_best_of_them(caplog: pytest.LogCaptureFixture) -> None:
+    connection = RTCPeerConnection()
+    transport = connection.addTransceiver("video").sender.transport.transport
+    figures = GuardFigures()
+    agent = IceAgent(transport, gather=NotImplemented, permits=lambda *_: True, figures=figures, ingress=Ingress())
+    for host in range(1, ADDRESSES_LIMIT + 1):
+        await agent.open_host(f"127.0.0.{host}", [0])
+    ice = agent.connection
+    with caplog.at_level(logging.INFO):
+        for number in range(60):
+            await ice.add_remote_candidate(
+                Candidate(str(number), 1, "udp", number + 1, "127.0.0.1", 2000 + number, "host")
+            )
+            assert len(ice._check_list) <= PAIRS_LIMIT
+    kept = {pair.remote_candidate.priority for pair in ice._check_list}
+    assert kept == set(range(60 - PAIRS_LIMIT // ADDRESSES_LIMIT + 1, 61)), "those of the lowest priority are left out"
+    assert [each for each in caplog.messages if "pairs" in each] == [
+        "a peer connection has more than 100 candidate pairs: those of the lowest priority are not checked (RFC 8445)"
+    ]
+    await connection.close()
+
+
+async def test_a_check_from_elsewhere_finds_room_only_as_long_as_there_is_some() -> None:
+    connection = RTCPeerConnection()
+    transport = connection.addTransceiver("video").sender.transport.transport
+    figures = GuardFigures()
+    agent = IceAgent(transport, gather=NotImplemented, permits=lambda *_: True, figures=figures, ingress=Ingress())
+    await agent.open_host("127.0.0.1", [0])
+    ice = agent.connection
+    ice.remote_username, ice.remote_password = "there", "p" * 22
+    (protocol,) = ice._protocols
+    request = stun.Message(stun.Method.BINDING, stun.Class.REQUEST, attributes={"PRIORITY": 1})
+    for port in range(PAIRS_LIMIT):
+        await ice.add_remote_candidate(local_candidate("host", "127.0.0.1", 2000 + port, base="127.0.0.1"))
+    ice.check_incoming(request, ("127.0.0.1", 3000), protocol)
+    assert len(ice._check_list) == PAIRS_LIMIT
+    assert [pair.remote_addr[1] for pair in ice._check_list if pair.task is not None] == [3000], (
+        "it took another's place"
+    )
+    for pair in ice._check_list:
+        ice.check_start_task(pair)
+    ice.check_incoming(request, ("127.0.0.1", 3001), protocol)
+    assert len(ice._check_list) == PAIRS_LIMIT
+    assert figures.forbidden == 1
+    await connection.close()
