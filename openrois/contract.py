@@ -86,9 +86,16 @@ class ComponentBus(Protocol):
         ...
 
     async def invoke(
-        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = ()
+        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = (), command_id: str = ""
     ) -> tuple[Result, ...]:
-        """Tell a component to do something and wait until it is done."""
+        """Tell a component to do something and wait until it is done.
+
+        Args:
+            component_ref: which component.
+            command_type: what it is to do.
+            arguments: of the command.
+            command_id: what the application calls it; an engine behind a connection hears the same id where it is free.
+        """
         ...
 
     async def subscribe(self, component_ref: str, event_type: str, sink: Sink) -> str:

@@ -231,11 +231,11 @@ class Engine:
             raise self.blame(component_ref, silence) from None
 
     async def invoke(
-        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = ()
+        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = (), command_id: str = ""
     ) -> tuple[Result, ...]:
         """Run a command of a component of the tree to its end."""
         try:
-            return await self.route(component_ref).invoke(component_ref, command_type, arguments)
+            return await self.route(component_ref).invoke(component_ref, command_type, arguments, command_id)
         except NotResponding as silence:
             raise self.blame(component_ref, silence) from None
 

@@ -16,7 +16,7 @@ from openrois.errors import BadParameter, EngineUnreachable, OutOfResources
 from openrois.jsonrpc.session import Reply
 from openrois.remembered import Remembered
 from openrois.types.messages import Result, SubscribeResult
-from openrois.types.references import new_id
+from openrois.types.references import engine_of, new_id
 from openrois.types.streams import StreamStatusNotification
 from openrois.types.values import date_time, read_date_time
 
@@ -95,7 +95,7 @@ class EventLog:
         """
         if len(self._subscriptions) >= MAX_SUBSCRIPTIONS:
             raise OutOfResources(f"one application has at most {MAX_SUBSCRIPTIONS} subscriptions")
-        subscription = _Subscription(new_id(self._engine.engine_id), component_ref, event_type)
+        subscription = _Subscription(new_id(engine_of(component_ref)), component_ref, event_type)
         self._subscriptions[subscription.subscribe_id] = subscription
         if not (of_streams and event_type == _STATUS_EVENT):
             await self._listen(subscription)
@@ -187,7 +187,7 @@ class EventLog:
             Result(name="stream_id", data_type_ref="string", value=notice.stream_id),
         )
         expire = date_time(self._wall_clock() + DETAIL_LIFETIME)
-        event = Event(new_id(self._engine.engine_id), _STATUS_EVENT, component_ref, expire, results)
+        event = Event(new_id(engine_of(component_ref)), _STATUS_EVENT, component_ref, expire, results)
         for subscription in tuple(self._subscriptions.values()):
             if subscription.event_type == _STATUS_EVENT and subscription.component_ref == component_ref:
                 self._take(subscription, event)

@@ -138,9 +138,9 @@ class LocalRegistry:
             self._queries[component_ref] -= 1
 
     async def invoke(
-        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = ()
+        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = (), command_id: str = ""
     ) -> tuple[Result, ...]:
-        """Run a command of a component to its end."""
+        """Run a command of a component to its end; in this process it needs no id."""
         component = self._component(component_ref)
         return await self.guard(component_ref, component, command_type, component.run(command_type, arguments))
 

@@ -134,11 +134,11 @@ class VisibleEngine:
         return await self._engine.query(component_ref, query_type)
 
     async def invoke(
-        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = ()
+        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = (), command_id: str = ""
     ) -> tuple[Result, ...]:
         """Run a command of a component to its end."""
         self.require(component_ref)
-        return await self._engine.invoke(component_ref, command_type, arguments)
+        return await self._engine.invoke(component_ref, command_type, arguments, command_id)
 
     def blame(self, component_ref: str, silence: NotResponding) -> TimedOut:
         """Report that a call to a component had no answer; return what to raise."""

@@ -133,7 +133,7 @@ class _Commands:
         unit = CommandUnit(
             component_ref=params.component_ref,
             command_type="set_parameter",
-            command_id=new_id(self._app.engine.engine_id),
+            command_id=new_id(engine_of(params.component_ref)),
             arguments=tuple(Argument.model_validate(p.model_dump()) for p in params.parameters),
         )
         self._check_operable(unit)
@@ -261,7 +261,7 @@ class _Commands:
         self._acted("rois.command.execute", unit.component_ref, f"{unit.command_type} {unit.command_id}")
         if stream.is_verb(unit.command_type) and stream.has_streams(self._app, unit.component_ref):
             return await stream.run_verb(self._app, unit)
-        return await self._app.engine.invoke(unit.component_ref, unit.command_type, unit.arguments)
+        return await self._app.engine.invoke(unit.component_ref, unit.command_type, unit.arguments, unit.command_id)
 
     def _skip(self, unit: CommandUnit, status: CompletedStatus) -> None:
         if unit.command_id in self._accepted:

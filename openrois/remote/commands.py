@@ -2,11 +2,14 @@
 
 import asyncio
 import logging
+import secrets
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Final
 
+from openrois.command_log import MAX_ID
 from openrois.errors import Aborted
 from openrois.logs import Tally
+from openrois.remembered import Remembered
 from openrois.types.codes import CompletedStatus
 from openrois.types.messages import Completed
 
@@ -14,6 +17,11 @@ __all__ = ["RemoteCommand", "RemoteCommands"]
 
 
 _log = logging.getLogger(__name__)
+
+MAX_USED: Final = 4096
+"""Ids chosen by applications that are remembered of one connection, so that none is sent twice."""
+MAX_USED_TEXT: Final = 1024 * 1024
+"""Characters of these ids."""
 
 
 class RemoteCommand:
@@ -25,7 +33,8 @@ class RemoteCommand:
     Attributes:
         ended: how it ended; None where the engine went away first.
         reason: why it did not end OK, where the other side has said so.
-        is_stopped: its component was told to stop before it was sent.
+        is_stopped: its component was told to stop, so that it must not be sent any more.
+        command_id: the id that the other side knows it by; empty before that is settled.
     """
 
     def __init__(self, component_ref: str) -> None:
@@ -33,6 +42,7 @@ class RemoteCommand:
         self.ended: asyncio.Future[CompletedStatus | None] = asyncio.get_running_loop().create_future()
         self.reason = ""
         self.is_stopped = False
+        self.command_id = ""
 
     def end(self, status: CompletedStatus | None) -> None:
         """Note how it ended; only the first time counts."""
@@ -55,6 +65,7 @@ class RemoteCommands:
         self.strays = Tally(_log, "ends of commands that nobody waits for")
         self._running: dict[str, RemoteCommand] = {}
         self._unsent: set[RemoteCommand] = set()
+        self._used: Remembered[None] = Remembered(MAX_USED, MAX_USED_TEXT)
 
     def __contains__(self, command_id: str) -> bool:
         return command_id in self._running
@@ -62,8 +73,21 @@ class RemoteCommands:
     def __len__(self) -> int:
         return len(self._running)
 
+    def id_for(self, wanted: str) -> str:
+        """Return the id under which a command is sent: the wanted one if it is free, else with a random suffix.
+
+        An id is used once for as long as it is remembered: the end of a command that is not waited for any more must
+        not be taken for that of another. Where `wanted` is empty, any id does.
+        """
+        if wanted and wanted not in self._used and wanted not in self._running:
+            self._used.put(wanted, None, ())
+            return wanted
+        suffix = secrets.token_hex(16)
+        return f"{wanted}-{suffix}" if 0 < len(wanted) < MAX_ID - len(suffix) else suffix
+
     def expect(self, command_id: str, command: RemoteCommand) -> None:
         """Note a command before its end can be told."""
+        command.command_id = command_id
         self._running[command_id] = command
 
     def wait(self, command: RemoteCommand) -> None:
@@ -82,14 +106,14 @@ class RemoteCommands:
         self._before()
 
     def stop(self, component_ref: str) -> None:
-        """Keep the commands of a component from being sent that still wait for that."""
-        for command in self._unsent:
+        """Keep the commands of a component from being sent that still wait for that, or would be sent once more."""
+        for command in (*self._unsent, *self._running.values()):
             if command.component_ref == component_ref:
                 command.is_stopped = True
 
-    def forget(self, command_id: str, command: RemoteCommand) -> None:
-        """Forget a command that nobody waits for any more."""
-        self._running.pop(command_id, None)
+    def forget(self, command: RemoteCommand) -> None:
+        """Forget a command that is not waited for any more."""
+        self._running.pop(command.command_id, None)
         self._unsent.discard(command)
 
     def take_completed(self, params: dict[str, Any]) -> None:

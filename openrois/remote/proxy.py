@@ -2,7 +2,6 @@
 
 import asyncio
 import logging
-import secrets
 from collections.abc import Callable
 from functools import partial
 from typing import Any, Final
@@ -12,6 +11,7 @@ from pydantic import ConfigDict
 from openrois.contract import Directory, Event, Extension, OnFault, Sink, SubscriptionLost
 from openrois.errors import (
     Aborted,
+    BadParameter,
     ComponentFailed,
     EngineUnreachable,
     NotResponding,
@@ -95,7 +95,7 @@ class RemoteProxy:
         )
         self._faults = RemoteFaults(partial(_error_details, self._asking), self._claims, tasks)
         self._commands = RemoteCommands(self._remote_extension.catch_up)
-        self._stops = SharedStops(lambda ref, accepted: self._run(ref, "stop", (), accepted), tasks)
+        self._stops = SharedStops(lambda ref, wanted, accepted: self._run(ref, "stop", (), wanted, accepted), tasks)
         self._subscriptions = SharedSubscriptions(self._subscribe, self._unsubscribe, self._drop_subscription)
         self._strays = Tally(_log, "events that do not fit their subscription")
         self._plain = False
@@ -174,48 +174,38 @@ class RemoteProxy:
         return results
 
     async def invoke(
-        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = ()
+        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = (), command_id: str = ""
     ) -> tuple[Result, ...]:
         """Run a command and wait until the other side says that it has ended; a `stop` may be shared with others."""
         if not is_stop(command_type):
-            return await self._run(component_ref, command_type, arguments)
+            return await self._run(component_ref, command_type, arguments, command_id)
         self._commands.stop(component_ref)
         if arguments:
             # Not everybody's: it waits for room as any other.
-            return await self._run(component_ref, command_type, arguments)
-        return await self._stops.join(component_ref)
+            return await self._run(component_ref, command_type, arguments, command_id)
+        return await self._stops.join(component_ref, command_id)
 
     async def _run(
         self,
         component_ref: str,
         command_type: str,
         arguments: tuple[Argument, ...],
+        wanted: str,
         accepted: Callable[[], None] | None = None,
     ) -> tuple[Result, ...]:
-        """Run a command; one whose acceptance somebody wants to hear of is urgent."""
+        """Run a command, if possible under the id that is wanted; one with `accepted`, called then, is urgent."""
         command = RemoteCommand(component_ref)
-        command_id = secrets.token_hex(16)
         self._commands.wait(command)
         try:
             if accepted is None:
                 await self._stops.sent(component_ref)
             if command_type == "set_parameter":
-                command_id = await self._set_parameter(component_ref, arguments, command)
+                await self._set_parameter(component_ref, arguments, command)
             else:
-                self._commands.expect(command_id, command)
                 unit = CommandUnit(
-                    component_ref=component_ref,
-                    command_type=command_type,
-                    command_id=command_id,
-                    arguments=arguments,
+                    component_ref=component_ref, command_type=command_type, command_id=wanted, arguments=arguments
                 )
-                await self._asking.ask(
-                    "rois.command.execute",
-                    ExecuteParams(command_unit_list=(unit,)),
-                    ReturnResult,
-                    urgent=accepted is not None,
-                    before=partial(self._commands.send, command),
-                )
+                await self._execute(unit, command, is_urgent=accepted is not None)
             if accepted is not None:
                 accepted()
             # The component's own engine ends it in time, and can say more about it; some do not.
@@ -225,14 +215,38 @@ class RemoteProxy:
         except TimeoutError:
             raise NotResponding(f"{command_type} of {component_ref} did not end in time") from None
         finally:
-            self._commands.forget(command_id, command)
+            self._commands.forget(command)
         if status is None:
             raise EngineUnreachable(f"the engine went away during {command_type} of {component_ref}")
         if status is not CompletedStatus.OK:
             raise _failure(status, command.reason or "its adapter gives no reason, but its log may")
-        return await self._command_results(component_ref, command_type, command_id)
+        return await self._command_results(component_ref, command_type, command.command_id)
 
-    async def _set_parameter(self, component_ref: str, arguments: tuple[Argument, ...], command: RemoteCommand) -> str:
+    async def _execute(self, unit: CommandUnit, command: RemoteCommand, *, is_urgent: bool) -> None:
+        """Send a unit under its id, or under another where it is taken or such ids are the other side's to choose."""
+        wanted = "" if self._claims.is_own(unit.command_id) else unit.command_id
+        try:
+            await self._execute_as(self._commands.id_for(wanted), unit, command, is_urgent)
+        except BadParameter:
+            if command.command_id != wanted:
+                raise
+            # The other side may remember the id from before this connection.
+            self._commands.forget(command)
+            if is_urgent:
+                command.is_stopped = False
+            await self._execute_as(self._commands.id_for(wanted), unit, command, is_urgent)
+
+    async def _execute_as(self, command_id: str, unit: CommandUnit, command: RemoteCommand, is_urgent: bool) -> None:
+        self._commands.expect(command_id, command)
+        await self._asking.ask(
+            "rois.command.execute",
+            ExecuteParams(command_unit_list=(unit.model_copy(update={"command_id": command_id}),)),
+            ReturnResult,
+            urgent=is_urgent,
+            before=partial(self._commands.send, command),
+        )
+
+    async def _set_parameter(self, component_ref: str, arguments: tuple[Argument, ...], command: RemoteCommand) -> None:
         def accepted(result: SetParameterResult) -> None:
             # The id is the other side's: it is known from here on, before its `completed` can be looked at.
             self._claims.require_own(result.command_id)
@@ -245,10 +259,7 @@ class RemoteProxy:
             "parameters": [argument.model_dump(mode="json") for argument in arguments],
         }
         before = partial(self._commands.send, command)
-        result = await self._asking.ask(
-            "rois.command.set_parameter", params, SetParameterResult, accepted, before=before
-        )
-        return result.command_id
+        await self._asking.ask("rois.command.set_parameter", params, SetParameterResult, accepted, before=before)
 
     async def _command_results(self, component_ref: str, command_type: str, command_id: str) -> tuple[Result, ...]:
         profile = self._claims.profile(component_ref)

@@ -15,7 +15,8 @@ __all__ = ["SharedStops"]
 class _Stop:
     """One `stop`, for all who asked for it before it was sent."""
 
-    def __init__(self) -> None:
+    def __init__(self, command_id: str) -> None:
+        self.command_id = command_id
         self.sent = asyncio.Event()
         self.answered = asyncio.Event()
         self.ended: asyncio.Future[tuple[Result, ...]] = asyncio.get_running_loop().create_future()
@@ -36,28 +37,32 @@ class SharedStops:
     have ended: one that takes long, or for ever, keeps no other from being sent.
 
     Args:
-        run: sends the `stop` of a component at once, calls its second argument when that is accepted, and returns what
-            it gave when it has ended.
+        run: sends the `stop` of a component at once, if possible under the id that is its second argument, calls the
+            third when that is accepted, and returns what it gave when it has ended.
         tasks: owns the stops, which are sent also when whoever asked for them is gone.
     """
 
     def __init__(
-        self, run: Callable[[str, Callable[[], None]], Awaitable[tuple[Result, ...]]], tasks: TaskScope
+        self, run: Callable[[str, str, Callable[[], None]], Awaitable[tuple[Result, ...]]], tasks: TaskScope
     ) -> None:
         self._run = run
         self._tasks = tasks
         self._waiting: dict[str, _Stop] = {}
         self._on_its_way: dict[str, _Stop] = {}
 
-    async def join(self, component_ref: str) -> tuple[Result, ...]:
+    async def join(self, component_ref: str, command_id: str = "") -> tuple[Result, ...]:
         """Wait for the end of a `stop` that is sent from now on, and return what it gave.
+
+        Args:
+            component_ref: which component.
+            command_id: what the application calls the command; of several that share one the first counts.
 
         Raises:
             RoISError: what `run` raised.
         """
         stop = self._waiting.get(component_ref)
         if stop is None:
-            stop = _Stop()
+            stop = _Stop(command_id)
             stop.task = self._tasks.start(self._carry_out(component_ref, stop))
             self._waiting[component_ref] = stop
         stop.sharers += 1
@@ -83,7 +88,8 @@ class SharedStops:
             del self._waiting[component_ref]
             self._on_its_way[component_ref] = stop
             stop.sent.set()
-            stop.ended.set_result(await self._run(component_ref, partial(self._answered, component_ref, stop)))
+            answered = partial(self._answered, component_ref, stop)
+            stop.ended.set_result(await self._run(component_ref, stop.command_id, answered))
         except Exception as error:
             stop.ended.set_exception(error)
             # Whoever asked may be gone, and then nobody looks at it.

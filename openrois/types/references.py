@@ -33,5 +33,5 @@ def reference(engine_id: str, name: str) -> str:
 
 
 def new_id(engine_id: str) -> str:
-    """Return an id that engine `engine_id` mints: its own id and 128 random bits, so that it can't be guessed."""
+    """Return an id of engine `engine_id`: its own id and 128 random bits, so that it can't be guessed."""
     return f"{engine_id}/{secrets.token_hex(16)}"

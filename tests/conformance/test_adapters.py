@@ -170,7 +170,7 @@ class TestPlainAdapter:
         assert answer["results"] == [{"name": "text", "data_type_ref": "string", "value": "fine"}]
         assert plain.last("rois.query.query") == {"query_type": "mood", "condition": "component_ref = 'plain/it''s'"}
 
-    async def test_execute_is_one_unit_without_delay_and_under_another_id(
+    async def test_execute_is_one_unit_without_delay_and_under_its_own_id(
         self, gateway: Gateway, stack: AsyncExitStack
     ) -> None:
         plain = await stack.enter_async_context(plain_adapter(gateway))
@@ -184,8 +184,8 @@ class TestPlainAdapter:
         units = [params["command_unit_list"] for method, params in plain.asked if method == "rois.command.execute"]
         assert [len(listed) for listed in units] == [1, 1]
         first = units[0][0]
-        assert first.pop("command_id") not in ("mine", "too")
-        assert first == {"component_ref": TOY, "command_type": "say", "arguments": [argument], "delay_time": None}
+        assert first == {**unit, "delay_time": None}
+        assert units[1][0]["command_id"] == "too"
         answer = await app.ask("rois.command.get_command_result", command_id="mine")
         assert answer["results"][0]["value"] == "fine"
 
@@ -231,7 +231,7 @@ class TestPlainAdapter:
         app = await stack.enter_async_context(deployment.application(gateway))
         parameters = [{"name": "text", "data_type_ref": "string", "value": "x"}]
         answer = await app.ask("rois.command.set_parameter", component_ref=TOY, parameters=parameters)
-        assert answer["command_id"].startswith("gateway/")
+        assert answer["command_id"].startswith("plain/")
         assert await app.completed(answer["command_id"]) == {answer["command_id"]: "OK"}
         assert plain.last("rois.command.set_parameter") == {"component_ref": TOY, "parameters": parameters}
         answer = await app.ask("rois.command.get_parameter", component_ref=TOY)

@@ -119,7 +119,7 @@ class TestParameters:
             component_ref=LAMP,
             parameters=[value("colour", ""), value("level", "-0")],
         )
-        assert answer["command_id"].startswith("gateway/")
+        assert answer["command_id"].startswith("robot/")
         assert app.told == []
         assert await app.completed(answer["command_id"]) == {answer["command_id"]: "OK"}
         assert await results(app, answer["command_id"]) == []

@@ -40,7 +40,7 @@ class Far:
         return ()
 
     async def invoke(
-        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = ()
+        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = (), command_id: str = ""
     ) -> tuple[Result, ...]:
         self.asked.append(f"invoke {command_type} of {component_ref}")
         return ()

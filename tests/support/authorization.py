@@ -61,7 +61,7 @@ class Watched:
         return await self.robot.registry.query(component_ref, query_type)
 
     async def invoke(
-        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = ()
+        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = (), command_id: str = ""
     ) -> tuple[Result, ...]:
         self.reached.append(("invoke", component_ref))
         return await self.robot.registry.invoke(component_ref, command_type, arguments)

@@ -59,6 +59,8 @@ class PlainAdapter:
         refusals: the codes of the errors that it was answered.
         hold_completed: whether `completed` is left to the test.
         last_id: the id of the last request.
+        methods: what was asked that no test has waited for.
+        known: ids of commands that it has had already; it refuses another of such an id.
     """
 
     socket: ClientConnection
@@ -70,6 +72,8 @@ class PlainAdapter:
     hold_completed: bool = False
     minted: int = 0
     last_id: int = 0
+    known: set[str] = field(default_factory=set)
+    methods: asyncio.Queue[str] = field(default_factory=asyncio.Queue)
 
     async def run(self) -> None:
         with suppress(ConnectionClosed):
@@ -87,6 +91,7 @@ class PlainAdapter:
         assert type(request["id"]) is int
         self.last_id = request["id"]
         self.asked.append((method, params))
+        self.methods.put_nowait(method)
         answer = self.answers.get(method, ...)
         if answer is None:
             self.unanswered.put_nowait(request)
@@ -96,6 +101,9 @@ class PlainAdapter:
             await self.socket.send(answer.replace('"ID"', str(request["id"])))
             return
         result = self._usual(method, params) if answer is ... else answer
+        if method == "rois.command.execute" and params["command_unit_list"][0]["command_id"] in self.known:
+            await self.answer(request, return_code="BAD_PARAMETER")
+            return
         if result is None:
             envelope["error"] = {"code": -32601, "message": "Method not found"}
         else:
@@ -139,6 +147,12 @@ class PlainAdapter:
             expire="2030-01-01T00:00:00+00:00",
             results=[{"name": "text", "data_type_ref": "string", "value": "ha"}],
         )
+
+    async def heard(self, method: str) -> None:
+        """Wait until `method` is asked that was not waited for before."""
+        async with patience():
+            while await self.methods.get() != method:
+                pass
 
     def last(self, method: str) -> dict[str, Any]:
         """Return the params of the latest request of `method`."""

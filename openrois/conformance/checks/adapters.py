@@ -1,5 +1,6 @@
 """The leg between gateway and adapter: what an adapter is asked, what it may be, and what it may not do."""
 
+import secrets
 from typing import Any, Final
 
 from openrois.conformance.checks.execute import EXECUTE
@@ -58,6 +59,23 @@ async def _adapter_execute(stage: Stage) -> None:
         expect("the delay_time", unit.get("delay_time"), None)
         expect("the component and command", (unit["component_ref"], unit["command_type"]), (eye, "echo"))
         expect("the arguments", unit["arguments"], [argument])
+
+
+@CHECKS("adapter-command-id", Needs.ADAPTER)
+async def _adapter_command_id(stage: Stage) -> None:
+    """A command reaches its adapter under the id that the application chose, while that is free there."""
+    app, other = await stage.application(), await stage.application()
+    unit = {"component_ref": stage.ref("eye"), "command_type": "echo", "command_id": f"chosen-{secrets.token_hex(8)}"}
+    await app.granted(EXECUTE, command_unit_list=[unit])
+    await app.completed(unit["command_id"])
+    if await other.code(EXECUTE, command_unit_list=[unit]) == "OK":
+        await other.completed(unit["command_id"])
+    else:
+        stage.remark("a command_id that one application has used is refused to others")
+    sent = [params["command_unit_list"][0]["command_id"] for params in stage.probe.params_of(EXECUTE)]
+    expect("the command_id", sent[0], unit["command_id"])
+    if len(set(sent)) != len(sent):
+        raise Deviation("ids at the adapter that are all different", shown(sent))
 
 
 @CHECKS("adapter-never-asked", Needs.ADAPTER)

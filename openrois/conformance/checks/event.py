@@ -31,6 +31,8 @@ async def _subscribe(stage: Stage) -> None:
     """Who has subscribed is told: event_id, event_type, its own subscribe_id, expire, and the results as they were."""
     app = await stage.application()
     subscribe_id = await _subscribed(app)
+    owner = stage.ref("eye").partition("/")[0]
+    expect(f"the engine id that leads the subscribe_id {subscribe_id}", subscribe_id.partition("/")[0], owner)
     event_id = await stage.probe.happen(stage.ref("eye"), TYPE)
     notice = await app.next(EVENT)
     expect("the subscribe_id", notice["subscribe_id"], subscribe_id)

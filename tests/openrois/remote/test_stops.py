@@ -32,7 +32,7 @@ class Robot:
     def __post_init__(self) -> None:
         self.stops = SharedStops(self._run, self.tasks)
 
-    async def _run(self, component_ref: str, accepted: Callable[[], None]) -> tuple[Result, ...]:
+    async def _run(self, component_ref: str, _command_id: str, accepted: Callable[[], None]) -> tuple[Result, ...]:
         self.sent.append(Sent(component_ref, accepted, asyncio.get_running_loop().create_future()))
         return await self.sent[-1].ended
 

@@ -184,7 +184,7 @@ class Vague(Bus):
     """Says that something is wrong, and not what."""
 
     async def invoke(
-        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = ()
+        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = (), command_id: str = ""
     ) -> tuple[Result, ...]:
         try:
             return await super().invoke(component_ref, command_type, arguments)
@@ -196,7 +196,7 @@ class Lax(Bus):
     """Drops the arguments that it does not know."""
 
     async def invoke(
-        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = ()
+        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = (), command_id: str = ""
     ) -> tuple[Result, ...]:
         known = tuple(argument for argument in arguments if argument.name != "no_such_thing")
         return await super().invoke(component_ref, command_type, known)
@@ -206,7 +206,7 @@ class Hasty(Bus):
     """Turns first and reads the arguments afterwards."""
 
     async def invoke(
-        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = ()
+        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = (), command_id: str = ""
     ) -> tuple[Result, ...]:
         if command_type == "turn":
             await super().invoke(component_ref, "turn", (Argument(name="degrees", data_type_ref="int", value="1"),))
@@ -260,7 +260,7 @@ class Crowded(Bus):
     """Lets any number of `start` run."""
 
     async def invoke(
-        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = ()
+        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = (), command_id: str = ""
     ) -> tuple[Result, ...]:
         if command_type == "start" and self._component(component_ref).status == "BUSY":
             return ()
@@ -316,7 +316,7 @@ class Deaf(Bus):
     """Says OK and stores nothing."""
 
     async def invoke(
-        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = ()
+        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = (), command_id: str = ""
     ) -> tuple[Result, ...]:
         if command_type == "set_parameter":
             with pytest.MonkeyPatch.context() as patch:
@@ -329,7 +329,7 @@ class Piecemeal(Bus):
     """Stores one parameter after the other until one does not fit."""
 
     async def invoke(
-        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = ()
+        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = (), command_id: str = ""
     ) -> tuple[Result, ...]:
         if command_type == "set_parameter":
             for argument in arguments:
