@@ -25,6 +25,7 @@ from openrois.event_log import EventLog
 from openrois.fence import Fence
 from openrois.journal.journal import Journal
 from openrois.jsonrpc.protocol import Peer, RequestId
+from openrois.jsonrpc.unread import UnreadBudget
 from openrois.leases.keeper import LeaseKeeper
 from openrois.leases.model import Rules
 from openrois.leases.telling import Holder
@@ -66,6 +67,7 @@ class EngineHost:
         leases: who holds which component.
         shown: what applications are shown of the engine.
         commands: what the commands take that are accepted and not finished.
+        unread: what waits to be sent on all connections.
         sleep: waits for some seconds, between the commands of a sequence.
         wall_clock: epoch seconds.
         ice_servers: what an end of a stream may use, as the W3C's RTCIceServer objects; given who it is for.
@@ -85,6 +87,7 @@ class EngineHost:
     tasks: TaskScope
     shown: ShownDirectories = field(default_factory=ShownDirectories)
     commands: CommandBudget = field(default_factory=CommandBudget)
+    unread: UnreadBudget = field(default_factory=UnreadBudget)
     sleep: Callable[[float], Awaitable[None]] = asyncio.sleep
     wall_clock: Callable[[], float] = time.time
     ice_servers: Callable[[str], tuple[Mapping[str, Any], ...]] = lambda _user: ()

@@ -79,6 +79,7 @@ class Traffic:
         latencies: of the requests of applications.
         call_latencies: of our calls to adapters.
         turned_away: how many connections were refused, by reason; the reasons are this program's own words.
+        cut: how many connections were cut because the other side did not behave, by reason.
         closed: how many connections ended with each code of the WebSocket protocol.
     """
 
@@ -88,6 +89,7 @@ class Traffic:
         self.latencies = Latencies()
         self.call_latencies = Latencies()
         self.turned_away: dict[str, int] = {}
+        self.cut: dict[str, int] = {}
         self.closed: dict[int, int] = {}
 
     @contextmanager
@@ -119,6 +121,10 @@ class Traffic:
     def turn_away(self, reason: str) -> None:
         """Count a connection that was refused."""
         self.turned_away[reason] = self.turned_away.get(reason, 0) + 1
+
+    def cut_off(self, reason: str) -> None:
+        """Count a connection that was cut."""
+        self.cut[reason] = self.cut.get(reason, 0) + 1
 
     def seen(self, kind: str) -> Seen:
         """Return how the connections of one kind stand."""

@@ -9,7 +9,7 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import Final
 
-__all__ = ["ALLOWED", "LOCAL", "Principal", "Role"]
+__all__ = ["ALLOWED", "LOCAL", "Principal", "Role", "quota_name"]
 
 
 class Role(StrEnum):
@@ -132,3 +132,8 @@ def _matcher(scope: tuple[str, ...]) -> Callable[[str], object]:
 
 LOCAL: Final = Principal("local", frozenset({Role.ADMINISTRATOR, Role.ADAPTER}), ("*",))
 """Whoever reaches a gateway of this machine that runs without authentication, and the parent of an engine."""
+
+
+def quota_name(principal: Principal, connection_id: str) -> str:
+    """Return whose quotas a connection counts against: its subject's; without tokens it is a subject of its own."""
+    return f"connection {connection_id}" if principal is LOCAL else f"subject {principal.subject}"

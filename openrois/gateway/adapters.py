@@ -5,7 +5,7 @@ import logging
 import secrets
 from typing import Final
 
-from openrois.access.principal import LOCAL, Principal
+from openrois.access.principal import LOCAL, Principal, quota_name
 from openrois.application import EngineHost
 from openrois.contract import Directory
 from openrois.correlation import connection
@@ -74,11 +74,14 @@ async def serve_adapter(
     attaching = host.tasks.start(_keep_attached(host, session, proxy, changed, tenure))
     closed = StreamClosed(1006)
     try:
+        name = f"adapter-{secrets.token_hex(4)}"
         with (
-            connection(f"adapter-{secrets.token_hex(4)}"),
+            connection(name),
             sign_ins.visit(tenure.principal, "/adapter", tenure.address) as visit,
             host.traffic.counted("adapter", session),
+            host.unread.account(quota_name(tenure.principal, name), session.cut_unread) as unread,
         ):
+            session.outbox.account = unread
             closed = await session.run()
             visit.ended = str(closed)
         return closed

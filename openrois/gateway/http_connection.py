@@ -1,5 +1,6 @@
 """One connection of the gateway's port: aiohttp's, with what comes bounded, and checked before it is parsed."""
 
+import asyncio
 from collections.abc import Callable
 from typing import Any, Final, Protocol
 
@@ -19,9 +20,10 @@ class HttpConnection(Connection):
 
     Attributes:
         rules: what holds for the frames of its WebSocket; to be set before the upgrade is answered.
+        writable: whether little waits in front of the kernel; is set at the end, too.
     """
 
-    __slots__ = ("_takes_frames", "rules")
+    __slots__ = ("_takes_frames", "rules", "writable")
 
     rules: FrameRules
 
@@ -29,6 +31,23 @@ class HttpConnection(Connection):
         super().__init__(manager, heads, address, **options)
         # An upgrade that is refused leaves a connection that takes heads.
         self._takes_frames = False
+        self.writable = asyncio.Event()
+        self.writable.set()
+
+    def pause_writing(self) -> None:
+        """Have senders wait: the other side is slow."""
+        self.writable.clear()
+        super().pause_writing()
+
+    def resume_writing(self) -> None:
+        """Let senders go on."""
+        self.writable.set()
+        super().resume_writing()
+
+    def connection_lost(self, exc: BaseException | None) -> None:
+        """End, and let go of senders."""
+        self.writable.set()
+        super().connection_lost(exc)
 
     def data_received(self, data: bytes) -> None:
         """Take what has come; over a WebSocket no head is waited for, and nothing is looked up for every message."""

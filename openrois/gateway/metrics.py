@@ -120,6 +120,24 @@ GATEWAY: Final[tuple[Figure[EngineHost], ...]] = (
         lambda h: h.commands.most_text,
     ),
     Figure(
+        "openrois_gateway_unread_characters",
+        "gauge",
+        "Characters that wait to be sent, on all connections.",
+        lambda h: h.unread.total,
+    ),
+    Figure(
+        "openrois_gateway_unread_characters_limit",
+        "gauge",
+        "Characters that may wait to be sent.",
+        lambda h: h.unread.most,
+    ),
+    Figure(
+        "openrois_gateway_unread_cuts_total",
+        "counter",
+        "Connections cut because all together had too much unread.",
+        lambda h: h.unread.cuts,
+    ),
+    Figure(
         "openrois_gateway_leases",
         "gauge",
         "Components that somebody holds.",
@@ -270,6 +288,11 @@ TURNED_AWAY: Final[tuple[Figure[int], ...]] = (
 )
 """With the label `reason`."""
 
+CUT: Final[tuple[Figure[int], ...]] = (
+    Figure("openrois_gateway_cut_connections_total", "counter", "Connections that were cut, by reason.", float),
+)
+"""With the label `reason`."""
+
 LEASES_ENDED: Final[tuple[Figure[int], ...]] = (
     Figure("openrois_gateway_leases_ended_total", "counter", "Leases that ended, by reason.", float),
 )
@@ -285,7 +308,7 @@ ADAPTER: Final[tuple[Figure[int], ...]] = (
 )
 """With the label `engine`."""
 
-LABELLED: Final[tuple[Figure[Any], ...]] = (*KEYS, *CERTIFICATE, *TURNED_AWAY, *LEASES_ENDED, *CLOSED, *ADAPTER)
+LABELLED: Final[tuple[Figure[Any], ...]] = (*KEYS, *CERTIFICATE, *TURNED_AWAY, *CUT, *LEASES_ENDED, *CLOSED, *ADAPTER)
 """Each has as many samples as there are values of its label; at first none."""
 
 FIGURES: Final[tuple[Figure[Any], ...]] = (*CONNECTION, *GATEWAY, *LAG, *HEADS, *PLACES, *FILES, *LIMITS, *LABELLED)
@@ -338,6 +361,7 @@ def _families(sources: Sources) -> Iterator[Metric]:
     limits = [((kind,), limit) for kind, limit in zip(KINDS, (MAX_APPLICATIONS, MAX_ADAPTERS), strict=True)]
     yield from families(LIMITS, ("kind",), limits)
     yield from families(TURNED_AWAY, ("reason",), [((why,), count) for why, count in traffic.turned_away.items()])
+    yield from families(CUT, ("reason",), [((why,), count) for why, count in traffic.cut.items()])
     yield from families(LEASES_ENDED, ("reason",), [((why,), count) for why, count in host.leases.ended.items()])
     yield from families(CLOSED, ("code",), [((code,), count) for code, count in _codes(traffic.closed)])
     yield from families(ADAPTER, ("engine",), [((engine_id,), 1) for engine_id in _engines(host)])

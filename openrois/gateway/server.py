@@ -34,9 +34,11 @@ from openrois.gateway.places import Places
 from openrois.gateway.returning import Returning
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import ADAPTER, APPLICATION, ServerSocket, SocketProfile
+from openrois.gateway.stalling import Stalling
 from openrois.gateway.tenure import Tenure
 from openrois.heads import OPTIONS, Heads
 from openrois.journal.journal import Journal
+from openrois.jsonrpc.unread import UnreadBudget
 from openrois.leases.model import Rules
 from openrois.log_lines import Redaction
 from openrois.loop_lag import LoopLag
@@ -111,6 +113,7 @@ async def run_gateway(
             lease_rules=Rules(settings.lease_grace, settings.lease_answer),
             # Greater than those of a process before this one, as long as the wall clock is not set back.
             first_epoch=round(time.time() * 1000),
+            unread=UnreadBudget(settings.unread),
         )
         entrance = Entrance.open(settings, audit, tasks, host.traffic.turn_away)
         readiness = Readiness()
@@ -170,6 +173,7 @@ class _Server:
         self._entrance = entrance
         self._places = places
         self._adapter_timeout = settings.adapter_timeout
+        self._stall_timeout = settings.stall_timeout
         self._application_profile = application
         self._adapter_profile = adapter
         self._sockets: set[ServerSocket] = set()
@@ -234,7 +238,9 @@ class _Server:
         serve: Callable[[MessageStream], Awaitable[object]],
     ) -> web.StreamResponse:
         with place:
-            socket = ServerSocket(request, profile)
+            socket = ServerSocket(
+                request, profile, stalling=Stalling(self._stall_timeout), on_cut=self._host.traffic.cut_off
+            )
             try:
                 async with entering:
                     self._require_open()

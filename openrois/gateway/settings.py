@@ -9,8 +9,10 @@ from openrois.access.loopback import is_loopback
 from openrois.gateway.access_settings import Authentication, Encryption
 from openrois.gateway.places import MAX_PER_ADDRESS
 from openrois.gateway.settings_group import SettingsGroup, setting
+from openrois.gateway.stalling import STALL_TIMEOUT
 from openrois.heads import MAX_SILENT, MAX_SILENT_PER_ADDRESS
 from openrois.jsonrpc.session import CALL_TIMEOUT
+from openrois.jsonrpc.unread import MAX_UNREAD
 from openrois.leases.model import GRACE, PATIENCE
 from openrois.metrics.server import metrics_address
 from openrois.types.references import flaw_of_name
@@ -21,6 +23,7 @@ SECRET_LENGTH = 16
 """Characters that a secret has at least; whoever guesses it has what it keeps."""
 
 _URL_LIMIT = 512
+_LEAST_UNREAD = 1 << 20
 
 
 class Listening(SettingsGroup):
@@ -111,6 +114,27 @@ class Leases(SettingsGroup):
         return self
 
 
+class Quotas(SettingsGroup):
+    """What connections may take of the gateway, each and together."""
+
+    table: ClassVar[str] = "quotas"
+
+    unread: int = setting(
+        MAX_UNREAD, "characters that wait to be read on all connections; beyond, the fullest is cut", metavar="COUNT"
+    )
+    stall_timeout: float = setting(
+        STALL_TIMEOUT, "seconds that a connection on which something waits may take no byte", metavar="SECONDS"
+    )
+
+    @model_validator(mode="after")
+    def _check_quotas(self) -> Self:
+        if self.unread < _LEAST_UNREAD:
+            raise ValueError(f"unread must be at least {_LEAST_UNREAD}, which one reply may take")
+        if not 1 <= self.stall_timeout <= 3600:
+            raise ValueError("stall_timeout must be between 1 and 3600 seconds")
+        return self
+
+
 class Operation(SettingsGroup):
     """What the gateway tells those who operate it."""
 
@@ -138,7 +162,7 @@ class Operation(SettingsGroup):
         return self
 
 
-class GatewaySettings(Listening, Authentication, Encryption, Streams, Adapters, Leases, Operation):
+class GatewaySettings(Listening, Authentication, Encryption, Streams, Adapters, Leases, Quotas, Operation):
     """The settings of one gateway.
 
     Raises:
@@ -174,6 +198,7 @@ GROUPS: Final[tuple[type[SettingsGroup], ...]] = (
     Streams,
     Adapters,
     Leases,
+    Quotas,
     Operation,
 )
 """The tables of the configuration file, in its order."""

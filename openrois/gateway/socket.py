@@ -1,9 +1,10 @@
 """The server's side of a WebSocket as a message stream, on aiohttp."""
 
 import asyncio
+import secrets
 import struct
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final, cast
 
@@ -12,6 +13,7 @@ from aiohttp import WebSocketError, WSCloseCode, WSMessage, WSMsgType, web
 from openrois.gateway.admission import SUBPROTOCOL
 from openrois.gateway.frames import BROKEN, CONTROL_FRAMES_AT_ONCE, CONTROL_FRAMES_PER_SECOND, FrameRules
 from openrois.gateway.http_connection import HttpConnection
+from openrois.gateway.stalling import Stalling
 from openrois.rate import RateLimit
 from openrois.transport.silence import Silence
 from openrois.transport.stream import StreamClosed, close_reason
@@ -40,19 +42,35 @@ ADAPTER: Final = SocketProfile(max_message=1 << 20, ping_interval=1.5, ping_time
 _CLOSE_TIMEOUT: Final = 1.0
 _NO_CODE: Final = 1005
 
-_HIGH_WATER: Final = 64 * 1024
-"""Bytes that wait in front of the kernel from which on a sender waits."""
+_PING_PAYLOAD: Final = 8
+_PING: Final = bytes((0x89, _PING_PAYLOAD))
+"""The header of a ping."""
 
-_PING: Final = b"\x89\x00"
 _TEXT: Final = 0x81
 _LENGTH_16: Final = struct.Struct("!BBH")
 _LENGTH_64: Final = struct.Struct("!BBQ")
 
 
 class ServerSocket:
-    """One accepted connection; a `MessageStream` that pings by itself while it is received from."""
+    """One accepted connection; a `MessageStream` that pings by itself while it is received from.
 
-    def __init__(self, request: web.Request, profile: SocketProfile) -> None:
+    Args:
+        request: that for the upgrade.
+        profile: the bounds of its kind.
+        stalling: what it takes in.
+        clock: monotonic seconds.
+        on_cut: told the reason when the other side is cut because it stays silent, or takes nothing in.
+    """
+
+    def __init__(
+        self,
+        request: web.Request,
+        profile: SocketProfile,
+        *,
+        stalling: Stalling | None = None,
+        clock: Callable[[], float] = time.monotonic,
+        on_cut: Callable[[str], None] = lambda _reason: None,
+    ) -> None:
         # aiohttp's limit excludes the number itself.
         self.response = web.WebSocketResponse(
             autoping=False,
@@ -66,7 +84,15 @@ class ServerSocket:
         self._profile = profile
         self._rules = FrameRules(RateLimit(CONTROL_FRAMES_AT_ONCE, CONTROL_FRAMES_PER_SECOND, time.monotonic))
         self._silence = Silence()
+        self._stalling = stalling or Stalling()
+        self._clock = clock
+        self._on_cut = on_cut
+        self._pinged = b""
         self._ended: StreamClosed | None = None
+
+    @property
+    def _connection(self) -> HttpConnection:
+        return cast(HttpConnection, self._request.protocol)
 
     async def prepare(self) -> None:
         """Answer the upgrade.
@@ -74,25 +100,44 @@ class ServerSocket:
         Raises:
             StreamClosed: whoever asked for it has gone.
         """
-        cast(HttpConnection, self._request.protocol).rules = self._rules
+        self._connection.rules = self._rules
         try:
             await self.response.prepare(self._request)
         except ConnectionError as error:
             raise StreamClosed(1006) from error
 
     async def keep_alive(self) -> None:
-        """Ping for ever; a side that stays silent after a ping is cut off: it may not read a close frame either."""
+        """Ping for ever. A side that stays silent after a ping, or takes no byte for too long, is cut off.
+
+        It may not read a close frame either.
+        """
         while True:
             await asyncio.sleep(self._profile.ping_interval)
+            transport = self._request.transport
+            if transport is not None and self._stalling.is_over(self._clock(), transport.get_write_buffer_size()):
+                self._cut("takes nothing in")
+                return
             if await self._silence.follows(self._ping, self._profile.ping_timeout):
-                self.abort()
+                self._cut("no answer to a ping")
                 return
 
+    def _cut(self, reason: str) -> None:
+        self._on_cut(reason)
+        self.abort()
+
     async def _ping(self) -> None:
-        """Ping without waiting: in aiohttp all who wait to write share a future, and a timeout of one cancels all."""
+        """Ping without waiting: in aiohttp all who wait to write share a future, and a timeout of one cancels all.
+
+        What a ping says comes back in its pong (RFC 6455, 5.5.3), and is known only to a side that has read it.
+        """
+        self._pinged = secrets.token_bytes(_PING_PAYLOAD)
         transport = self._request.transport
         if transport is not None and not self.response.closed and not transport.is_closing():
-            transport.write(_PING)
+            self._write(transport, _PING + self._pinged)
+
+    def _write(self, transport: asyncio.WriteTransport, data: bytes) -> None:
+        self._stalling.written += len(data)
+        transport.write(data)
 
     async def receive(self) -> str:
         """Return the next text message; a binary one ends the connection with 1003, a wrong frame with its code."""
@@ -100,7 +145,8 @@ class ServerSocket:
         try:
             while True:
                 message = await self.response.receive()
-                self._silence.heard.set()
+                if message.type is not WSMsgType.PONG or message.data == self._pinged:
+                    self._silence.heard.set()
                 if message.type is WSMsgType.TEXT:
                     text: str = message.data
                     return text
@@ -138,6 +184,7 @@ class ServerSocket:
         """Send one text message; waits while the other side is slow."""
         try:
             await self.response.send_str(text)
+            self._stalling.written += len(text)
         except ConnectionError as error:
             raise StreamClosed(self.response.close_code or 1006) from error
 
@@ -146,19 +193,16 @@ class ServerSocket:
         transport = self._request.transport
         if transport is None or self.response.closed or transport.is_closing() or transport.get_write_buffer_size():
             return False
-        transport.write(_frame(text.encode()))
+        self._write(transport, _frame(text.encode()))
         return True
 
     async def send_many(self, texts: Sequence[str]) -> None:
-        """Send text messages with one write; waits while the other side is slow."""
+        """Send text messages with one write; waits while the other side is slow, also for what was sent with it."""
         transport = self._request.transport
-        if transport is None or transport.get_write_buffer_size() > _HIGH_WATER:
-            for text in texts:
-                await self.send(text)
-        elif self.response.closed or transport.is_closing():
+        if transport is None or self.response.closed or transport.is_closing():
             raise StreamClosed(self.response.close_code or 1006)
-        else:
-            transport.write(b"".join([_frame(text.encode()) for text in texts]))
+        self._write(transport, b"".join([_frame(text.encode()) for text in texts]))
+        await self._connection.writable.wait()
 
     async def close(self, code: int = 1000, reason: str = "") -> None:
         """Close with the closing handshake, for at most a second, then cut."""

@@ -6,6 +6,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import Final
 
+from openrois.jsonrpc.unread import UnreadAccount, UnreadBudget
 from openrois.logs import Tally
 
 __all__ = ["Outbox", "OutboxOverflow"]
@@ -47,6 +48,10 @@ class _Lane:
     def has_room_for(self, text: str) -> bool:
         return not self.entries or (len(self.entries) < self._most and self._text + len(text) <= self._most_text)
 
+    def clear(self) -> None:
+        self.entries.clear()
+        self._text = 0
+
     def is_half_empty(self) -> bool:
         return len(self.entries) * 2 < self._most and self._text * 2 < self._most_text
 
@@ -65,6 +70,7 @@ class Outbox:
 
     Attributes:
         gap: returns the message that stands where some events were dropped, or None for nothing.
+        account: counts the characters that wait here, and those that were taken and are being sent.
     """
 
     def __init__(self, control_limit: int = CONTROL_LIMIT, event_limit: int = EVENT_LIMIT) -> None:
@@ -79,6 +85,8 @@ class Outbox:
         self._asking_in_turn = asyncio.Lock()
         self._closed = False
         self.gap: Callable[[int], str | None] = _silence
+        self.account = UnreadAccount(UnreadBudget(), "", self.close)
+        self._taken = 0
         self._missing = 0
         self._dropped = Tally(_log, "events dropped because a reader is too slow", logging.WARNING)
 
@@ -103,27 +111,33 @@ class Outbox:
             droppable: an event that may be dropped, oldest first, when too many wait.
 
         Raises:
-            OutboxOverflow: a control message no longer fits.
+            OutboxOverflow: a control message no longer fits, or nothing does: others need the room more.
         """
         lane = self._events if droppable else self._control
         while not lane.has_room_for(text):
             if not droppable:
                 raise OutboxOverflow(f"{len(lane.entries)} control messages wait to be read")
-            lane.take()
+            self.account.remove(len(lane.take()))
             self._missing += 1
             self._dropped.note()
         self._put += 1
         lane.put(self._put, text)
         self._ready.set()
         self._empty.clear()
+        self.account.add(len(text))
+        if not self.account.is_open:
+            raise OutboxOverflow("all connections together have more unread than there may be, and this one most")
 
     async def get(self) -> str:
-        """Wait for the next message to send and take it."""
+        """Wait for the next message to send and take it; what was taken before has been sent."""
         await self._something()
         return self._take()
 
     async def get_some(self, most_text: int) -> list[str]:
-        """Wait for the next message to send and take it with all that wait behind it, up to `most_text` characters."""
+        """Wait for the next message to send and take it with all that wait behind it, up to `most_text` characters.
+
+        What was taken before has been sent.
+        """
         await self._something()
         texts = [self._take()]
         room = most_text - len(texts[0])
@@ -134,6 +148,8 @@ class Outbox:
         return texts
 
     async def _something(self) -> None:
+        self.account.remove(self._taken)
+        self._taken = 0
         while not len(self):
             self._empty.set()
             self._ready.clear()
@@ -143,6 +159,7 @@ class Outbox:
         control, events = self._control.entries, self._events.entries
         if not events or (control and control[0] < events[0]):
             text = self._control.take()
+            self._taken += len(text)
             if self._control.is_half_empty():
                 self._roomy.set()
             return text
@@ -150,7 +167,9 @@ class Outbox:
             missing, self._missing = self._missing, 0
             if (notice := self.gap(missing)) is not None:
                 return notice
-        return self._events.take()
+        text = self._events.take()
+        self._taken += len(text)
+        return text
 
     async def room(self) -> bool:
         """Wait until one may ask: half of what may wait is kept for what cannot be put off.
@@ -170,8 +189,10 @@ class Outbox:
         return not self._closed
 
     def close(self) -> None:
-        """Let go of everybody who waits for room: nothing more will be sent."""
+        """Drop what waits, and let go of everybody who waits for room: nothing more will be sent."""
         self._closed = True
+        self._control.clear()
+        self._events.clear()
         self._roomy.set()
 
     async def drained(self) -> None:

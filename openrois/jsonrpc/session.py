@@ -272,11 +272,22 @@ class RpcSession:
             return
         try:
             self._writer.put(text, droppable=droppable)
-        except OutboxOverflow as overflow:  # It does not read, so a closing handshake could not reach it either.
-            _log.warning("connection aborted: %s", overflow)
-            self.overflows = 1
-            self._closed = StreamClosed(1006, "outbox overflow")
-            self.stream.abort()
+        except OutboxOverflow as overflow:
+            self._cut(str(overflow))
+
+    def cut_unread(self) -> None:
+        """End the connection: others, which read, need the room that is taken by what waits on it."""
+        self._cut("all connections together have more unread than there may be, and this one most")
+
+    def _cut(self, reason: str) -> None:
+        if self._closed is not None:
+            return
+        # It does not read, so a closing handshake could not reach it either.
+        _log.warning("connection aborted: %s", reason)
+        self.overflows = 1
+        self._closed = StreamClosed(1006, "outbox overflow")
+        self.outbox.close()
+        self.stream.abort()
 
     async def call(
         self,
