@@ -59,6 +59,7 @@ class Asking:
         *,
         urgent: bool = False,
         before: Callable[[], None] | None = None,
+        timeout: float | None = None,
     ) -> Outcome:
         """Ask, check the answer, and raise what its return code stands for.
 
@@ -70,6 +71,7 @@ class Asking:
             too_late: called with a result, as it came, that arrives when nobody waits for it any more.
             urgent: whether it is asked also where there is no room for questions.
             before: called when there is room, right before it is asked; what that raises is raised.
+            timeout: seconds to wait; as long as for any answer unless given.
 
         Raises:
             RoISError: the other side refused, did not answer in time or properly, or is gone.
@@ -82,7 +84,9 @@ class Asking:
             return checked
 
         reason = _Latest()
-        checked: Outcome = await self._ask(name, params, on_result, too_late, reason, urgent=urgent, before=before)
+        checked: Outcome = await self._ask(
+            name, params, on_result, too_late, reason, urgent=urgent, before=before, timeout=timeout
+        )
         if checked.return_code is not ReturnCode.OK:
             raise _refusal(name, checked.return_code, reason)
         return checked
@@ -112,12 +116,14 @@ class Asking:
         *,
         urgent: bool = False,
         before: Callable[[], None] | None = None,
+        timeout: float | None = None,
     ) -> Any:
         self.require_connected()
         try:
             return await self._session.call(
                 name,
                 params,
+                timeout=timeout,
                 urgent=urgent,
                 before=before,
                 on_result=on_result,

@@ -32,7 +32,7 @@ from openrois.remote.faults import RemoteFaults
 from openrois.remote.stops import SharedStops
 from openrois.remote.subscriptions import SharedSubscriptions
 from openrois.tasks import TaskScope
-from openrois.types.codes import CompletedStatus
+from openrois.types.codes import CompletedStatus, ReturnCode
 from openrois.types.leases import LEASES
 from openrois.types.messages import (
     Argument,
@@ -61,6 +61,9 @@ _FAILED: Final[dict[CompletedStatus, type[RoISError]]] = {
     CompletedStatus.TIMEOUT: TimedOut,
 }
 
+
+HELLO_TIMEOUT: Final = 1.0
+"""Seconds after which an engine that does not answer `openrois.hello` is taken for one of the base wire."""
 
 _READ_EVENT: Final = EventNotification.__pydantic_validator__.validate_python
 
@@ -98,7 +101,8 @@ class RemoteProxy:
         self._stops = SharedStops(lambda ref, wanted, accepted: self._run(ref, "stop", (), wanted, accepted), tasks)
         self._subscriptions = SharedSubscriptions(self._subscribe, self._unsubscribe, self._drop_subscription)
         self._strays = Tally(_log, "events that do not fit their subscription")
-        self._plain = False
+        self._is_plain = False
+        self._greeting: _Greeting | None = None
         self.accepts: Callable[[Directory], None] = lambda _directory: None
         self.speaks_extensions = False
 
@@ -129,13 +133,13 @@ class RemoteProxy:
         return () if directory is None else directory.profile.engine_ids()
 
     async def discover(self) -> Directory:
-        """Read the other side's profile, and ask which extensions it speaks unless it has said that it speaks none."""
+        """Read the other side's profile, and ask which extensions it speaks unless it seems to speak none."""
         result = await self._asking.ask("rois.system.get_profile", {"condition": ""}, ProfileResult)
         if result.profile is None:
             raise ComponentFailed("the engine has no profile")
-        if not self._plain:
-            await self._hello(result.profile)
-            self.speaks_extensions = not self._plain
+        if not self._is_plain:
+            await self._greet()
+        self._use_greeting(result.profile)
         # It speaks for the components that it lists: a profile beside them could be that of somebody else's.
         listed = {ref: result.component_profiles.get(ref) for ref in result.profile.component_refs()}
         profiles = {ref: profile for ref, profile in listed.items() if profile is not None}
@@ -145,21 +149,39 @@ class RemoteProxy:
         self._subscriptions.keep_only(profiles, SubscriptionLost("the component is gone"))
         return directory
 
-    async def _hello(self, profile: HRIEngineProfile) -> None:
+    async def _greet(self) -> None:
         params = {"version": EXTENSION_VERSION, "extensions": [*EXTENSIONS, LEASES]}
+        timeout = min(HELLO_TIMEOUT, self._session.call_timeout)
         try:
-            result = await self._asking.ask("openrois.hello", params, _Greeting)
+            self._greeting = await self._asking.ask(
+                "openrois.hello", params, _Greeting, too_late=self._take_late_greeting, timeout=timeout
+            )
         except Unsupported:
-            self._plain = True
+            self._is_plain = True
+        except NotResponding:
+            # It may speak the base wire alone, and answer what it does not know with nothing.
+            self._is_plain = self._greeting is None
         except ComponentFailed as error:
-            self._plain = isinstance(error.__cause__, RpcError) and error.__cause__.code == protocol.METHOD_NOT_FOUND
-            if not self._plain:
+            self._is_plain = isinstance(error.__cause__, RpcError) and error.__cause__.code == protocol.METHOD_NOT_FOUND
+            if not self._is_plain:
                 raise
-        else:
-            streams = "rois.stream" in result.extensions
-            self.extension = self._remote_extension if streams or LEASES in result.extensions else None
-            named = result.engines or (profile.identifier.code,)
-            self._remote_extension.limit_to(set(named).intersection(profile.engine_ids()) if streams else ())
+
+    def _take_late_greeting(self, result: Any) -> None:
+        greeting = read_result("openrois.hello", result, _Greeting)
+        if greeting.return_code is ReturnCode.OK and greeting != self._greeting:
+            self._greeting, self._is_plain = greeting, False
+            self._profile_changed()
+
+    def _use_greeting(self, profile: HRIEngineProfile) -> None:
+        greeting = None if self._is_plain else self._greeting
+        self.speaks_extensions = greeting is not None
+        if greeting is None:
+            self.extension = None
+            return
+        streams = "rois.stream" in greeting.extensions
+        self.extension = self._remote_extension if streams or LEASES in greeting.extensions else None
+        named = greeting.engines or (profile.identifier.code,)
+        self._remote_extension.limit_to(set(named).intersection(profile.engine_ids()) if streams else ())
 
     async def query(self, component_ref: str, query_type: str) -> tuple[Result, ...]:
         """Ask a component."""

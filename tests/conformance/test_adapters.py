@@ -170,6 +170,19 @@ class TestPlainAdapter:
         assert answer["results"] == [{"name": "text", "data_type_ref": "string", "value": "fine"}]
         assert plain.last("rois.query.query") == {"query_type": "mood", "condition": "component_ref = 'plain/it''s'"}
 
+    async def test_one_that_answers_nothing_but_get_profile_is_attached(
+        self, gateway: Gateway, stack: AsyncExitStack
+    ) -> None:
+        plain = await stack.enter_async_context(plain_adapter(gateway, openrois__hello=None))
+        await attached(gateway)
+        app = await stack.enter_async_context(deployment.application(gateway))
+        assert await app.code("rois.query.query", query_type="mood") == "OK"
+        assert (await app.ask("openrois.hello", version="1"))["engines"] == []
+        hello = {"version": "1", "extensions": ["rois.stream"], "engines": [], "client_id": ""}
+        await plain.answer(plain.unanswered.get_nowait(), return_code="OK", **hello)
+        await app.next("rois.system.profile_changed")
+        assert (await app.ask("openrois.hello", version="1"))["engines"] == ["plain"]
+
     async def test_execute_is_one_unit_without_delay_and_under_its_own_id(
         self, gateway: Gateway, stack: AsyncExitStack
     ) -> None:

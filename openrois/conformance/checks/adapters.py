@@ -61,6 +61,18 @@ async def _adapter_execute(stage: Stage) -> None:
         expect("the arguments", unit["arguments"], [argument])
 
 
+@CHECKS("adapter-without-hello", Needs.ADAPTER)
+async def _adapter_without_hello(stage: Stage) -> None:
+    """An adapter that answers nothing but get_profile is attached as one of the base wire."""
+    engine_id = new_engine_id()
+    engine = ProbeEngine(engine_id, component_profiles(engine_id))
+    engine.answers["openrois.hello"] = SILENCE
+    silent = await stage.adapter(engine)
+    await stage.until_there(silent.ref("eye"))
+    app = await stage.application()
+    await app.granted("rois.query.query", query_type="view", condition=f"component_ref = '{silent.ref('eye')}'")
+
+
 @CHECKS("adapter-command-id", Needs.ADAPTER)
 async def _adapter_command_id(stage: Stage) -> None:
     """A command reaches its adapter under the id that the application chose, while that is free there."""

@@ -107,6 +107,39 @@ class TestDiscover:
         await far.answer(await far.asked("rois.system.get_profile"), **profile_result("toy"))
         assert (await discovering).profile.engine_ids() == ("plain",)
 
+    async def test_one_that_does_not_answer_is_plain_until_it_does(
+        self, far: Far, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        monkeypatch.setattr("openrois.remote.proxy.HELLO_TIMEOUT", 0.01)
+        discovering = asyncio.ensure_future(far.proxy.discover())
+        await far.answer(await far.asked("rois.system.get_profile"), **profile_result("toy"))
+        late = await far.asked("openrois.hello")
+        await discovering
+        assert (far.proxy.extension, far.proxy.speaks_extensions, far.changes) == (None, False, 0)
+        # It is not asked again until it has answered.
+        discovering = asyncio.ensure_future(far.proxy.discover())
+        await far.answer(await far.asked("rois.system.get_profile"), **profile_result("toy"))
+        await discovering
+        assert far.proxy.extension is None
+        hello = {"version": "1", "extensions": ["rois.stream"], "engines": [], "client_id": ""}
+        await far.answer(late, **hello)
+        asking = asyncio.ensure_future(far.proxy.query(TOY, "mood"))
+        await far.answer(await far.asked("rois.query.query"), results=[])
+        await asking
+        assert far.changes == 1
+        # One that is slow each time keeps what it has said, and asks for no new look each time.
+        discovering = asyncio.ensure_future(far.proxy.discover())
+        await far.answer(await far.asked("rois.system.get_profile"), **profile_result("toy"))
+        late = await far.asked("openrois.hello")
+        await discovering
+        assert far.proxy.extension is not None
+        assert far.proxy.speaks_extensions
+        await far.answer(late, **hello)
+        asking = asyncio.ensure_future(far.proxy.query(TOY, "mood"))
+        await far.answer(await far.asked("rois.query.query"), results=[])
+        await asking
+        assert far.changes == 1
+
     async def test_one_that_fails_to_say(self, far: Far) -> None:
         discovering = asyncio.ensure_future(far.proxy.discover())
         await far.answer(await far.asked("rois.system.get_profile"), **profile_result("toy"))
