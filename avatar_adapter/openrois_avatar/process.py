@@ -11,6 +11,7 @@ from typing import Final
 
 from openrois.backoff import Backoff
 from openrois_avatar.launch import command_line
+from openrois_avatar.link.private import remove_abandoned
 
 __all__ = ["Program", "ProgramFailed"]
 
@@ -97,3 +98,5 @@ class Program:
         with suppress(ProcessLookupError):
             os.killpg(process.pid, signal.SIGKILL)
         await process.wait()
+        # One that was killed could not do so itself.
+        remove_abandoned()

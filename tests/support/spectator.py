@@ -56,6 +56,7 @@ class Spectator(Witness):
         self.byes: list[str] = []
         self.connections: dict[str, RTCPeerConnection] = {}
         self.offers: list[dict[str, Any]] = []
+        self._refs: dict[str, str] = {}
         self._places: dict[tuple[str, str], str] = {}
         self._routes: dict[str, ImpairedPath | None] = {}
         self._news = asyncio.Event()
@@ -65,6 +66,7 @@ class Spectator(Witness):
     def _hear(self, method: str, params: dict[str, Any]) -> None:
         super()._hear(method, params)
         if method == "rois.stream.notify_stream_status":
+            self._refs[params["stream_id"]] = params["component_ref"]
             self._note_status(params["stream_id"], params["status"])
         elif method == "signaling.offer":
             self.offers.append(params)
@@ -75,6 +77,12 @@ class Spectator(Witness):
             self.byes.append(params["reason"])
             if params["peer_id"] in self.connections:
                 self._start(self.connections[params["peer_id"]].close())
+        self._news.set()
+
+    @property
+    def playing(self) -> dict[str, str]:
+        """Its streams that have not ended, by component."""
+        return {ref: stream_id for stream_id, ref in self._refs.items() if self.told[stream_id][-1] != "NOT_CONNECTED"}
 
     def _note_status(self, stream_id: str, status: str) -> None:
         told = self.told.setdefault(stream_id, [])

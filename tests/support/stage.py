@@ -51,6 +51,15 @@ class Stage:
         self.guests.push_async_callback(guest.leave)
         return guest
 
+    @asynccontextmanager
+    async def passing(self) -> AsyncIterator[Spectator]:
+        """Connect one who watches while the block runs."""
+        async with self.place.book.application(Spectator, self.place.gateway.url, extended=True) as guest:
+            try:
+                yield guest
+            finally:
+                await guest.leave()
+
     def engine(self) -> psutil.Process:
         """The process of the game engine that runs now."""
         return next(each for each in psutil.Process().children(recursive=True) if each.cmdline()[-1:] == [SMALL_GAME])

@@ -21,13 +21,18 @@ _NAME: Final = "engine"
 @contextmanager
 def private_path() -> Iterator[str]:
     """A path for a Unix socket in a directory of its own (mode 0700), which is removed afterwards."""
-    with tempfile.TemporaryDirectory(prefix=_PREFIX, ignore_cleanup_errors=True) as directory:
-        for other in Path(directory).parent.glob(f"{_PREFIX}*"):
-            if _is_abandoned(other):
-                with suppress(OSError):  # somebody else may be cleaning up too
-                    (other / _NAME).unlink()
-                    other.rmdir()
+    remove_abandoned()
+    with tempfile.TemporaryDirectory(prefix=f"{_PREFIX}{os.getpid()}-", ignore_cleanup_errors=True) as directory:
         yield str(Path(directory, _NAME))
+
+
+def remove_abandoned() -> None:
+    """Remove what killed adapters of this user have left behind."""
+    for directory in Path(tempfile.gettempdir()).glob(f"{_PREFIX}*"):
+        if _is_abandoned(directory):
+            with suppress(OSError):  # somebody else may be cleaning up too
+                (directory / _NAME).unlink()
+                directory.rmdir()
 
 
 def clear(path: str) -> None:
@@ -54,10 +59,19 @@ def is_deserted(path: str) -> bool:
 
 
 def _is_abandoned(directory: Path) -> bool:
-    """Whether this is a directory of ours, some time old, in which nobody listens any more."""
+    """Whether this is a directory of ours in which nobody listens any more, and none is about to.
+
+    A process of another container may share the directory and be unknown here; it needs no time to listen.
+    """
     try:
         info = directory.lstat()
     except OSError:
         return False  # somebody else has cleaned up
-    settled = time.time() - info.st_mtime >= SETTLED
+    settled = time.time() - info.st_mtime >= SETTLED or not _runs(directory.name)
     return stat.S_ISDIR(info.st_mode) and info.st_uid == os.getuid() and settled and is_deserted(str(directory / _NAME))
+
+
+def _runs(name: str) -> bool:
+    """Whether the process that a directory is named after is there; one that cannot be told may be."""
+    owner = name.removeprefix(_PREFIX).partition("-")[0]
+    return not owner.isdecimal() or Path("/proc", owner).exists() or not Path("/proc/self").exists()

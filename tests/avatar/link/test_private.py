@@ -1,13 +1,15 @@
 import os
 import socket
 import stat
+import subprocess
+import sys
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from openrois_avatar.link.private import SETTLED, private_path
+from openrois_avatar.link.private import SETTLED, private_path, remove_abandoned
 
 
 @pytest.fixture(autouse=True)
@@ -47,6 +49,21 @@ def test_what_a_killed_adapter_left_is_removed(place: Path) -> None:
     abandoned = left_behind(place, "openrois-abandoned")
     with private_path():
         assert not abandoned.exists()
+
+
+def test_what_a_process_that_is_gone_left_is_removed_at_once(place: Path) -> None:
+    with subprocess.Popen([sys.executable, "-c", ""]) as gone:
+        gone.wait()
+    abandoned = left_behind(place, f"openrois-{gone.pid}-x", age=0)
+    own = left_behind(place, f"openrois-{os.getpid()}-x", age=0)
+    unlistened = place / f"openrois-{gone.pid}-y"
+    unlistened.mkdir()
+    used = place / f"openrois-{gone.pid}-z"
+    used.mkdir()
+    with listening(used):
+        remove_abandoned()
+        assert not abandoned.exists()
+        assert all(path.exists() for path in (own, unlistened, used))
 
 
 def test_what_is_in_use_or_new_or_not_ours_stays(place: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,0 +1,128 @@
+"""Whatever process of the demo is killed or stands still, the page is live again by itself, and nothing is left over."""
+
+import asyncio
+import signal
+import tempfile
+from collections.abc import AsyncIterator
+from pathlib import Path
+from typing import Final
+
+import psutil
+import pytest
+import pytest_asyncio
+from playwright.async_api import Browser, expect
+
+from tests.support.browser import GATEWAY_AWAY, Visit, visiting
+from tests.support.conversation import meet, outcome, say
+from tests.support.demo import Demo, running_demo
+
+pytestmark = [pytest.mark.browser, pytest.mark.engine, pytest.mark.asyncio(loop_scope="session")]
+
+_VOICE: Final = "avatar/SpeechSynthesis"
+PROCESSES: Final = {
+    "gateway": "gateway",
+    "adapter": "avatar",
+    "engine": "openrois_avatar.engines.puppet",
+    "speech": "openrois_avatar.speech.espeak_child",
+}
+"""The processes that a demo starts, and the word of their command line that tells them from others."""
+BACK: Final = 90.0
+"""Seconds that all may take to be back: what hangs is found after 10 s at the latest, then programs start."""
+RESTARTS: Final = 20
+
+
+def left_over(folder: Path) -> list[Path]:
+    """What programs of ours leave where they are killed: folders of sockets, and shared memory."""
+    return [path for place in (folder, Path("/dev/shm")) for path in place.glob("*openrois*")]  # noqa: S108
+
+
+class Watched:
+    """A demo, and the page that watches it all the time."""
+
+    def __init__(self, demo: Demo, visit: Visit) -> None:
+        self.demo = demo
+        self.visit = visit
+
+    def running(self) -> dict[str, list[int]]:
+        """The ids of its processes, by name; what waits to be buried counts as another one."""
+        found: dict[str, list[int]] = {}
+        for process in self.demo.tree():
+            words = [] if process.status() == psutil.STATUS_ZOMBIE else process.cmdline()
+            name = next((name for name, word in PROCESSES.items() if word in words), "another one")
+            found.setdefault(name, []).append(process.pid)
+        return found
+
+    async def live(self) -> None:
+        """Wait until the avatar is seen, heard and does what it is told, each process once."""
+        async with asyncio.timeout(BACK):
+            await self._seen()
+            while True:
+                await say(self.visit, "Hello.")
+                if await outcome(self.visit, _VOICE, "start") == "OK":
+                    break
+            while {name: len(ids) for name, ids in self.running().items()} != dict.fromkeys(PROCESSES, 1):
+                await asyncio.sleep(0.1)
+
+    async def _seen(self) -> None:
+        await self.visit.no_banner()
+        await self.visit.plays()
+        for kind in ("video", "audio"):
+            await self.visit.status(kind, "RUNNING")
+        await expect(self.visit.item("say-text")).to_be_enabled(timeout=BACK * 1000)
+
+    async def harm(self, name: str, how: signal.Signals) -> None:
+        """Harm a process, and wait until all is live again, with another one in its place."""
+        (pid,) = self.running()[name]
+        psutil.Process(pid).send_signal(how)
+        await self.another(name, pid)
+        await self.live()
+
+    async def another(self, name: str, than: int) -> None:
+        """Wait until a process is gone; who speaks notices a voice that is gone, or hangs, when it is needed."""
+        async with asyncio.timeout(BACK):
+            while than in self.running().get(name, []):
+                if name == "speech":
+                    await say(self.visit, "Hello.")
+                    await outcome(self.visit, _VOICE, "start")
+                await asyncio.sleep(0.1)
+
+
+@pytest_asyncio.fixture(loop_scope="session")
+async def watched(browser: Browser, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Watched]:
+    with tempfile.TemporaryDirectory() as folder:
+        # Others use the usual one at the same time, and pytest's is too long for a socket.
+        monkeypatch.setenv("TMPDIR", folder)
+        with running_demo(tmp_path, "puppet") as demo:
+            async with visiting(browser, demo.page, tolerated=[GATEWAY_AWAY]) as visit:
+                await meet(visit)
+                yield (one := Watched(demo, visit))
+                await one.live()
+            assert "Traceback" not in demo.log(), demo.log()
+            assert len(left_over(Path(folder))) == 1
+            assert demo.interrupt() == 0
+        assert left_over(Path(folder)) == []
+
+
+async def test_each_process_dies(watched: Watched) -> None:
+    await watched.live()
+    for name in PROCESSES:
+        await watched.harm(name, signal.SIGKILL)
+
+
+@pytest.mark.long
+@pytest.mark.timeout(600)
+@pytest.mark.parametrize("name", PROCESSES)
+async def test_a_process_stands_still(watched: Watched, name: str) -> None:
+    await watched.live()
+    await watched.harm(name, signal.SIGSTOP)
+
+
+@pytest.mark.long
+@pytest.mark.timeout(1800)
+@pytest.mark.parametrize("name", PROCESSES)
+async def test_a_process_dies_again_and_again(watched: Watched, name: str) -> None:
+    await watched.live()
+    descriptors = psutil.Process(watched.demo.process.pid).num_fds()
+    for _ in range(RESTARTS):
+        await watched.harm(name, signal.SIGKILL)
+    assert psutil.Process(watched.demo.process.pid).num_fds() <= descriptors + 1
