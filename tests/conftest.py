@@ -17,6 +17,7 @@ from hypothesis import HealthCheck, settings
 
 from tests.support.canary import leak
 from tests.support.mono import Mono
+from tests.support.namespaces import missing
 
 pytest_plugins = ["openrois_streaming.testing.plugin"]
 
@@ -75,6 +76,14 @@ def turnserver() -> None:
     """coturn is installed."""
     if shutil.which("turnserver") is None:
         _lack("no TURN server is found; install it to run the tests with relays (Debian: apt install coturn)")
+
+
+@pytest.fixture(scope="session")
+def namespaces() -> None:
+    """Network namespaces can be made."""
+    if why := missing():
+        # An administrator of a machine may forbid them: no program that is installed helps there.
+        _lack(why) if shutil.which("ip") is None else pytest.skip(why)
 
 
 @pytest.fixture(scope="session")

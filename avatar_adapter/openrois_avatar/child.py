@@ -69,6 +69,20 @@ async def child_process(
         reading.cancel()
 
 
+async def tell(process: Process, message: bytes) -> None:
+    """Write to a child that was started for a conversation.
+
+    Raises:
+        OSError: it has ended, or will not read any more.
+    """
+    assert process.stdin is not None
+    if process.stdin.is_closing():
+        # uvloop raises RuntimeError where asyncio writes to nowhere.
+        raise BrokenPipeError("the process has ended")
+    process.stdin.write(message)
+    await process.stdin.drain()
+
+
 async def ended_within(process: Process, seconds: float) -> bool:
     """Wait until the process has ended by itself, `seconds` at most."""
     with suppress(TimeoutError):

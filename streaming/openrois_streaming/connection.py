@@ -122,7 +122,11 @@ class BundledConnection:
 
     def _state_changed(self) -> None:
         """Tell it in a moment: aiortc may be closing, and what is done about it must not disturb that."""
-        asyncio.get_running_loop().call_soon(self._on_state, self._connection.connectionState)
+        state = self._connection.connectionState
+        if state == "closed" and self._agent is not None and not self._agent.has_path:
+            # DTLS ends as if the other end had closed it.
+            state = "failed"
+        asyncio.get_running_loop().call_soon(self._on_state, state)
 
     def _take_over(self, transport: RTCIceTransport) -> IceAgent:
         async def gather() -> list[Candidate]:

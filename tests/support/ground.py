@@ -214,6 +214,12 @@ class Child:
     def signal(self, number: int) -> None:
         self.process.send_signal(number)
 
+    async def line(self) -> str:
+        """Wait for the next line that it prints."""
+        assert self.process.stdout is not None
+        async with asyncio.timeout(PATIENCE * 3):
+            return (await self.process.stdout.readline()).decode().strip()
+
     async def ended(self) -> int:
         """Wait for its end and return its exit status."""
         async with asyncio.timeout(PATIENCE * 3):
@@ -225,10 +231,13 @@ class Child:
 
 
 @asynccontextmanager
-async def program(*arguments: str, log: Path, prints: bool = False, **options: Any) -> AsyncIterator[Child]:
-    """Run a Python program while the block runs."""
+async def program(
+    *arguments: str, log: Path, prints: bool = False, prefix: tuple[str, ...] = (), **options: Any
+) -> AsyncIterator[Child]:
+    """Run a Python program while the block runs; `prefix` is a command that runs it somewhere else."""
     with log.open("a") as errors:
         process = await asyncio.create_subprocess_exec(
+            *prefix,
             sys.executable,
             *arguments,
             cwd=_ROOT,

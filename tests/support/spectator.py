@@ -5,13 +5,14 @@ It receives with the product's own receiver, which repairs losses as a browser d
 
 import asyncio
 import json
+import socket
 import sys
 import time
 from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from typing import Any, Final
 
-from aiortc import MediaStreamTrack, RTCConfiguration, RTCPeerConnection, RTCSessionDescription
+from aiortc import MediaStreamTrack, RTCConfiguration, RTCIceServer, RTCPeerConnection, RTCSessionDescription
 from aiortc.rtcconfiguration import RTCBundlePolicy
 from aiortc.sdp import candidate_from_sdp
 from openrois_streaming.clock import SystemClock
@@ -35,6 +36,7 @@ class Spectator(Witness):
     """Plays streams of the avatar.
 
     Attributes:
+        relays: what its next peer connections may pass, as the gateway named it.
         path: the network that its next peer connections pass, None for a good one.
         frames: how many it has decoded, by stream.
         longest_gap: seconds between two pictures, at most; may be set to 0 to begin anew.
@@ -45,8 +47,8 @@ class Spectator(Witness):
         connections: they, by id.
     """
 
-    def __init__(self, book: Book, socket: ClientConnection) -> None:
-        super().__init__(book, socket)
+    def __init__(self, book: Book, connection: ClientConnection) -> None:
+        super().__init__(book, connection)
         self.path: ImpairedPath | None = None
         self.frames: dict[str, int] = {}
         self.longest_gap = 0.0
@@ -56,6 +58,7 @@ class Spectator(Witness):
         self.byes: list[str] = []
         self.connections: dict[str, RTCPeerConnection] = {}
         self.offers: list[dict[str, Any]] = []
+        self.relays: list[RTCIceServer] = []
         self._refs: dict[str, str] = {}
         self._places: dict[tuple[str, str], str] = {}
         self._routes: dict[str, ImpairedPath | None] = {}
@@ -119,7 +122,9 @@ class Spectator(Witness):
             await connection.addIceCandidate(candidate)
 
     def _open(self, peer_id: str) -> RTCPeerConnection:
-        connection = RTCPeerConnection(RTCConfiguration(iceServers=[], bundlePolicy=RTCBundlePolicy.MAX_BUNDLE))
+        connection = RTCPeerConnection(
+            RTCConfiguration(iceServers=self.relays, bundlePolicy=RTCBundlePolicy.MAX_BUNDLE)
+        )
         self.connections[peer_id], self._routes[peer_id] = connection, self.path
 
         remote = RemoteClock()
@@ -151,6 +156,10 @@ class Spectator(Witness):
             while not so():
                 self._news.clear()
                 await self._news.wait()
+
+    async def learn_relays(self) -> None:
+        """Ask the gateway for servers that help to reach the avatar."""
+        self.relays = [RTCIceServer(**each) for each in (await self.ask("signaling.ice_servers"))["ice_servers"]]
 
     async def connect(self, component_ref: str = VIDEO, codecs: str = "") -> str:
         """Connect a stream and return its id."""
@@ -192,13 +201,36 @@ class Spectator(Witness):
                 await task
 
 
-async def _watch(url: str, codec: str) -> None:
-    """Print a line for each picture, for as long as this process lives."""
-    async with Book().application(Spectator, url, extended=True) as app:
-        video = await app.play(VIDEO, json.dumps({"codecs": [codec]}))
+async def _watch(url: str, codec: str, path: str = "") -> None:
+    """Print a line for each picture, and why a peer connection ended, for as long as this process lives.
+
+    Where they have come and stay away for two seconds it asks for another peer connection, as the SDKs do.
+
+    Args:
+        url: of the gateway.
+        codec: of the pictures.
+        path: of a Unix socket by which the gateway is reached, where this process has another network.
+    """
+    options: dict[str, Any] = {}
+    if path:
+        options["sock"] = socket.socket(socket.AF_UNIX)
+        options["sock"].connect(path)
+    async with Book().application(Spectator, url, extended=True, **options) as app:
+        await app.learn_relays()
+        video = await app.connect(VIDEO, json.dumps({"codecs": [codec]}))
+        patience = MEDIA_PATIENCE
         while True:
-            print("picture", flush=True)
-            await app.sees(video, 1)
+            try:
+                await app.until(lambda: app.frames.get(video) or app.byes, patience)
+                if app.frames.pop(video, 0):
+                    patience = 2.0
+                    print("picture", flush=True)
+                for reason in app.byes:
+                    print(reason, flush=True)
+                app.byes.clear()
+            except TimeoutError:
+                await app.ask("signaling.restart", peer_id=next(reversed(app.connections)))
+                patience = MEDIA_PATIENCE
 
 
 if __name__ == "__main__":

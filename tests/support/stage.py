@@ -1,11 +1,13 @@
 """Where faults of media are tried: a gateway, an avatar behind it, viewers, and the rules checked in the end."""
 
 import asyncio
+import tempfile
 from collections.abc import AsyncIterator, Callable
-from contextlib import AsyncExitStack, asynccontextmanager
+from contextlib import AsyncExitStack, asynccontextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlsplit
 
 import psutil
 import pytest
@@ -59,6 +61,20 @@ class Stage:
                 yield guest
             finally:
                 await guest.leave()
+
+    @asynccontextmanager
+    async def doorway(self) -> AsyncIterator[Path]:
+        """Let the gateway be reached by a Unix socket, from another network too, while the block runs."""
+
+        async def pass_on(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+            target = urlsplit(self.place.gateway.url)
+            there, back = await asyncio.open_connection(target.hostname, target.port)
+            await asyncio.gather(_copy(reader, back), _copy(there, writer))
+
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "gateway")
+            async with await asyncio.start_unix_server(pass_on, path):
+                yield path
 
     def engine(self) -> psutil.Process:
         """The process of the game engine that runs now."""
@@ -135,6 +151,15 @@ async def stage(
             async with asyncio.timeout(MEDIA_PATIENCE):
                 while await stands.left():  # noqa: ASYNC110 - they end by themselves
                     await asyncio.sleep(0.01)
+
+
+async def _copy(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+    """Pass on what comes, and its end."""
+    with suppress(OSError):
+        while data := await reader.read(1 << 16):
+            writer.write(data)
+            await writer.drain()
+    writer.close()
 
 
 async def _briefly(_seconds: float) -> None:

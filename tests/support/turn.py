@@ -42,9 +42,10 @@ class Turn:
     port: int
     secret: str
     process: asyncio.subprocess.Process
+    address: str = LISTENS
 
     def url(self, transport: str = "udp") -> str:
-        return f"turn:{LISTENS}:{self.port}?transport={transport}"
+        return f"turn:{self.address}:{self.port}?transport={transport}"
 
     def server(self, expires_at: float, *, secret: str | None = None, transport: str = "udp") -> IceServer:
         username, credential = turn_credential(secret or self.secret, int(expires_at), "alice")
@@ -52,18 +53,22 @@ class Turn:
 
 
 @asynccontextmanager
-async def coturn(folder: Path, settings: str = LOOSE, secret: str = SECRET) -> AsyncIterator[Turn]:
+async def coturn(
+    folder: Path, settings: str = LOOSE, secret: str = SECRET, address: str = LISTENS
+) -> AsyncIterator[Turn]:
     """Run it for as long as the block does.
 
     Args:
         folder: takes its files.
         settings: lines of its configuration; by default it relays between loopback addresses, as no real one may.
         secret: what its credentials are made with; empty for none.
+        address: where it listens and relays.
     """
     # It listens with TCP and with UDP, and peers take UDP ports all the time.
     port = free_port()
     program = shutil.which("turnserver")
     assert program is not None
+    settings = settings.replace(f"-ip={LISTENS}", f"-ip={address}")
     lines = [settings, f"listening-port={port}", "log-file=stdout", "simple-log"]
     lines += [f"userdb={folder}/users", f"pidfile={folder}/pid"]
     if secret:
@@ -75,18 +80,18 @@ async def coturn(folder: Path, settings: str = LOOSE, secret: str = SECRET) -> A
     )
     try:
         async with asyncio.timeout(PATIENCE):
-            await asyncio.to_thread(_wait_for, port)
-        yield Turn(port, secret, process)
+            await asyncio.to_thread(_wait_for, address, port)
+        yield Turn(port, secret, process, address)
     finally:
         with contextlib.suppress(ProcessLookupError):
             process.kill()
         await process.wait()
 
 
-def _wait_for(port: int) -> None:
+def _wait_for(address: str, port: int) -> None:
     end = time.monotonic() + PATIENCE
     while time.monotonic() < end:
         with socket.socket() as probe:
-            if probe.connect_ex((LISTENS, port)) == 0:
+            if probe.connect_ex((address, port)) == 0:
                 return
         time.sleep(0.02)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from openrois_streaming.clock import SystemClock
 
-from openrois_avatar.child import Output, child_process
+from openrois_avatar.child import Output, child_process, tell
 from openrois_avatar.hearing.dictionary import has_word
 from openrois_avatar.hearing.jsgf import Grammar, GrammarError, read_grammar
 from openrois_avatar.hearing.recognizer import Expectation, RecognizerFailed, Transcriber
@@ -134,11 +134,9 @@ class _Conversation:
         return answer
 
     async def _exchange(self, message: bytes) -> dict[str, Any]:
-        stdin, stdout = self._process.stdin, self._process.stdout
-        assert stdin is not None
+        stdout = self._process.stdout
         assert stdout is not None
-        stdin.write(message)
-        await stdin.drain()
+        await tell(self._process, message)
         lengths = decode_header(await stdout.readexactly(HEADER.size))
         return decode_body(await stdout.readexactly(lengths.body))
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from openrois_streaming.clock import MediaClock, SystemClock
 from openrois_streaming.source import SAMPLE_RATE
 
-from openrois_avatar.child import Output, child_process
+from openrois_avatar.child import Output, child_process, tell
 from openrois_avatar.engine_sound import SEAM
 from openrois_avatar.link.messages import MAX_VISEMES, Speak, Viseme
 from openrois_avatar.speech.framing import HEADER, FramingError, decode_body, decode_header, encode
@@ -238,10 +238,8 @@ class Synthesizer:
 
 
 async def _converse(process: Process, request: dict[str, Any]) -> tuple[dict[str, Any], bytes]:
-    assert process.stdin is not None
     assert process.stdout is not None
-    process.stdin.write(encode(request))
-    await process.stdin.drain()
+    await tell(process, encode(request))
     lengths = decode_header(await process.stdout.readexactly(HEADER.size))
     body = await process.stdout.readexactly(lengths.body)
     return decode_body(body), await process.stdout.readexactly(lengths.sound)

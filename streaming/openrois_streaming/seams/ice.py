@@ -10,6 +10,7 @@ What is reached for, and why nothing public does it:
   sources prove themselves, `respond_error` answers those that do not, and `_queue` is what waits for DTLS and SRTP.
 * `sort_check_list` comes whenever there are more pairs to check; there may be so many that to pair and sort them takes
   seconds.
+* `TurnTransport.close` goes on with a task of its own, which is cancelled where a TURN server does not answer.
 * `_nominated` is the pair that is sent over; when its other end is silent, a pair that has proven itself takes over.
 """
 
@@ -86,12 +87,25 @@ class GuardedProtocol(ice.StunProtocol):
             self._agent.deliver(data)
 
     async def close(self) -> None:
-        """Close the socket; a relay that does not let go is left behind, it ends by itself within minutes."""
+        """Close the socket; a relay that does not let go is left to its server, where it ends within minutes."""
         try:
             async with asyncio.timeout(RELEASE_TIMEOUT):
                 await super().close()
         except TimeoutError:
             _log.info("a TURN server does not answer to the end of a relay")
+            await self._drop_relay()
+
+    async def _drop_relay(self) -> None:
+        """Ask no more: aioice would do so for half a minute, with the socket open."""
+        relay: Any = self.transport
+        relay._TurnTransport__close_task.cancel()
+        await asyncio.wait({relay._TurnTransport__close_task})
+        relay._TurnTransport__inner_protocol.transport.close()
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """The socket is closed, or the connection to the TURN server is."""
+        self._agent.lost_way(self)
+        super().connection_lost(exc)
 
     def _stun_received(self, data: bytes, source: Source) -> None:
         kind = stun_class(data)
@@ -221,6 +235,8 @@ class IceAgent:
         ingress: Ingress,
     ) -> None:
         self.connection = connection = transport._connection
+        self.has_path = True
+        """False once the way that was found is gone for a reason on this side."""
         self.permits = permits
         self.figures = figures
         self._turns = ingress.turns
@@ -247,6 +263,10 @@ class IceAgent:
     def is_done(self) -> bool:
         """Whether a path was found, or none can be found any more."""
         return self.connection._check_list_done
+
+    def lost_way(self, protocol: GuardedProtocol) -> None:
+        """A socket is there no more. A way over a relay goes with the connection to its TURN server."""
+        self.has_path &= all(pair.protocol is not protocol for pair in self.connection._nominated.values())
 
     @property
     def waiting(self) -> int:

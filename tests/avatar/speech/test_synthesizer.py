@@ -5,6 +5,7 @@ import signal
 
 import numpy as np
 import pytest
+import uvloop
 from openrois_avatar.link.messages import MAX_VISEMES, Speak, Viseme
 from openrois_avatar.speech import synthesizer as module
 from openrois_avatar.speech.synthesizer import (
@@ -104,6 +105,24 @@ async def test_a_process_that_died_in_the_meantime_is_replaced() -> None:
         pid = await pid_of(synthesizer)
         os.kill(pid, signal.SIGKILL)
         assert await pid_of(synthesizer) != pid
+
+
+@pytest.mark.engine
+@pytest.mark.usefixtures("_fake")
+def test_one_whose_end_was_seen_is_replaced_under_uvloop() -> None:
+    async def speak() -> None:
+        async with asyncio.timeout(60), Synthesizer() as synthesizer:
+            pid = await pid_of(synthesizer)
+            process = synthesizer._process
+            assert process is not None
+            assert process.stdin is not None
+            os.kill(pid, signal.SIGKILL)
+            await process.wait()
+            while not process.stdin.is_closing():  # noqa: ASYNC110 - the pipe tells nobody
+                await asyncio.sleep(0)
+            assert await pid_of(synthesizer) != pid
+
+    uvloop.run(speak())
 
 
 @pytest.mark.engine
