@@ -17,7 +17,8 @@ from openrois.client.notices import (
     Notice,
     ProfileChanged,
 )
-from openrois.errors import OutOfResources
+from openrois.errors import OutOfResources, RoISError
+from openrois.jsonrpc.session import RpcError
 from openrois.types.leases import (
     LeaseChangedNotification,
     LeaseDeclinedNotification,
@@ -72,19 +73,36 @@ class Control:
         Raises:
             OutOfResources: the holder said no, or nothing in time; or too many wait.
             Unsupported: there is no such component (any more).
+            TimeoutError: the gateway has not answered in time; nothing is asked any more.
             ConnectionLost: the connection ended, and with it the place in line.
         """
         feed = self._listen(ControlChanged, ControlDeclined, ProfileChanged, Disconnected)
-        answer = await self._connection.act("openrois.lease.request", _params(component_ref), LeaseRequestResult)
+        try:
+            answer = await self._connection.act(
+                "openrois.lease.request",
+                _params(component_ref),
+                LeaseRequestResult,
+                too_late=lambda _: self._give_up(component_ref),
+            )
+        except (RoISError, RpcError):
+            # It was refused, and nothing of it is left there.
+            raise
+        except BaseException:
+            self._give_up(component_ref)
+            raise
         try:
             if answer.lease is None or answer.lease.state is not LeaseState.MINE:
                 await self._granted(feed, component_ref, answer.request_id, wait)
         except BaseException:
-            # It may have become ours in the same moment.
-            self._connection.post("openrois.lease.leave", _params(component_ref))
-            self._connection.post("rois.command.release", ComponentParams(component_ref=component_ref))
+            self._give_up(component_ref)
             raise
         self._bindings.use(component_ref)
+
+    def _give_up(self, component_ref: str) -> None:
+        """Leave the line for a component, which may have become ours in the same moment."""
+        self._connection.post("openrois.lease.leave", _params(component_ref))
+        if not self._bindings.wants(component_ref):
+            self._connection.post("rois.command.release", ComponentParams(component_ref=component_ref))
 
     async def _granted(self, feed: Feed[Any], component_ref: str, request_id: str, wait: bool) -> None:
         async for notice in feed:

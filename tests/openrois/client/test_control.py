@@ -356,6 +356,56 @@ class TestHandover:
         assert "an administrator has taken it" in str((await heard(lost)).error)
         await bob.component(LAMP).command("switch", times=1)
 
+    @pytest.mark.parametrize("overtaken", [False, True])
+    async def test_a_request_that_has_no_answer_in_time_leaves_the_line(
+        self, line: Line, bob: Client, monkeypatch: pytest.MonkeyPatch, overtaken: bool
+    ) -> None:
+        """Also where the gateway comes to it late, and hears first that it is given up."""
+        goes_on = asyncio.Event()
+        usual = line.speaks
+
+        async def holds_back(host: EngineHost, stream: Any) -> None:
+            receive, held = stream.receive, list[str]()
+
+            async def later() -> str:
+                if held:
+                    await goes_on.wait()
+                    return held.pop()
+                text: str = await receive()
+                if "openrois.lease.request" not in text:
+                    return text
+                held.append(text)
+                return await (receive() if overtaken else later())
+
+            stream.receive = later
+            await usual(host, stream)
+
+        await bob.bind(LAMP)
+        told = bob.notices(ControlRequested, ControlWithdrawn)
+        line.speaks = holds_back
+        async with Client(dial=line.dial) as carl:
+            monkeypatch.setattr(carl._connection, "request_timeout", 0.01)
+            with pytest.raises(TimeoutError):
+                await carl.control.request(LAMP)
+            goes_on.set()
+            asked = await heard(told)
+            assert isinstance(asked, ControlRequested)
+            assert await heard(told) == ControlWithdrawn(LAMP, asked.request_id)
+            assert (await bob.control.status(LAMP)).waiting == 0
+
+    async def test_a_request_that_fails_gives_back_nothing_that_was_bound(
+        self, line: Line, ann: Client, bob: Client, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        await ann.bind(LAMP)
+        monkeypatch.setattr(ann._connection, "request_timeout", 0)
+        with pytest.raises(TimeoutError):
+            await ann.control.request(LAMP)
+        monkeypatch.undo()
+        assert (await ann.control.status(LAMP)).state is LeaseState.MINE
+        with pytest.raises(Unsupported):
+            await bob.control.request("toys/none")
+        assert (await bob.control.status(LAMP)).state is LeaseState.HELD
+
     async def test_whoever_goes_does_not_wait(self, line: Line, ann: Client, bob: Client) -> None:
         await bob.bind(LAMP)
         told = bob.notices(ControlRequested)

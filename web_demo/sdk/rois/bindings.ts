@@ -32,7 +32,7 @@ export class Bindings {
     const { component_ref: componentRef = "" } = await call(
       "rois.command.bind_any",
       { condition },
-      ({ component_ref = "" }) => this.#giveBack(call, component_ref),
+      ({ component_ref = "" }) => this.giveBack(call, component_ref),
     );
     this.#lasting.add(componentRef);
     this.#states.set(componentRef, "held");
@@ -83,7 +83,7 @@ export class Bindings {
 
   /** Of what is held again after a connection was lost: what is wanted no more is given back. */
   resumed(call: Call, refs: readonly string[]): void {
-    for (const componentRef of refs) if (!this.#states.has(componentRef)) this.#giveBack(call, componentRef);
+    for (const componentRef of refs) if (!this.#states.has(componentRef)) this.giveBack(call, componentRef);
   }
 
   /** The session that held them is gone. */
@@ -106,13 +106,13 @@ export class Bindings {
 
   async #bind(call: Call, componentRef: string): Promise<void> {
     await call("rois.command.bind", { component_ref: componentRef }, () =>
-      this.#giveBack(call, componentRef),
+      this.giveBack(call, componentRef),
     );
     this.#states.set(componentRef, "held");
   }
 
-  /** It was bound when its caller had given up: it is given back, unless somebody else wants it. */
-  #giveBack(call: Call, componentRef: string): void {
+  /** It may have been bound when its caller had given up: it is given back, unless somebody else wants it. */
+  giveBack(call: Call, componentRef: string): void {
     if (this.#uses.has(componentRef) || this.#lasting.has(componentRef)) return;
     call("rois.command.release", { component_ref: componentRef }).catch(() => undefined);
   }

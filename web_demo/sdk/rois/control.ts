@@ -1,6 +1,6 @@
 /** Who controls which component: asking for it, handing it over, and stopping everything. */
 
-import { ConnectionLost } from "../jsonrpc/session.ts";
+import { ConnectionLost, RequestTimeout } from "../jsonrpc/session.ts";
 import type { Bindings } from "./bindings.ts";
 import { RoISError } from "./errors.ts";
 import type {
@@ -55,12 +55,17 @@ export class Control {
    *
    * @param wait stay in line when the holder says no, until it is given back or one leaves
    * @throws RoISError (OUT_OF_RESOURCES: the holder said no, or nothing in time, or one has left the line;
-   *   UNSUPPORTED: there is no such component) | ConnectionLost
+   *   UNSUPPORTED: there is no such component) | RequestTimeout (nothing is asked any more) | ConnectionLost
    */
   async request(componentRef: string, { wait = false }: { readonly wait?: boolean } = {}): Promise<void> {
     const client = this.#client;
     /** Whether the gateway may have a place in line for it, or the component. */
     let kept = false;
+    const giveUp = (): void => {
+      this.leave(componentRef).catch(() => undefined);
+      // It may have become ours in the same moment.
+      this.#bindings.giveBack(client.call, componentRef);
+    };
     let stop = (): void => undefined;
     const granted = new Promise<void>((resolve, reject) => {
       const refuse = (reason: string): void =>
@@ -95,16 +100,18 @@ export class Control {
     });
     granted.catch(() => undefined);
     try {
-      const { lease } = await client.call("openrois.lease.request", { component_ref: componentRef });
+      const { lease } = await client
+        .call("openrois.lease.request", { component_ref: componentRef }, giveUp)
+        .catch((error: unknown) => {
+          // What had no answer may have been begun all the same, and may begin later.
+          kept = error instanceof RequestTimeout;
+          throw error;
+        });
       kept = true;
       if (lease?.state !== "MINE") await granted;
       this.#bindings.gained(componentRef);
     } catch (error) {
-      if (kept) {
-        this.leave(componentRef).catch(() => undefined);
-        // It may have become ours in the same moment.
-        client.call("rois.command.release", { component_ref: componentRef }).catch(() => undefined);
-      }
+      if (kept) giveUp();
       throw error;
     } finally {
       stop();

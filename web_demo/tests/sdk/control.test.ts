@@ -1,6 +1,6 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import type { JsonObject } from "../../sdk/jsonrpc/peer.ts";
-import { ConnectionLost, RpcError } from "../../sdk/jsonrpc/session.ts";
+import { ConnectionLost, RequestTimeout, RpcError } from "../../sdk/jsonrpc/session.ts";
 import { Client } from "../../sdk/rois/client.ts";
 import { RoISError } from "../../sdk/rois/errors.ts";
 import { FakeGateway, Refusal } from "../support/fake_gateway.ts";
@@ -228,6 +228,43 @@ describe("control", () => {
     await refused;
     expect(gateway.called("openrois.lease.leave")).toHaveLength(1);
     expect(gateway.called("rois.command.release")).toHaveLength(1);
+  });
+
+  it("is asked for no more when the gateway does not answer in time, whenever it comes to it", async () => {
+    let answer = (_: JsonObject): void => undefined;
+    gateway.on("openrois.lease.request", () => new Promise<JsonObject>((resolve) => (answer = resolve)));
+    gateway.on("openrois.lease.leave", () => ({}));
+    const late = expect(client.control.request(ARM)).rejects.toBeInstanceOf(RequestTimeout);
+    await vi.advanceTimersByTimeAsync(9000);
+    gateway.notify("profile_changed", {});
+    await vi.advanceTimersByTimeAsync(2000);
+    await late;
+    expect(gateway.called("openrois.lease.leave")).toHaveLength(1);
+    expect(gateway.called("rois.command.release")).toHaveLength(1);
+    answer({ lease: inLine, request_id: "q" });
+    await vi.advanceTimersByTimeAsync(0);
+    expect(gateway.called("openrois.lease.leave")).toHaveLength(2);
+    expect(gateway.called("rois.command.release")).toHaveLength(2);
+  });
+
+  it("is not given back by a request without an answer where it is bound already", async () => {
+    await client.bind(ARM);
+    gateway.on("openrois.lease.request", () => new Promise<JsonObject>(() => undefined));
+    gateway.on("openrois.lease.leave", () => ({}));
+    const late = expect(client.control.request(ARM)).rejects.toBeInstanceOf(RequestTimeout);
+    await vi.advanceTimersByTimeAsync(9000);
+    gateway.notify("profile_changed", {});
+    await vi.advanceTimersByTimeAsync(2000);
+    await late;
+    expect(gateway.called("openrois.lease.leave")).toHaveLength(1);
+    expect(gateway.called("rois.command.release")).toEqual([]);
+  });
+
+  it("is left to itself where the request is refused", async () => {
+    gateway.on("openrois.lease.request", () => ({ return_code: "UNSUPPORTED" }));
+    gateway.on("openrois.lease.leave", () => ({}));
+    await expect(client.control.request(ARM)).rejects.toBeInstanceOf(RoISError);
+    expect(gateway.called("openrois.lease.leave")).toEqual([]);
   });
 
   it("is waited for when the holder says no, and had when it is given back", async () => {
