@@ -105,9 +105,7 @@ export class Bindings {
   }
 
   async #bind(call: Call, componentRef: string): Promise<void> {
-    await call("rois.command.bind", { component_ref: componentRef }, () =>
-      this.giveBack(call, componentRef),
-    );
+    await call("rois.command.bind", { component_ref: componentRef }, () => this.giveBack(call, componentRef));
     this.#states.set(componentRef, "held");
   }
 
