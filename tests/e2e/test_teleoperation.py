@@ -1,11 +1,12 @@
 """A person drives the avatar with the keyboard; it stops when that person looks at something else, or goes."""
 
+import re
 from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
 import pytest_asyncio
-from openrois_avatar.link.messages import Drive, Halt
+from openrois_avatar.link.messages import Drive, Halt, Look
 from openrois_avatar.teleoperation import pilot
 from playwright.async_api import Browser, expect
 
@@ -138,6 +139,39 @@ async def _holding(visit: Visit) -> set[str]:
     refs = ["Teleoperation", "Navigation", "Move", "Follow", "Reaction"]
     ask = f"Promise.all({refs}.map((name) => openrois.client.control.status(`avatar/${{name}}`)))"
     return {each["state"] for each in await visit.page.evaluate(ask)}
+
+
+async def test_a_finger_walks_with_the_stick_and_another_one_looks(browser: Browser, drivers: Drivers) -> None:
+    phone = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
+    await drivers.visit.page.close()
+    async with visiting(browser, drivers.visit.page.url, **phone) as visit:
+        await visit.until("openrois.video?.status === 'STREAMING_RUNNING'")
+        held = Drivers(visit, drivers.engine)
+        await expect(visit.item("stick")).to_be_hidden()
+        await held.take_control()
+        await expect(visit.item("control-legend")).to_have_text(re.compile("Stick.*Drag"))
+        stick, picture = [await visit.item(name).bounding_box() for name in ("stick", "avatar-video")]
+        assert stick is not None
+        assert picture is not None
+        x, y = stick["x"] + stick["width"] / 2, stick["y"] + stick["height"] / 2
+        touch = await visit.page.context.new_cdp_session(visit.page)
+
+        async def fingers(kind: str, *at: tuple[float, float]) -> None:
+            points = [{"x": x, "y": y, "id": number} for number, (x, y) in enumerate(at)]
+            await touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+        await fingers("touchStart", (x, y))
+        await fingers("touchMove", (x, y - 60))
+        await held.goes()
+        eyes = (picture["x"] + picture["width"] * 0.9, picture["y"] + picture["height"] * 0.4)
+        before = len(drivers.engine.times(Look))
+        await fingers("touchStart", (x, y - 60), eyes)
+        await drivers.engine.until(lambda: len(drivers.engine.times(Look)) > before)
+        await held.goes()
+        await fingers("touchEnd")
+        await held.stands()
+        assert all(each.ahead > 0 and each.turn == 0 for _, each in drivers.engine.heard if isinstance(each, Drive))
+        assert await visit.read("scrollY") == 0
 
 
 async def test_another_way_changes_nothing_and_a_page_that_is_closed_lets_go(

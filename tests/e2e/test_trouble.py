@@ -21,6 +21,9 @@ _ONLY_UNKNOWN_CODECS = """
 _NO_WEBRTC = "delete globalThis.RTCPeerConnection; delete globalThis.RTCRtpReceiver;"
 _IMPATIENT = "const now = performance.now.bind(performance); performance.now = () => 5 * now();"
 """A page to which a second is as long as five."""
+_ENABLED = """[...document.querySelectorAll("main :is(button, input, select):enabled")]
+    .filter((each) => each.checkVisibility()).map(({ dataset }) => dataset.testid)"""
+"""What of the page can be used now."""
 _POLICY = ("webrtc-ip-handling-policy", "force-webrtc-ip-handling-policy")
 
 
@@ -53,6 +56,13 @@ async def test_a_gateway_without_an_avatar_and_then_with_one(browser: Browser, g
             await visit.plays(1)
             await visit.shows()
             await visit.no_banner()
+            await expect(visit.item("video-suspend")).to_be_enabled()
+        await visit.banner("adapter-gone", "has left")
+        # STOP stays where it is; of all that needs the avatar nothing can be pressed.
+        await expect(visit.item("stop-all")).to_be_visible()
+        await expect(visit.item("stop-all")).to_be_disabled()
+        usable = {"sound-on", "sound-off", "statistics-toggle", "captions-toggle", "fullscreen", "map-open"}
+        assert set(await visit.read(_ENABLED)) <= usable | {"log-filter", "log-pause", "log-clear"}
 
 
 async def test_no_codec_in_common(browser: Browser, gateway: Gateway) -> None:

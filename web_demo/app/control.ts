@@ -10,6 +10,7 @@ import type { Pad } from "./gamepad.ts";
 import { describeFailure } from "./outcome.ts";
 import { explain } from "./permission.ts";
 import { plainReason, sentence } from "./plain_words.ts";
+import { Stick } from "./stick.ts";
 
 const KEYS: readonly (readonly [string, string])[] = [
   ["W S, ↑ ↓", "ahead and back"],
@@ -24,6 +25,10 @@ const PAD: readonly (readonly [string, string])[] = [
   ["L1 R1", "step aside"],
   ["Right stick", "look"],
 ];
+const TOUCH: readonly (readonly [string, string])[] = [
+  ["Stick", "walk"],
+  ["Drag", "look"],
+];
 /** Milliseconds for which a sentence stands, and the list of what does what. */
 const READABLE = 5000;
 const LEGEND = 8000;
@@ -37,6 +42,9 @@ export class Control {
   readonly #words = byTestId("control-words", HTMLElement);
   readonly #legend = byTestId("control-legend", HTMLElement);
   readonly #pads: GamepadWatch;
+  readonly #stick = new Stick((x, y) => this.#teleoperation?.stick(x, y));
+  /** A finger is what this page is operated with. */
+  readonly #fingers = matchMedia("(any-pointer: coarse)");
   #teleoperation: Teleoperation | null = null;
   #fading: ReturnType<typeof setTimeout> | undefined;
   #closing: ReturnType<typeof setTimeout> | undefined;
@@ -134,6 +142,8 @@ export class Control {
     this.#detach = operating ? (this.#teleoperation?.attach(this.#picture) ?? null) : null;
     this.#button.setAttribute("aria-pressed", String(operating));
     this.#picture.tabIndex = operating ? 0 : -1;
+    this.#picture.classList.toggle("driven", operating);
+    this.#stick.shown = operating && this.#fingers.matches;
     this.#showLegend();
     if (!operating) return this.#rest();
     this.#picture.focus({ preventScroll: true });
@@ -145,7 +155,8 @@ export class Control {
     clearTimeout(this.#closing);
     this.#legend.hidden = this.#detach === null;
     if (this.#detach === null) return;
-    const rows = this.#pads.pad?.standard ? [...PAD, ...KEYS.slice(-1)] : KEYS;
+    const keys = matchMedia("(pointer: coarse)").matches ? TOUCH : KEYS;
+    const rows = this.#pads.pad?.standard ? [...PAD, ...keys.slice(-1)] : keys;
     this.#legend.replaceChildren(
       ...rows.flatMap(([what, does]) => [make("dt", {}, what), make("dd", {}, does)]),
     );

@@ -1,6 +1,7 @@
 /** What a microphone or camera is doing, in words. Pure. */
 
 import type { StreamStatus } from "../sdk/index.ts";
+import { plainReason } from "./plain_words.ts";
 import type { CaptureProblem, Problem } from "../sdk/media/index.ts";
 
 export interface DeviceWords {
@@ -43,10 +44,10 @@ export function deviceTrouble(device: CaptureProblem | null, stream: Problem | n
     case "no-streaming":
       return "This gateway cannot stream.";
     case "unsupported":
-    case "refused":
-      return /^[A-Z_]+$/.test(stream.detail)
-        ? `The avatar does not take it (${stream.detail}).`
-        : `The avatar does not take it: ${stream.detail}.`;
+    case "refused": {
+      const why = plainReason(stream.detail);
+      return `The avatar does not take it${why && `: ${why}`}.`;
+    }
     default:
       return null;
   }

@@ -3,8 +3,9 @@
 import { Reaction } from "../sdk/index.ts";
 import type { Client } from "../sdk/index.ts";
 import { ComponentWatch, isUsable } from "./component_status.ts";
-import { byRole, byTestId, icon, make, setText } from "./dom.ts";
+import { byRole, byTestId, icon, make } from "./dom.ts";
 import { describeEnd } from "./outcome.ts";
+import { PassingText } from "./passing_text.ts";
 import { explain } from "./permission.ts";
 import { bestColumns, reactionLook } from "./reaction_names.ts";
 
@@ -14,7 +15,7 @@ export class Reactions {
   readonly #client: Client;
   readonly #section = byRole("reactions-section", HTMLElement);
   readonly #grid = byRole("reactions", HTMLElement);
-  readonly #state = byTestId("reaction-state", HTMLElement);
+  readonly #state = new PassingText(byTestId("reaction-state", HTMLElement));
   readonly #watch: ComponentWatch;
   #reaction: Reaction | null = null;
   #shown = "";
@@ -78,10 +79,10 @@ export class Reactions {
       this.#grid.style.setProperty("--columns", String(bestColumns(refs.length, [6, 5, 7])));
       this.#grid.style.setProperty("--columns-narrow", String(bestColumns(refs.length, [4, 5, 3])));
       this.#render();
-      setText(this.#state, "");
+      this.#state.show("", false);
       this.#section.hidden = refs.length === 0;
     } catch {
-      setText(this.#state, "The avatar does not tell its reactions.");
+      this.#state.show("The avatar does not tell its reactions.", false);
     }
   }
 
@@ -104,9 +105,9 @@ export class Reactions {
     if (!reaction || button.disabled) return;
     const performance = ++this.#performance;
     button.setAttribute("aria-busy", "true");
-    setText(this.#state, `${name} …`);
+    this.#state.show(`${name} …`, false);
     const { text: words } = await describeEnd(reaction.perform({ reaction_ref: reactionRef }), BUSY);
-    if (performance === this.#performance) setText(this.#state, `${name}: ${words}`);
+    if (performance === this.#performance) this.#state.show(`${name}: ${words}`, true);
     // Pressed twice, a reaction runs until the second has ended.
     if (performance === this.#performance || !reaction.inUse) this.#idle();
     else button.removeAttribute("aria-busy");

@@ -8,7 +8,9 @@ import { byRole, byTestId, make, setText } from "./dom.ts";
 import { languageChoice, languageName, recallLanguages, rememberLanguage } from "./languages.ts";
 import type { LanguageOption } from "./languages.ts";
 import { describeEnd, describeFailure } from "./outcome.ts";
+import { PassingText } from "./passing_text.ts";
 import { explain } from "./permission.ts";
+import { sentence } from "./plain_words.ts";
 import { spellingHint } from "./scripts.ts";
 import { QueueRefusal, SpeechQueue } from "./speech_queue.ts";
 import type { Utterance } from "./speech_queue.ts";
@@ -30,6 +32,7 @@ export class SayLine {
   readonly #hint = byTestId("say-hint", HTMLElement);
   readonly #list = byTestId("say-queue", HTMLOListElement);
   readonly #queue = new SpeechQueue();
+  readonly #told = new PassingText(this.#state, () => this.#show("idle", ""));
   readonly #watch: ComponentWatch;
   readonly #words: SpeechWords;
   readonly #onCut: (cut: Promise<unknown>) => void;
@@ -113,7 +116,8 @@ export class SayLine {
     try {
       await (paused ? this.#speech?.resume() : this.#speech?.suspend());
     } catch (error) {
-      if (performance === this.#performance) setText(this.#state, describeFailure(error, BUSY).text);
+      if (performance === this.#performance)
+        this.#told.show(sentence(describeFailure(error, BUSY).text), false);
       return;
     }
     // It may have come to its end meanwhile.
@@ -189,7 +193,7 @@ export class SayLine {
     if (!usable && status !== null) {
       this.#show(
         "unavailable",
-        `speech is not available: the component reports ${status}. Install it beside the avatar with “pip install openrois[speech]”.`,
+        `speech is not available. Install it beside the avatar with “pip install openrois[speech]”.`,
       );
     }
     this.#render();
@@ -251,7 +255,7 @@ export class SayLine {
 
   #show(state: State, text: string): void {
     this.#state.dataset["state"] = state;
-    setText(this.#state, text === "" ? "" : `${text.charAt(0).toUpperCase()}${text.slice(1)}`);
+    this.#told.show(sentence(text), state !== "unavailable" && !this.#speaking);
     this.#render();
   }
 

@@ -2,6 +2,7 @@
 
 import type { ConnectionState, StreamStatus } from "../sdk/index.ts";
 import type { Problem } from "../sdk/media/index.ts";
+import { plainReason } from "./plain_words.ts";
 
 /** `none`: without one. `ended`: with one that was good before. `refused`: with one that is not good. */
 export type Unwelcome = "none" | "ended" | "refused";
@@ -157,13 +158,13 @@ function problemTrouble(problem: Problem): Trouble {
       return {
         kind: "refused",
         title: "The avatar refuses the video",
-        text: `${said(problem.detail) ?? `It answered ${problem.detail}; the log of its adapter tells why.`} The page goes on trying.`,
+        text: `${said(problem.detail) ?? "The log of its adapter tells why."} The page goes on trying.`,
       };
   }
 }
 
 /** The engine's own words; null where it gave a return code and nothing else. */
 function said(detail: string): string | null {
-  if (/^[A-Z_]+$/.test(detail)) return null;
-  return `It says: “${detail.replace(/\.$/, "")}”.`;
+  const why = plainReason(detail);
+  return why === "" ? null : `It says: “${why}”.`;
 }

@@ -19,6 +19,8 @@ export interface Target {
 export type WalkState = "idle" | "walking" | "done" | "stopped" | "failed" | "refused";
 
 const BUSY = "another visitor is moving the avatar; try again in a moment";
+/** Milliseconds for which it is said what became of a walk. */
+const READABLE = 10_000;
 /** Millimetres from whom it follows. */
 const DISTANCE = 1000;
 
@@ -33,6 +35,7 @@ export class Walk {
   #state: WalkState = "idle";
   #words = "";
   #number = 0;
+  #fading: ReturnType<typeof setTimeout> | undefined;
   #stopping = new AbortController();
 
   /** @param onChange is called when any of the properties has changed */
@@ -134,6 +137,9 @@ export class Walk {
   }
 
   #show(state: WalkState, words: string): void {
+    clearTimeout(this.#fading);
+    if (state !== "walking" && state !== "idle")
+      this.#fading = setTimeout(() => this.#show("idle", ""), READABLE);
     this.#state = state;
     this.#words = words;
     this.#onChange();

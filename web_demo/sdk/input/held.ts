@@ -21,6 +21,8 @@ export class Held {
   readonly #touches = new Map<number, readonly [number, number]>();
   #pointer: readonly [number, number, number] | null = null;
   #gamepad: Gamepad4 | null = null;
+  /** A stick on the screen, as the left stick of a gamepad. */
+  #stick: readonly [number, number] | null = null;
 
   /** As a message has it. */
   get state(): HeldState {
@@ -30,13 +32,13 @@ export class Held {
       ...(this.#touches.size > 0 && {
         touches: [...this.#touches].map(([id, [x, y]]) => [id, x, y] as const),
       }),
-      ...(this.#gamepad && { gamepad: this.#gamepad }),
+      ...(this.#pad && { gamepad: this.#pad }),
     };
   }
 
   /** Something is pressed, touched or deflected: while it is, states have to be sent. */
   get active(): boolean {
-    const pad = this.#gamepad;
+    const pad = this.#pad;
     const deflected = pad !== null && [...pad.axes, ...pad.buttons].some((each) => Math.abs(each) > AT_REST);
     return this.#keys.size > 0 || this.#touches.size > 0 || (this.#pointer?.[2] ?? 0) !== 0 || deflected;
   }
@@ -88,11 +90,29 @@ export class Held {
       .map((button) => ({ event: "pad", button, down: (after[button] ?? 0) >= PRESSED }));
   }
 
+  /**
+   * A stick on the screen stands here: x from -1 (left) to 1, y from -1 (up) to 1; 0, 0 is let go. It adds to the left
+   * stick of the gamepad.
+   */
+  stick(x: number, y: number): void {
+    const at = [fine(x, -1), fine(y, -1)] as const;
+    this.#stick = at[0] === 0 && at[1] === 0 ? null : at;
+  }
+
+  /** The gamepad with the stick on the screen; null without either. */
+  get #pad(): Gamepad4 | null {
+    if (!this.#stick) return this.#gamepad;
+    const { axes = [], buttons = [] } = this.#gamepad ?? {};
+    const [x, y] = this.#stick;
+    return { axes: [fine((axes[0] ?? 0) + x, -1), fine((axes[1] ?? 0) + y, -1), ...axes.slice(2)], buttons };
+  }
+
   /** Nothing is held any more, and nothing points anywhere. */
   clear(): void {
     this.#keys.clear();
     this.#touches.clear();
     this.#pointer = null;
     this.#gamepad = null;
+    this.#stick = null;
   }
 }

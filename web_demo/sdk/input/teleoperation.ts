@@ -121,6 +121,14 @@ export class Teleoperation {
     };
   }
 
+  /** A stick on the screen was moved, while `attach` lasts: x from -1 (left) to 1, y from -1 (up) to 1; 0, 0 lets go. */
+  stick(x: number, y: number): void {
+    if (!this.#collector) return;
+    this.#held.stick(x, y);
+    this.#moved = true;
+    this.#look();
+  }
+
   detach(): void {
     if (!this.#collector) return;
     this.#release("bye");

@@ -89,6 +89,29 @@ describe("Held", () => {
   });
 });
 
+describe("a stick on the screen", () => {
+  it("is a gamepad's left stick, and adds to that", () => {
+    const held = new Held();
+    held.stick(0.5, -1);
+    expect(held.state).toEqual({ gamepad: { axes: [0.5, -1], buttons: [] } });
+    expect(held.active).toBe(true);
+    held.pad(pad([0.25, -0.5, 0.75, 0]));
+    expect(held.state.gamepad?.axes).toEqual([0.75, -1, 0.75, 0]);
+    held.stick(0, 0);
+    expect(held.state.gamepad?.axes).toEqual([0.25, -0.5, 0.75, 0]);
+  });
+
+  it("is nothing once it is let go, or all is", () => {
+    const held = new Held();
+    held.stick(-1, 0);
+    held.stick(0, 0);
+    expect([held.state, held.active]).toEqual([{}, false]);
+    held.stick(1, 1);
+    held.clear();
+    expect(held.state).toEqual({});
+  });
+});
+
 describe("messages", () => {
   it("count up, whoever sends them", () => {
     const [first, second] = [message({}), message({ event: "release", why: "bye" })].map(
