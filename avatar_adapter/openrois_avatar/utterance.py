@@ -16,7 +16,17 @@ from openrois_avatar.body import Body
 from openrois_avatar.sound import AvatarSound, Playback, SoundBusy
 from openrois_avatar.speech.synthesizer import NamedMark, Speech, Word
 
-__all__ = ["MarkReached", "Progress", "SpeechEnded", "Utterance", "WordSpoken"]
+__all__ = ["MarkReached", "Progress", "SpeechBegan", "SpeechEnded", "Utterance", "WordSpoken"]
+
+
+@dataclass(frozen=True, slots=True)
+class SpeechBegan:
+    """The first word of a text is heard, or its first mark reached."""
+
+    speech_id: str
+    text: str
+    is_ssml: bool
+    at: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +59,7 @@ class SpeechEnded:
     at: float
 
 
-Progress = WordSpoken | MarkReached | SpeechEnded
+Progress = SpeechBegan | WordSpoken | MarkReached | SpeechEnded
 
 
 class Utterance:
@@ -60,10 +70,25 @@ class Utterance:
         body: whose mouth moves.
         audience: those who hear it.
         tell: is told how it goes on, in order; must not raise.
+        text: what is said.
+        is_ssml: whether `text` is SSML.
     """
 
-    def __init__(self, sound: AvatarSound, body: Body, audience: Audience, tell: Callable[[Progress], None]) -> None:
+    def __init__(
+        self,
+        sound: AvatarSound,
+        body: Body,
+        audience: Audience,
+        tell: Callable[[Progress], None],
+        text: str,
+        *,
+        is_ssml: bool,
+    ) -> None:
         self.speech_id = secrets.token_hex(8)
+        self._text = text
+        self._is_ssml = is_ssml
+        self._has_begun = False
+        """Whether `SpeechBegan` was told."""
         self.begun = False
         """Whether `play` was called."""
         self.over = asyncio.Event()
@@ -164,6 +189,9 @@ class Utterance:
 
     def _reached(self, moment: Word | NamedMark, playback: Playback) -> None:
         at = wall_at(self._sound.clock, playback.start + moment.offset_ms / 1000 + self._late)
+        if not self._has_begun:
+            self._has_begun = True
+            self._tell(SpeechBegan(self.speech_id, self._text, self._is_ssml, at))
         if isinstance(moment, Word):
             self._last = moment
             self._tell(WordSpoken(self.speech_id, moment.text, moment.position, at))

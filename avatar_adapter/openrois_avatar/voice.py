@@ -101,7 +101,7 @@ class Voice:
             OutOfResources: too much waits to be spoken already.
         """
         voice = None if character == DEFAULT_CHARACTER else character
-        utterance = Utterance(self._sound, self._body, self.audience, self.progress.tell)
+        utterance = Utterance(self._sound, self._body, self.audience, self.progress.tell, text, is_ssml=ssml)
         self._utterances.append(utterance)
         try:
             speech = await self._synthesizer.synthesize(text, language=language, voice=voice, volume=volume, ssml=ssml)

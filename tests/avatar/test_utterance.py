@@ -54,7 +54,7 @@ class Hearing:
 
     def utterance(self) -> Utterance:
         body = Body(lambda command: self.silences.append(self.clock.now()) if command == Silence() else None)
-        return Utterance(self.sound, body, self.audience, self.progress.append)
+        return Utterance(self.sound, body, self.audience, self.progress.append, "", is_ssml=False)
 
     def loud(self) -> list[tuple[float, float]]:
         """The moments of samples that are heard, by the media clock, and when the last of its block was played."""
@@ -179,7 +179,8 @@ async def test_a_viewer_that_becomes_slower_meanwhile_is_waited_for(monkeypatch:
     monkeypatch.setattr(audience, "lateness", lateness)
     hum = Speech(bursts(1).samples, (), ())
     begun = clock.now()
-    await Utterance(sound, Body(lambda _command: None), audience, lambda _told: None).play(hum)
+    utterance = Utterance(sound, Body(lambda _command: None), audience, lambda _told: None, "", is_ssml=False)
+    await utterance.play(hum)
     assert clock.now() >= begun + hum.duration + 0.3
 
 

@@ -9,7 +9,7 @@ from openrois_avatar.audience import PLAYOUT
 from openrois_avatar.body import Body
 from openrois_avatar.link.messages import Command, Silence, Speak
 from openrois_avatar.sound import AvatarSound
-from openrois_avatar.utterance import MarkReached, Progress, SpeechEnded, WordSpoken
+from openrois_avatar.utterance import MarkReached, Progress, SpeechBegan, SpeechEnded, WordSpoken
 from openrois_avatar.voice import Voice
 from openrois_streaming.source import RawAudio
 
@@ -105,9 +105,13 @@ async def test_words_and_marks_are_told_when_they_are_heard(speaker: Speaker) ->
     begin = speaker.speaks()[0].start_ns / 1e9 + PLAYOUT
     await speaker.clock.advance(1.5)
     await saying
-    assert [type(each) for each in speaker.progress] == [WordSpoken, MarkReached, WordSpoken, WordSpoken, SpeechEnded]
+    kinds = [SpeechBegan, WordSpoken, MarkReached, WordSpoken, WordSpoken, SpeechEnded]
+    assert [type(each) for each in speaker.progress] == kinds
+    began = speaker.progress[0]
+    assert isinstance(began, SpeechBegan)
+    assert (began.text, began.is_ssml) == ("one <here> two  three", False)
     assert speaker.words() == [("one", 0), ("two", 11), ("three", 16)]
-    assert speaker.at == pytest.approx([begin, begin + 0.25, begin + 0.5, begin + 0.75, begin + 1.0])
+    assert speaker.at == pytest.approx([begin, begin, begin + 0.25, begin + 0.5, begin + 0.75, begin + 1.0])
     walls = [each.at - speaker.clock.wall() + speaker.clock.now() for each in speaker.progress]
     assert walls == pytest.approx(speaker.at)
     assert len({each.speech_id for each in speaker.progress}) == 1
@@ -147,7 +151,7 @@ async def test_words_that_are_on_their_way_are_told_before_the_end(speaker: Spea
     with pytest.raises(Aborted, match="enough at the word 'two'"):
         await saying
     assert speaker.words() == [("one", 0), ("two", 4)]
-    assert speaker.progress[1].at - speaker.clock.wall() == pytest.approx(PLAYOUT - 0.05)
+    assert speaker.progress[2].at - speaker.clock.wall() == pytest.approx(PLAYOUT - 0.05)
 
 
 async def test_cancelling_cuts_voice_and_mouth(speaker: Speaker) -> None:

@@ -1,11 +1,14 @@
 """The page as such: with the keyboard alone, on a small screen, in light and dark, and for eyes that need contrast."""
 
+import re
 from pathlib import Path
 from typing import Final
 
 import pytest
 from playwright.async_api import Browser, Page, expect
 
+from openrois.client import Client
+from openrois.client.components import SpeechSynthesis
 from tests.support.browser import Visit, visiting
 from tests.support.conversation import SAYING, aloud, meet, outcome, say, speak
 from tests.support.demo import Demo
@@ -67,7 +70,7 @@ async def test_the_tab_key_goes_everywhere_in_the_order_in_which_one_reads(guest
     away = await guest.item("map-back").is_visible()
     order = [
         *("skip", "show-avatar", "show-inspector", "stop-all", "help-open", "theme-toggle", "stage"),
-        *("sound-off", "statistics-toggle", "control-toggle", "fullscreen"),
+        *("sound-off", "captions-toggle", "statistics-toggle", "control-toggle", "fullscreen"),
         *("say-text", "say-language", "say-send"),  # pause and stop have nothing to do yet
         *reactions,
         *(["map-open", "map-back"] if away else ["map-open"]),  # other tests may have sent it away
@@ -204,6 +207,24 @@ async def test_the_word_that_is_heard_is_marked_and_a_pause_holds_it(guest: Visi
     await guest.until(f"{SAYING} === 'done'")
     await expect(guest.item("say-words")).to_be_hidden()
     assert await outcome(guest, "avatar/SpeechSynthesis", "suspend") == "OK"
+
+
+async def test_captions_show_what_is_said_to_every_viewer_whoever_says_it(avatar: Demo, guest: Visit) -> None:
+    caption = guest.item("captions")
+    async with Client(avatar.url) as application:
+        speech = await application.find(SpeechSynthesis)
+        async with speech.bound():
+            await speech.set(speech_text="Green parrots whistle melodies loudly, and the others listen.")
+            await speech.start().execute()
+            await expect(caption).to_have_text(re.compile("^Green parrots whistle melodies loudly"))
+            await guest.until("document.querySelector('[data-testid=captions] mark')?.textContent === 'melodies'")
+            await guest.press("captions-toggle")
+            await expect(caption).to_be_hidden()
+            await speech.stop()
+    await guest.page.reload()
+    await expect(guest.item("captions-toggle")).to_have_attribute("aria-pressed", "false")
+    await guest.press("captions-toggle")
+    await expect(guest.item("captions-toggle")).to_have_attribute("aria-pressed", "true")
 
 
 @pytest.mark.long

@@ -142,9 +142,9 @@ async def _holding(visit: Visit) -> set[str]:
 
 
 async def test_a_finger_walks_with_the_stick_and_another_one_looks(browser: Browser, drivers: Drivers) -> None:
-    phone = {"viewport": {"width": 390, "height": 844}, "has_touch": True, "is_mobile": True}
+    phone = {"width": 390, "height": 844}
     await drivers.visit.page.close()
-    async with visiting(browser, drivers.visit.page.url, **phone) as visit:
+    async with visiting(browser, drivers.visit.page.url, viewport=phone, has_touch=True, is_mobile=True) as visit:
         await visit.until("openrois.video?.status === 'STREAMING_RUNNING'")
         held = Drivers(visit, drivers.engine)
         await expect(visit.item("stick")).to_be_hidden()

@@ -7,6 +7,7 @@ import { AvatarDirectory, bodyOf } from "./avatars.ts";
 import type { Avatar } from "./avatars.ts";
 import { Banner } from "./banner.ts";
 import { BodyControl } from "./body_control.ts";
+import { Captions } from "./captions.ts";
 import { Control } from "./control.ts";
 import { FiguresPanel } from "./figures.ts";
 import { Handover } from "./handover.ts";
@@ -60,6 +61,7 @@ const directory = new AvatarDirectory(client, avatarChanged, before?.engineId);
 const header = new Header(directory);
 const banner = new Banner(() => client.retryNow(), takeToken);
 const stage = new Stage();
+const captions = new Captions(client);
 const sound = new Sound();
 const videoCard = new StreamCard("video");
 const audioCard = new StreamCard("audio");
@@ -138,6 +140,7 @@ function avatarChanged(): void {
   say.offered = avatar?.speech !== null;
   reactions.offered = avatar?.reaction !== null;
   say.setComponents(present?.speech ?? null, present?.progress ?? null);
+  captions.setComponent(present?.progress ?? null);
   reactions.setComponent(present?.reaction ?? null);
   control.setComponent(present?.teleoperation ?? null);
   const moving = present && bodyOf(present);
@@ -270,6 +273,7 @@ installShortcuts([
   { keys: ["s"], label: "Suspend or resume the video", run: toAvatar(toggleVideo) },
   { keys: ["t"], label: "Your microphone on or off", run: toAvatar(() => operator.toggleMicrophone()) },
   { keys: ["c"], label: "Your camera on or off", run: toAvatar(() => operator.toggleCamera()) },
+  { keys: ["k"], label: "Captions on or off", run: toAvatar(() => captions.toggle()) },
   { keys: ["m"], label: "Sound on or off", run: () => sound.toggle() },
   { keys: ["g"], label: "Statistics of the last minute", run: toAvatar(() => overlay.toggle()) },
   { keys: ["f"], label: "Full screen", run: toAvatar(() => stage.toggleFullscreen()) },

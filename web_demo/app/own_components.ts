@@ -47,6 +47,12 @@ export interface WordSpoken {
   readonly length: number;
 }
 
+export interface SpeechBegan {
+  readonly speech_id: string;
+  readonly text: string;
+  readonly is_ssml: boolean;
+}
+
 export interface SpeechEnded {
   readonly speech_id: string;
   readonly status: CompletedStatus;
@@ -56,6 +62,11 @@ export interface SpeechEnded {
 export class SpeechProgress extends RoISCommon<{ readonly barge_in?: boolean }> {
   static readonly componentType = `${URN}SpeechProgress`;
   protected override readonly parameterTypes = { barge_in: "bool" };
+  readonly speechBegan = this.event<SpeechBegan>("speech_began", {
+    speech_id: "string",
+    text: "string",
+    is_ssml: "bool",
+  });
   readonly wordSpoken = this.event<WordSpoken>("word_spoken", {
     speech_id: "string",
     word: "string",

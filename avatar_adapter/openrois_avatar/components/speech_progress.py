@@ -7,7 +7,7 @@ from typing import Any, Protocol
 from openrois.adapter import Component, ComponentStatus, event, parameter
 from openrois.listeners import Listeners
 from openrois.types.codes import CompletedStatus
-from openrois_avatar.utterance import MarkReached, Progress, SpeechEnded, WordSpoken
+from openrois_avatar.utterance import MarkReached, Progress, SpeechBegan, SpeechEnded, WordSpoken
 from openrois_avatar.voice import Voice
 
 __all__ = ["Attention", "SpeechProgress"]
@@ -59,6 +59,17 @@ class SpeechProgress(Component, authority="OpenRoIS", function="actuation"):
         return ComponentStatus.READY if self._voice.available()[0] else ComponentStatus.ERROR
 
     @event
+    def speech_began(self, speech_id: str, text: str, is_ssml: bool, began_at: datetime) -> None:
+        """The viewers hear the first word of a text, whichever application has set it: captions show it.
+
+        Args:
+            speech_id: of the text that is spoken
+            text: speech_text or ssml_text, as it was set
+            is_ssml: whether it is SSML
+            began_at: when they hear it
+        """
+
+    @event
     def word_spoken(self, speech_id: str, word: str, position: int, length: int, spoken_at: datetime) -> None:
         """The viewers hear a word. Words that are said in one breath may be told as the first of them.
 
@@ -108,6 +119,8 @@ class SpeechProgress(Component, authority="OpenRoIS", function="actuation"):
     def _progressed(self, progress: Progress) -> None:
         at = datetime.fromtimestamp(progress.at, UTC)
         match progress:
+            case SpeechBegan(speech_id, text, is_ssml):
+                self.speech_began(speech_id, text, is_ssml, at)
             case WordSpoken(speech_id, word, position):
                 self.word_spoken(speech_id, word, position, len(word), at)
             case MarkReached(speech_id, mark):

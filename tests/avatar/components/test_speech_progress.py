@@ -56,7 +56,7 @@ class Stage:
         self.events: list[tuple[str, dict[str, str]]] = []
 
     async def subscribe(self) -> None:
-        for event_type in ("word_spoken", "mark_reached", "speech_ended"):
+        for event_type in ("speech_began", "word_spoken", "mark_reached", "speech_ended"):
             await self.registry.subscribe(PROGRESS, event_type, self._take)
 
     def _take(self, event: Event | SubscriptionLost) -> None:
@@ -85,7 +85,11 @@ async def test_each_word_is_an_event_with_its_place_and_its_time(stage: Stage) -
     speaking = await stage.start("one <here> two")
     await stage.clock.advance(1.5)
     await speaking
-    kinds, values = zip(*stage.events, strict=True)
+    (began, text), *rest = stage.events
+    kinds, values = zip(*rest, strict=True)
+    assert (began, text["text"], text["is_ssml"]) == ("speech_began", "one <here> two", "false")
+    assert text["speech_id"] == values[0]["speech_id"]
+    assert text["began_at"] == values[0]["spoken_at"]
     assert kinds == ("word_spoken", "mark_reached", "word_spoken", "speech_ended")
     speech_id = values[0]["speech_id"]
     assert values[0] | {"spoken_at": ""} == {
