@@ -21,6 +21,7 @@ from openrois_avatar.link.messages import (
     Silence,
     Speak,
     Stop,
+    Viewpoint,
 )
 
 __all__ = ["Body"]
@@ -47,6 +48,8 @@ class Body:
         self._reactions: dict[str, asyncio.Future[Completed]] = {}
         self._movements: dict[str, tuple[Speak, ...]] = {}
         """Of the mouth, for the speeches that are not over."""
+        self.viewpoint = ""
+        """From where the pictures are to show it; empty for where the game engine begins."""
         self._lines = RateLimit(_LINES, _LINES, clock)
         self._unsaid = Tally(_log, "lines of the game engine that are not logged")
 
@@ -92,7 +95,9 @@ class Body:
         self._tell_if_there(Silence())
 
     def back(self) -> None:
-        """A game engine is there again: its mouth goes on with what is being said."""
+        """A game engine is there again: its mouth goes on with what is being said, and its camera where it was."""
+        if self.viewpoint:
+            self._tell_if_there(Viewpoint(self.viewpoint))
         for movements in tuple(self._movements.values()):
             for movement in movements:
                 self._tell_if_there(movement)
@@ -104,6 +109,15 @@ class Body:
             ComponentFailed: the game engine is gone.
         """
         self._tell(Look(x, y))
+
+    def show_from(self, viewpoint: str) -> None:
+        """Show the figure from one of the engine's viewpoints; one that comes later shows it from there, too.
+
+        Raises:
+            ComponentFailed: the game engine is gone.
+        """
+        self._tell(Viewpoint(viewpoint))
+        self.viewpoint = viewpoint
 
     def take(self, event: Event) -> None:
         """Take an event of the game engine."""

@@ -26,6 +26,7 @@ from openrois_avatar.components.scene_senses import scene_senses
 from openrois_avatar.components.speech_synthesis import SpeechSynthesis
 from openrois_avatar.components.surroundings import Surroundings
 from openrois_avatar.components.teleoperation import Teleoperation
+from openrois_avatar.components.viewpoint import Viewpoint
 from openrois_avatar.health import Health, Observed
 from openrois_avatar.legs import Legs
 from openrois_avatar.link.embedded import EmbeddedEngine
@@ -208,6 +209,9 @@ async def _engine_scene(
         def reactions() -> tuple[str, ...]:
             return engine.hello.reactions if engine.hello is not None else ()
 
+        def viewpoints() -> tuple[str, ...]:
+            return engine.hello.viewpoints if engine.hello is not None else ()
+
         voice = Voice(synthesizer, sound, body)
         seat = Seat(reference(engine_id, "Teleoperation"), clock)
         figure = Figure(legs, world, Ways(world), status)
@@ -215,6 +219,7 @@ async def _engine_scene(
             SpeechSynthesis(voice),
             Reaction(body, reactions, status),
             Gaze(body, status),
+            Viewpoint(body, viewpoints, status),
             Teleoperation(seat, FigureControls(legs, body, engine.send, takes_input), status, clock),
             Navigation(figure),
             Follow(figure),

@@ -5,7 +5,19 @@ import logging
 
 import pytest
 from openrois_avatar.body import Body
-from openrois_avatar.link.messages import Command, Completed, LinkError, Log, Look, React, Silence, Speak, Status, Stop
+from openrois_avatar.link.messages import (
+    Command,
+    Completed,
+    LinkError,
+    Log,
+    Look,
+    React,
+    Silence,
+    Speak,
+    Status,
+    Stop,
+    Viewpoint,
+)
 
 from openrois.errors import Aborted, ComponentFailed
 
@@ -103,6 +115,17 @@ def test_an_engine_that_is_there_again_is_told_what_is_being_said(body: Body, en
     body.silence()
     body.back()
     assert engine.told == [*said, Silence()]
+
+
+def test_an_engine_that_comes_later_shows_the_figure_from_where_the_one_before_did(body: Body, engine: Engine) -> None:
+    body.back()
+    body.show_from("face")
+    body.back()
+    assert engine.told == [Viewpoint("face"), Viewpoint("face")]
+    engine.gone = True
+    with pytest.raises(ComponentFailed, match="gone"):
+        body.show_from("room")
+    assert body.viewpoint == "face"
 
 
 def test_a_flood_of_lines_is_cut_and_no_line_is_several(engine: Engine, caplog: pytest.LogCaptureFixture) -> None:

@@ -54,6 +54,7 @@ from openrois_avatar.link.messages import (
     Speak,
     Stop,
     VideoShape,
+    Viewpoint,
     Walk,
 )
 from openrois_avatar.link.protocol import PixelFormat
@@ -74,8 +75,16 @@ _UNSEEN: Final = 0.1
 """Seconds between two deadlines of body and room while nothing is drawn."""
 
 
-def main(name: str, available: Available, factory: Factory, arguments: Sequence[str]) -> int:
-    """Run an engine until its link ends, or draw one still; the exit status."""
+def main(name: str, available: Available, factory: Factory, viewpoints: Sequence[str], arguments: Sequence[str]) -> int:
+    """Run an engine until its link ends, or draw one still; the exit status.
+
+    Args:
+        name: of the engine.
+        available: tells whether it runs here.
+        factory: makes what draws its pictures.
+        viewpoints: from where it can show the room, of `openrois_avatar.engines.room.shot.VIEWPOINTS`.
+        arguments: of the command line.
+    """
     options = _options(name, arguments)
     works, hint = available()
     if not works:
@@ -94,6 +103,7 @@ def main(name: str, available: Available, factory: Factory, arguments: Sequence[
         ring=True,
         walks=True,
         demand=True,
+        viewpoints=tuple(viewpoints),
     )
     renderer = factory(picture)
     try:
@@ -310,6 +320,8 @@ class Runner:
                 self._coming.append((self._sent, command))
             case Walk() | Drive() | Halt():
                 self._life.obey(now, command)
+            case Viewpoint():
+                self._life.show_from(command.name)
             case Quit() | Demand() | Input() | KeyFrame() | Bitrate():
                 pass  # the first two are heeded as they come; it asked for no input, and encodes nothing
             case _:

@@ -8,7 +8,9 @@ from openrois_avatar.body import Body
 from openrois_avatar.components.gaze import Gaze
 from openrois_avatar.components.reaction import Reaction, reaction_ref
 from openrois_avatar.components.system_information import SystemInformation
+from openrois_avatar.components.viewpoint import Viewpoint
 from openrois_avatar.link.messages import Command, Completed, Look, Place, React, Stop
+from openrois_avatar.link.messages import Viewpoint as LinkViewpoint
 
 from openrois.errors import Aborted, BadParameter, ComponentFailed, Unsupported
 from openrois.registry import LocalRegistry
@@ -22,6 +24,7 @@ class Stage:
     def __init__(self) -> None:
         self.status = ComponentStatus.READY
         self.place: Place | None = None
+        self.viewpoints: tuple[str, ...] = ("automatic", "face")
         self.wall = 1_700_000_000.25
         self.told: list[Command] = []
         self.reacting: asyncio.Queue[React] = asyncio.Queue()
@@ -32,6 +35,7 @@ class Stage:
                 SystemInformation("avatar", lambda: self.status, lambda: self.place, lambda: self.wall),
                 Reaction(self.body, lambda: ("nod", "wave"), lambda: self.status),
                 Gaze(self.body, lambda: self.status),
+                Viewpoint(self.body, lambda: self.viewpoints, lambda: self.status),
             ],
         )
 
@@ -149,3 +153,30 @@ async def test_gaze_refuses_what_is_no_direction(stage: Stage, x: str) -> None:
     with pytest.raises(BadParameter):
         await stage.registry.invoke("avatar/Gaze", "look", (Argument(name="x", data_type_ref="double", value=x),))
     assert stage.told == []
+
+
+async def choose(stage: Stage, viewpoint: str) -> None:
+    argument = Argument(name="viewpoint", data_type_ref="string", value=viewpoint)
+    await stage.registry.invoke("avatar/Viewpoint", "choose", (argument,))
+
+
+async def test_all_viewers_see_it_from_the_viewpoint_that_was_chosen(stage: Stage) -> None:
+    told: list[str] = []
+    subscription = await stage.registry.subscribe(
+        "avatar/Viewpoint", "viewpoint_changed", lambda event: told.append(event.results[0].value)
+    )
+    assert await values(stage, "Viewpoint", "viewpoint") == {"viewpoint": "automatic"}
+    for viewpoint in ("face", "face", "automatic"):
+        await choose(stage, viewpoint)
+        assert await values(stage, "Viewpoint", "viewpoint") == {"viewpoint": viewpoint}
+    assert [command.name for command in stage.told if isinstance(command, LinkViewpoint)] == ["face", "automatic"]
+    assert told == ["face", "automatic"]
+    await stage.registry.unsubscribe(subscription)
+
+
+async def test_a_viewpoint_that_the_engine_does_not_have_is_refused(stage: Stage) -> None:
+    with pytest.raises(BadParameter, match="no viewpoint 'moon'; available_viewpoints: automatic, face"):
+        await choose(stage, "moon")
+    assert stage.told == []
+    stage.viewpoints = ()
+    assert await values(stage, "Viewpoint", "component_status") == {"status": "ERROR"}

@@ -15,6 +15,7 @@ from openrois_avatar.components.speech_progress import SpeechProgress
 from openrois_avatar.components.speech_synthesis import SpeechSynthesis
 from openrois_avatar.components.streaming import AudioStreaming, VideoStreaming
 from openrois_avatar.components.system_information import SystemInformation
+from openrois_avatar.components.viewpoint import Viewpoint
 from openrois_avatar.devices import Camera, Microphone
 from openrois_avatar.link.messages import Thing
 from openrois_avatar.microphone_senses import microphone_senses
@@ -105,6 +106,11 @@ class TestReaction(ComponentContract):
 class TestGaze(ComponentContract):
     async def component(self) -> Component:
         return Gaze(Body(lambda _command: None), ready)
+
+
+class TestViewpoint(ComponentContract):
+    async def component(self) -> Component:
+        return Viewpoint(Body(lambda _command: None), lambda: ("face", "room"), ready)
 
 
 class TestOperator(ComponentContract):

@@ -9,6 +9,7 @@ from openrois_avatar.engines.animation.pose import Pose
 from openrois_avatar.engines.animation.reactions import REACTIONS
 from openrois_avatar.engines.room.plan import ROOM
 from openrois_avatar.engines.room.scene import AT_HOME, Scene
+from openrois_avatar.engines.room.shot import VIEWPOINTS
 from openrois_avatar.engines.runner import AHEAD, LINK_LOST, UNAVAILABLE, Runner, i420, main, still_pose
 from openrois_avatar.engines.settings import Picture, Pixels
 from openrois_avatar.engines.sound import Samples
@@ -32,6 +33,7 @@ from openrois_avatar.link.messages import (
     Speak,
     Stop,
     Things,
+    Viewpoint,
     Viseme,
     Walk,
     Waypoint,
@@ -261,6 +263,12 @@ def test_the_room_is_told_first_and_then_what_changes_in_it() -> None:
     assert {scene.place for scene in drawing.scenes} == {Place(0.0, 0.0, -pi / 2)}
 
 
+def test_it_is_shown_from_where_it_is_told_and_an_unknown_viewpoint_changes_nothing() -> None:
+    _, drawing = played(3.0, {0.5: Viewpoint("eyes"), 1.5: Viewpoint("the moon"), 2.0: Viewpoint("automatic")})
+    own = [scene.shot.own for scene in drawing.scenes]
+    assert (own[10], own[20], own[50], own[-1]) == (False, True, True, False)
+
+
 def test_the_figure_walks_and_tells_where_it_is() -> None:
     link, drawing = played(8.0, {0.5: Walk("a", (Waypoint(0.0, 1.0), Waypoint(-0.5, 1.0, -pi / 2)), 1.0)})
     assert [event for _, event in link.events] == [Reached("a", 0), Reached("a", 1), Completed("a", "OK")]
@@ -342,24 +350,24 @@ def works() -> tuple[bool, str]:
 
 
 def test_an_engine_that_cannot_run_says_why(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main("test", lambda: (False, "install it"), stage, []) == UNAVAILABLE
+    assert main("test", lambda: (False, "install it"), stage, VIEWPOINTS, []) == UNAVAILABLE
     assert capsys.readouterr().err == "install it\n"
 
 
 @pytest.mark.usefixtures("quiet_environment")
 def test_an_engine_without_an_adapter_says_so(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main("test", works, stage, []) == LINK_LOST
+    assert main("test", works, stage, VIEWPOINTS, []) == LINK_LOST
     assert "is not set" in capsys.readouterr().err
 
 
 def test_a_still_is_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "still.png"
     arguments = ["--still", str(file), "--viseme", "aa", "--reaction", "wave", "--at", "0.8", "--place", "1,0.5,-1.2"]
-    assert main("test", works, stage, arguments) == 0
+    assert main("test", works, stage, VIEWPOINTS, arguments) == 0
     picture = cv2.imread(str(file))
     assert picture is not None
     assert picture.shape == (SIZE.height, SIZE.width, 3)
-    assert main("test", works, stage, ["--still", str(tmp_path / "no" / "still.png")]) == 1
+    assert main("test", works, stage, VIEWPOINTS, ["--still", str(tmp_path / "no" / "still.png")]) == 1
     assert "cannot write" in capsys.readouterr().err
 
 
@@ -368,7 +376,7 @@ def test_a_still_is_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
 )
 def test_settings_that_make_no_sense_are_refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):
-        main("test", works, stage, arguments)
+        main("test", works, stage, VIEWPOINTS, arguments)
     assert "error" in capsys.readouterr().err
 
 

@@ -38,6 +38,7 @@ from openrois_avatar.link.messages import (
     Thing,
     Things,
     VideoShape,
+    Viewpoint,
     Viseme,
     Walk,
     Waypoint,
@@ -46,7 +47,15 @@ from openrois_avatar.link.messages import (
     event_from_json,
 )
 
-HELLO = Hello("puppet", "1.0", VideoShape(640, 360, 29.97, "i420"), 2, ("nod", "bow"), "s3cret")
+HELLO = Hello(
+    "puppet",
+    "1.0",
+    VideoShape(640, 360, 29.97, "i420"),
+    2,
+    ("nod", "bow"),
+    "s3cret",
+    viewpoints=("face", "room"),
+)
 SPEAK = Speak("7", 123_456_789_000, (Viseme(0, "PP", 0.5), Viseme(62.5, "aa", 1)), 900)
 INPUT = Input({"seq": 1, "t": 2.5, "event": "key", "code": "KeyW", "down": True})
 COMMANDS: list[Command] = [React("1", "nod"), SPEAK, Silence(), Look(-1, 0.25), Stop("1"), Stop(), INPUT, Quit()]
@@ -56,6 +65,7 @@ COMMANDS += [
     Halt(),
     KeyFrame(),
     Bitrate(2_000_000),
+    Viewpoint("face"),
 ]
 EVENTS: list[Event] = [
     Completed("1", "OK"),
@@ -84,6 +94,16 @@ def on_the_wire(body: dict[str, Any]) -> dict[str, Any]:
 
 def test_hello_travels_whole() -> None:
     assert Hello.from_json(on_the_wire(HELLO.to_json())) == HELLO
+
+
+def test_an_engine_of_an_earlier_revision_has_no_viewpoints() -> None:
+    body = HELLO.to_json()
+    assert Hello.from_json(on_the_wire(body)).viewpoints == ("face", "room")
+    del body["viewpoints"]
+    assert Hello.from_json(on_the_wire(body)).viewpoints == ()
+    for wrong in (None, "face", [1], ["x"] * 33):
+        with pytest.raises(LinkError, match="viewpoints: expected"):
+            Hello.from_json({**body, "viewpoints": wrong})
 
 
 def test_an_engine_without_sound_says_null() -> None:

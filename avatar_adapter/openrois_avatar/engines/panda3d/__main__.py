@@ -3,6 +3,7 @@
 import sys
 
 from openrois_avatar.engines.panda3d import available
+from openrois_avatar.engines.room.shot import VIEWPOINTS
 from openrois_avatar.engines.runner import main
 from openrois_avatar.engines.settings import Picture, Renderer
 
@@ -14,4 +15,4 @@ def _renderer(picture: Picture) -> Renderer:
 
 
 if __name__ == "__main__":
-    sys.exit(main("panda3d", available, _renderer, sys.argv[1:]))
+    sys.exit(main("panda3d", available, _renderer, VIEWPOINTS, sys.argv[1:]))

@@ -16,6 +16,8 @@ from openrois_avatar.engines.sculpt.shading import CLOTH, PLAIN, Bytes, Floats, 
 
 _WALL: Final = 30.0
 """How far behind the figure's home the wall is, in dm."""
+_ASIDE, _BEFORE, _TOP = 24.0, -20.0, 34.0
+"""How far to the sides and before the figure's home the other walls are, and how high they go, in dm."""
 _UNDER: Final = 0.15
 """How far the ground is under the floor, and shadows over it, in dm: from far away the renderer's depth is no finer."""
 _RELIGHT: Final = 0.05
@@ -34,6 +36,7 @@ class Room:
         self._furniture = _still("furniture", scene, furniture.furniture())
         self._below = [_still("floor", scene, furniture.floor()), _ground(scene)]
         _wall(scene)
+        self._around = _walls_around(scene)
         self._shadows = [_shadow(scene), _shadow(scene)]
 
     def show(self, visible: bool) -> None:
@@ -46,8 +49,10 @@ class Room:
     def update(self, scene: Scene) -> None:
         """Bring up to date who is where. Close views see no floor, that of home no furniture."""
         self._furniture.show(scene.shot != HOME_SHOT)
-        for solid in (*self._below, self._shadows[0]):
+        self._around.show(scene.shot.own)
+        for solid in self._below:
             solid.show(not scene.shot.is_close)
+        self._shadows[0].show(not scene.shot.is_close and not scene.shot.own)
         self._visitor.update(scene.visitor)
         self._shadows[1].show(scene.visitor is not None and not scene.shot.is_close)
         places = [scene.place] if scene.visitor is None else [scene.place, scene.visitor.place]
@@ -134,6 +139,23 @@ def _wall(scene: NodePath) -> Solid:
     wall.move(vertices.astype(np.float32))
     wall.paint(_mixed(palette.BACKDROP_CENTRE, palette.BACKDROP_EDGE, share))
     return wall
+
+
+def _walls_around(scene: NodePath) -> Solid:
+    """The walls on all sides, as high as the figure's own eyes see them; the soft light is drawn before its own."""
+    behind = _WALL + _UNDER
+    corners = np.asarray(
+        [(-_ASIDE, behind), (-_ASIDE, _BEFORE), (_ASIDE, _BEFORE), (_ASIDE, behind), (-_ASIDE, behind)]
+    )
+    along = np.linspace(0, 4, 61)
+    heights = np.linspace(GROUND - _UNDER, _TOP, 24)
+    z, side = (each.ravel() for each in np.meshgrid(heights, along, indexing="ij"))
+    x, y = (np.interp(side, np.arange(5), corners[:, axis]) for axis in (0, 1))
+    share = 1 - 0.6 * np.exp(-((z / 12.0) ** 2) - ((side % 1 - 0.5) / 0.35) ** 2) * (side < 3)
+    walls = Solid("walls around", scene, grid_faces(len(heights), len(along), closed=False)[:, ::-1], len(z))
+    walls.move(np.stack([x, y, z], axis=-1).astype(np.float32))
+    walls.paint(_mixed(palette.BACKDROP_CENTRE, palette.BACKDROP_EDGE, share[:, None]))
+    return walls
 
 
 def _mixed(one: str, other: str, share: Array) -> Bytes:

@@ -66,6 +66,7 @@ class Stage:
         place, shot = scene.place, scene.shot
         world = standing(place.x * METRE, place.y * METRE, place.th)
         frames, visible = figure.frames(pose, world), figure.visible(pose, whole=not shot.is_close)
+        self._show_figure(not shot.own)
         for group in self._groups:
             group.show(visible[group.space])
             if visible[group.space]:
@@ -80,6 +81,12 @@ class Stage:
             self._draw_at_home(narrow=not hands)
         return self._pixels
 
+    def _show_figure(self, visible: bool) -> None:
+        if visible:
+            self._figure.unstash()
+        else:
+            self._figure.stash()
+
     def _drawn(self, view: View, shot: Shot) -> Pixels:
         """What the scene shows; another picture reuses the array."""
         for each in (self._narrow, self._wide):
@@ -91,9 +98,9 @@ class Stage:
     def _draw_at_home(self, narrow: bool) -> None:
         """Draw the figure over a backdrop that was drawn before; where only its middle changes, only that."""
         if self._backdrop is None:
-            self._figure.stash()
+            self._show_figure(False)
             self._backdrop = Backdrop(self._drawn(self._wide, HOME_SHOT))
-            self._figure.unstash()
+            self._show_figure(True)
         if narrow and not self._is_narrow:
             self._backdrop.fill(self._pixels)
         self._is_narrow = narrow

@@ -26,6 +26,8 @@ _OVERSAMPLING: Final = 3, 2
 
 Three pixels become two by linear interpolation, which for this ratio nearly is the mean over the area that a pixel
 covers, and a sixth of what OpenCV takes for that."""
+_OWN: Final = 0.5
+"""Tangent of half the angle from the lower edge to the upper of what the figure's own eyes see."""
 _NEAR_WALL, _FAR_WALL = 60.0, 160.0
 """Farther than the wall in close views and in others, in dm: depth is the finer the less there is of it."""
 
@@ -49,7 +51,9 @@ class View:
         self._buffer = _opened(columns * larger // smaller, height * larger // smaller)
         self._buffer.add_render_texture(self._texture, GraphicsOutput.RTM_copy_ram)
         self._buffer.set_clear_color((0, 0, 0, 0))
-        self._lens = _lens(columns / height)
+        self._lens = PerspectiveLens()
+        self._lens.set_near_far(4.0, _NEAR_WALL)
+        self._far, self._own = (_fields(tangent, columns / height) for tangent in (SPAN / 2 / DISTANCE, _OWN))
         self._camera: NodePath = scene.attach_new_node(Camera("camera", self._lens))
         self._buffer.make_display_region().set_camera(self._camera)
         self._small = np.empty((height, columns, 4), np.uint8)
@@ -60,8 +64,9 @@ class View:
 
     def aim(self, shot: Shot) -> None:
         """Look from there."""
+        self._lens.set_fov(*(self._own if shot.own else self._far))
         self._lens.set_far(_NEAR_WALL if shot.is_close else _FAR_WALL)
-        self._camera.set_pos_hpr(shot.x, shot.y, shot.z, 0.0, -float(np.degrees(shot.tilt)), 0.0)
+        self._camera.set_pos_hpr(shot.x, shot.y, shot.z, *np.degrees((shot.heading, -shot.tilt)).tolist(), 0.0)
 
     def read(self) -> Pixels:
         """What was drawn last as BGRA, (height, columns, 4), top row first; a view of an array that is used again."""
@@ -88,8 +93,7 @@ def _opened(width: int, height: int) -> GraphicsOutput:
     return buffer
 
 
-def _lens(aspect: float) -> PerspectiveLens:
-    lens = PerspectiveLens()
-    lens.set_fov(*(float(np.degrees(2 * np.arctan(extent / 2 / DISTANCE))) for extent in (SPAN * aspect, SPAN)))
-    lens.set_near_far(4.0, _NEAR_WALL)
-    return lens
+def _fields(tangent: float, aspect: float) -> tuple[float, float]:
+    """How many degrees a picture covers from side to side and from edge to edge, by half of the latter's tangent."""
+    across, along = (float(np.degrees(2 * np.arctan(each))) for each in (tangent * aspect, tangent))
+    return across, along

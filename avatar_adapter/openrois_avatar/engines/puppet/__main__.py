@@ -4,6 +4,7 @@ import os
 import sys
 
 from openrois_avatar.engines.puppet import available
+from openrois_avatar.engines.room.shot import VIEWPOINTS
 from openrois_avatar.engines.runner import main
 from openrois_avatar.engines.settings import Picture, Renderer
 
@@ -17,4 +18,4 @@ def _renderer(picture: Picture) -> Renderer:
 
 
 if __name__ == "__main__":
-    sys.exit(main("puppet", available, _renderer, sys.argv[1:]))
+    sys.exit(main("puppet", available, _renderer, VIEWPOINTS[:-1], sys.argv[1:]))

@@ -7,7 +7,7 @@ from typing import Final, Generic, TypeVar
 from openrois_avatar.engines.animation.gait import Steps
 from openrois_avatar.engines.room.plan import HOME, RADIO, ROOM
 from openrois_avatar.engines.room.scene import Scene, Somebody
-from openrois_avatar.engines.room.shot import Camerawork
+from openrois_avatar.engines.room.shot import VIEWPOINTS, Camerawork
 from openrois_avatar.engines.room.visitor import Visitor
 from openrois_avatar.engines.room.walking import Walker, turned
 from openrois_avatar.link.messages import Completed, Drive, Event, Halt, Place, Thing, Things, Walk
@@ -55,6 +55,11 @@ class Life:
             self._walker.drive(time, command)
         else:
             self._walker.halt()
+
+    def show_from(self, viewpoint: str) -> None:
+        """Show the room from one of `VIEWPOINTS`; another name changes nothing."""
+        if viewpoint in VIEWPOINTS:
+            self._camera.viewpoint = viewpoint
 
     def advance(self, time: float, expressive: bool) -> Scene:
         """Go on until a time; what is to be seen then. `expressive`: whether its face or hands say something."""

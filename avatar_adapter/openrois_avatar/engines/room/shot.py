@@ -34,6 +34,12 @@ _CLOSEST: Final = 4.0
 """Who is nearer to the camera than that, in dm, is not in the picture."""
 _BROAD: Final = 2.5
 """Half of how broad somebody with swinging arms is, in dm."""
+_WHOLE: Final = 1.1
+"""How far the camera is on its way to the far view, and beyond, for a picture of the whole room."""
+_OWN_EYES: Final = (1.3, 0.25, 0.06)
+"""Where the figure's own eyes look from: before and over the middle of its head, in dm; and radians down."""
+VIEWPOINTS: Final = ("automatic", "face", "room", "follow", "eyes")
+"""From where a room can be seen: as the figure moves, close to its face, all of it, beside it, and as it sees it."""
 _SETTLED: Final = 5e-4
 _LONGEST: Final = 1.0
 _GOING: Final = 0.05
@@ -41,20 +47,28 @@ _GOING: Final = 0.05
 
 @dataclass(frozen=True, slots=True)
 class Shot:
-    """Where the camera is, in dm from the middle of the head of a figure that stands where it begins; radians down."""
+    """Where the camera is, in dm from the middle of the head of a figure that stands where it begins.
+
+    It looks `tilt` radians down and `heading` radians to the left of straight into the room.
+    """
 
     x: float
     y: float
     z: float
     tilt: float
+    heading: float = 0.0
+    own: bool = False
+    """Whether it looks through the figure's own eyes."""
 
     @property
     def is_close(self) -> bool:
         """Whether no more than head and shoulders of the figure are seen."""
-        return self.tilt == 0.0
+        return self.tilt == 0.0 and not self.own
 
     def sees(self, place: Place, aspect: float) -> bool:
-        """Whether somebody at a place may be in a picture of this width to height."""
+        """Whether a figure at a place may be in a picture of this width to height."""
+        if self.own:
+            return True
         across, away = place.x * METRE - self.x, place.y * METRE - self.y
         return away > _CLOSEST and abs(across) < away * SPAN / 2 / DISTANCE * aspect + _BROAD
 
@@ -85,6 +99,13 @@ def shot(x: float, y: float, share: float) -> Shot:
     return Shot(x * METRE, y * METRE - distance * cos(tilt), height + distance * sin(tilt), tilt)
 
 
+def own_shot(place: Place) -> Shot:
+    """The shot through the eyes of a figure at a place."""
+    before, over, tilt = _OWN_EYES
+    x, y = place.x * METRE + before * cos(place.th), place.y * METRE + before * sin(place.th)
+    return Shot(x, y, over, tilt, turned(place.th - pi / 2), own=True)
+
+
 HOME_SHOT: Final = shot(HOME.x, HOME.y, 0.0)
 
 
@@ -98,6 +119,7 @@ class Camerawork:
         """Since when the figure stands."""
         self._wanted = 0.0
         """The share that the camera is on its way to."""
+        self.viewpoint = VIEWPOINTS[0]
 
     def follow(self, time: float, place: Place, pace: Pace, expressive: bool) -> Shot:
         """The shot of a figure that is there, moves so, and is `expressive` while its face or hands say something."""
@@ -106,12 +128,25 @@ class Camerawork:
         if hypot(pace.ahead, pace.left) > _GOING:
             self._stood = time
         self._choose(time, place, expressive)
-        share = self._wanted
+        share, along = self._framing()
         self._share.move(share, _BACKING if share > self._share.value else _NEARING, seconds)
-        along = 1 - (1 - _ROOM_SHARE) * share
         self._x.move(place.x * along, _PANNING, seconds)
         self._y.move(place.y * along, _PANNING, seconds)
+        if self.viewpoint == "eyes":
+            return own_shot(place)
         return shot(self._x.value, self._y.value, max(0.0, self._share.value))
+
+    def _framing(self) -> tuple[float, float]:
+        """How far away to be, and how much of the figure's way to go along with."""
+        match self.viewpoint:
+            case "face":
+                return 0.0, 1.0
+            case "room":
+                return _WHOLE, 0.0
+            case "follow":
+                return 1.0, 1.0
+            case _:
+                return self._wanted, 1 - (1 - _ROOM_SHARE) * self._wanted
 
     def _choose(self, time: float, place: Place, expressive: bool) -> None:
         """Say how far away to be; who has just stopped is seen as before for a while."""

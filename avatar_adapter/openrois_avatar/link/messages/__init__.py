@@ -49,6 +49,7 @@ from openrois_avatar.link.messages.motion import (
     Waypoint,
 )
 from openrois_avatar.link.messages.reading import MAX_NAME, MAX_TEXT, LinkError, text
+from openrois_avatar.link.messages.viewpoint import Viewpoint
 
 __all__ = [
     "FORMATS",
@@ -90,6 +91,7 @@ __all__ = [
     "Thing",
     "Things",
     "VideoShape",
+    "Viewpoint",
     "Viseme",
     "Walk",
     "Waypoint",
@@ -99,7 +101,7 @@ __all__ = [
 ]
 
 Command: TypeAlias = (
-    React | Speak | Silence | Look | Stop | Walk | Drive | Halt | Input | Demand | KeyFrame | Bitrate | Quit
+    React | Speak | Silence | Look | Stop | Walk | Drive | Halt | Input | Demand | KeyFrame | Bitrate | Viewpoint | Quit
 )
 Event: TypeAlias = Completed | Log | Pause | Idle | Reached | Place | Floor | Things
 
@@ -116,6 +118,7 @@ _COMMANDS: Final[Mapping[str, Callable[[Mapping[str, Any]], Command]]] = {
     "demand": Demand.from_json,
     "key_frame": KeyFrame.from_json,
     "bitrate": Bitrate.from_json,
+    "viewpoint": Viewpoint.from_json,
     "quit": Quit.from_json,
 }
 _EVENTS: Final[Mapping[str, Callable[[Mapping[str, Any]], Event]]] = {

@@ -19,6 +19,7 @@ from openrois_avatar.link.messages.reading import (
 )
 
 MAX_REACTIONS: Final = 256
+MAX_VIEWPOINTS: Final = 32
 MIN_SIDE: Final = 2
 MAX_SIDE: Final = 16_384
 """Smallest and largest width or height of a picture, in pixels."""
@@ -77,6 +78,9 @@ class Hello:
     demand: bool = False
     """Whether it takes `Demand`, and draws nothing while no pictures are wanted."""
 
+    viewpoints: tuple[str, ...] = ()
+    """From where it can show the scene: the names that `Viewpoint` takes, first the one that it begins with."""
+
     @property
     def encodes(self) -> bool:
         """Whether its pictures come encoded."""
@@ -96,6 +100,7 @@ class Hello:
             "ring": self.ring,
             "input": self.input,
             "demand": self.demand,
+            "viewpoints": list(self.viewpoints),
         }
 
     @classmethod
@@ -104,22 +109,26 @@ class Hello:
         channels = None
         if body.get("audio") is not None:
             channels = integer(mapping(body, "audio"), "channels", 1, MAX_CHANNELS)
-        names = body.get("reactions")
-        if not isinstance(names, list) or len(names) > MAX_REACTIONS:
-            raise LinkError(f"reactions: expected an array of at most {MAX_REACTIONS} strings")
         return cls(
             name=text(body, "name", MAX_NAME),
             version=text(body, "version", MAX_NAME),
             video=VideoShape.from_json(mapping(body, "video")),
             audio_channels=channels,
-            reactions=tuple(text({"reactions": name}, "reactions", MAX_NAME) for name in names),
+            reactions=_names(body.get("reactions"), "reactions", MAX_REACTIONS),
             secret=text(body, "secret", MAX_NAME),
             hears="hears" in body and truth(body, "hears"),
             walks="walks" in body and truth(body, "walks"),
             ring="ring" in body and truth(body, "ring"),
             input="input" in body and truth(body, "input"),
             demand="demand" in body and truth(body, "demand"),
+            viewpoints=_names(body.get("viewpoints", []), "viewpoints", MAX_VIEWPOINTS),
         )
+
+
+def _names(value: Any, name: str, most: int) -> tuple[str, ...]:
+    if not isinstance(value, list) or len(value) > most:
+        raise LinkError(f"{name}: expected an array of at most {most} strings")
+    return tuple(text({name: each}, name, MAX_NAME) for each in value)
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,7 +3,7 @@ from math import pi
 
 import pytest
 from openrois_avatar.engines.room.plan import HOME
-from openrois_avatar.engines.room.shot import DISTANCE, EYE_LEVEL, HOME_SHOT, METRE, Camerawork, Shot, shot
+from openrois_avatar.engines.room.shot import DISTANCE, EYE_LEVEL, HOME_SHOT, METRE, Camerawork, Shot, own_shot, shot
 from openrois_avatar.engines.room.walking import Pace
 from openrois_avatar.link.messages import Place
 
@@ -76,3 +76,31 @@ def test_a_long_pause_is_no_jump() -> None:
     camera = Camerawork(0.0)
     shots(camera, Place(0.0, 1.0, pi / 2), WALKING, 3.0, 0.0)
     assert camera.follow(9000.0, HOME, Pace(), False).y == pytest.approx(-DISTANCE, abs=20)
+
+
+def test_viewpoints_frame_the_figure_as_they_are_called() -> None:
+    there = Place(1.5, 2.0, 0.0)
+    seen = {}
+    for viewpoint in ("face", "room", "follow"):
+        camera = Camerawork(0.0)
+        camera.viewpoint = viewpoint
+        seen[viewpoint] = shots(camera, there, WALKING, 8.0, 0.0)[-1]
+    assert seen["face"] == shot(there.x, there.y, 0.0)
+    assert seen["follow"] == shot(there.x, there.y, 1.0)
+    assert seen["room"].x == 0.0
+    assert seen["room"].y < seen["follow"].y
+    assert seen["face"].is_close
+    assert not seen["room"].is_close
+
+
+def test_its_own_eyes_look_where_it_faces() -> None:
+    camera = Camerawork(0.0)
+    camera.viewpoint = "eyes"
+    (seen,) = set(shots(camera, Place(1.0, 2.0, pi), WALKING, 0.5, 0.0))
+    assert seen == own_shot(Place(1.0, 2.0, pi))
+    assert seen.heading == pytest.approx(pi / 2)  # to the left
+    assert seen.x < METRE
+    assert not seen.is_close
+    assert seen.sees(Place(-2.0, -1.0, 0.0), 1.8)
+    camera.viewpoint = "automatic"
+    assert not shots(camera, HOME, Pace(), 0.1, 0.5)[-1].own
