@@ -6,10 +6,11 @@ from contextlib import suppress
 from typing import Final
 
 import pytest
-from playwright.async_api import expect
+from playwright.async_api import Browser, expect
 
-from tests.support.browser import PATIENCE, Visit
+from tests.support.browser import PATIENCE, Visit, visiting
 from tests.support.conversation import all_stopped, outcome
+from tests.support.demo import Demo
 
 pytestmark = [
     pytest.mark.browser,
@@ -156,3 +157,15 @@ async def test_a_map_that_is_closed_asks_nothing(guest: Visit) -> None:
     assert mine <= {m["params"]["event_type"] for m in subscribed}
     left = [m for m in guest.sent if m["method"] == "rois.event.unsubscribe"]
     assert len(left) == len(mine)
+
+
+async def test_the_viewpoint_is_chosen_for_every_viewer(browser: Browser, guest: Visit, avatar: Demo) -> None:
+    choice = guest.item("viewpoint")
+    await expect(choice.locator("option")).to_have_text(["Automatic", "Face", "Room", "Follow"])
+    async with visiting(browser, avatar.page) as other:
+        await other.until("document.querySelector('[data-testid=viewpoint]')?.value === 'automatic'")
+        await choice.select_option("room")
+        assert await outcome(guest, "avatar/Viewpoint", "choose") == "OK"
+        await expect(other.item("viewpoint")).to_have_value("room")
+    await choice.select_option("automatic")
+    assert await outcome(guest, "avatar/Viewpoint", "choose") == "OK"

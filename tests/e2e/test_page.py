@@ -74,7 +74,7 @@ async def test_the_tab_key_goes_everywhere_in_the_order_in_which_one_reads(guest
         *("say-text", "say-language", "say-send"),  # pause and stop have nothing to do yet
         *reactions,
         *(["map-open", "map-back"] if away else ["map-open"]),  # other tests may have sent it away
-        *("map", "microphone-toggle", "camera-toggle"),
+        *("map", "viewpoint", "microphone-toggle", "camera-toggle"),
         *("video-suspend", "video-disconnect", "audio-suspend", "audio-disconnect"),
         *("log-filter", "log-pause", "log-clear", "log"),
     ]

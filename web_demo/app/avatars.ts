@@ -12,6 +12,7 @@ export interface Avatar {
   readonly reaction: string | null;
   readonly system: string | null;
   readonly gaze: string | null;
+  readonly viewpoint: string | null;
   readonly operator: string | null;
   readonly teleoperation: string | null;
   readonly surroundings: string | null;
@@ -45,6 +46,7 @@ export function findAvatars(profile: Profile): Avatar[] {
       reaction: of("Reaction"),
       system: of("SystemInformation"),
       gaze: of("Gaze"),
+      viewpoint: of("Viewpoint"),
       operator: of("Operator"),
       teleoperation: of("Teleoperation"),
       surroundings: of("Surroundings"),

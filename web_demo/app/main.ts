@@ -174,6 +174,7 @@ function standingChanged(): void {
   for (const card of [videoCard, audioCard]) card.present = present !== null;
   gaze.setComponent(why(seat) === "" ? (present?.gaze ?? null) : null);
   map.setAvatar(present);
+  map.watching = watching !== "";
   map.barred = why(present?.navigation ?? null);
   handover.watching = watching !== "";
   handover.shown = present !== null;

@@ -114,6 +114,26 @@ export class Enrolment extends RoISCommon {
   }
 }
 
+/** From where the pictures show it. */
+export class Viewpoint extends RoISCommon {
+  static readonly componentType = `${URN}Viewpoint`;
+  readonly changed = this.event<{ readonly viewpoint: string }>("viewpoint_changed", { viewpoint: "string" });
+
+  available(): Promise<{ readonly available_viewpoints: readonly string[] }> {
+    return this.query<{ readonly available_viewpoints: readonly string[] }>("available_viewpoints", {
+      available_viewpoints: "string[]",
+    });
+  }
+
+  current(): Promise<{ readonly viewpoint: string }> {
+    return this.query<{ readonly viewpoint: string }>("viewpoint", { viewpoint: "string" });
+  }
+
+  choose(viewpoint: string): Promise<void> {
+    return this.execute("choose", [{ name: "viewpoint", data_type_ref: "string", value: viewpoint }]);
+  }
+}
+
 /** What it understands of what is said to it. */
 export class Hearing extends RoISCommon {
   static readonly componentType = `${URN}Hearing`;

@@ -21,6 +21,7 @@ import {
 import type { Place, Point } from "./geometry.ts";
 import { readThings } from "./scene.ts";
 import type { Thing } from "./scene.ts";
+import { ViewpointChoice } from "./viewpoint_choice.ts";
 import { Walk } from "./walk.ts";
 
 /** The least milliseconds between two questions for the things. */
@@ -37,6 +38,7 @@ export class MapCard {
   readonly #element = byRole("card-map", HTMLElement);
   readonly #view = new FloorView();
   readonly #walk: Walk;
+  readonly #viewpoint: ViewpointChoice;
   readonly #watch: ComponentWatch;
   readonly #scene: ComponentWatch;
   readonly #words = make("p", { class: "map-words", "data-testid": "map-words", "aria-live": "polite" });
@@ -69,6 +71,7 @@ export class MapCard {
   constructor(client: Client) {
     this.#client = client;
     this.#walk = new Walk(client, () => this.#render());
+    this.#viewpoint = new ViewpointChoice(client);
     this.#watch = new ComponentWatch(client, (status) => {
       this.#walks = status === null ? null : isUsable(status);
       this.#render();
@@ -90,7 +93,7 @@ export class MapCard {
       icon("M8 10l4 4 4-4"),
     );
     const title = make("h2", { id: "map-title" }, this.#open);
-    this.#body.append(this.#view.element, this.#choice, this.#words);
+    this.#body.append(this.#view.element, this.#choice, this.#words, this.#viewpoint.element);
     this.#element.append(make("header", {}, title, this.#back, this.#stop), this.#body);
     this.#open.addEventListener("click", () => {
       this.#body.hidden = !this.#body.hidden;
@@ -119,6 +122,11 @@ export class MapCard {
     this.#look();
   }
 
+  /** The token does not let the viewpoint be chosen. */
+  set watching(watching: boolean) {
+    this.#viewpoint.disabled = watching;
+  }
+
   /** Why the avatar cannot be sent anywhere now; empty where it can. */
   set barred(barred: string) {
     if (barred === this.#barred) return;
@@ -139,6 +147,7 @@ export class MapCard {
     const surroundings = this.#shown && !this.#body.hidden ? this.#surroundings : null;
     this.#scene.watch(surroundings?.componentRef ?? null);
     this.#watch.watch(surroundings && (this.#avatar?.navigation ?? null));
+    this.#viewpoint.setComponent(surroundings && (this.#avatar?.viewpoint ?? null));
     if (surroundings === null) this.#unfollow();
   }
 
