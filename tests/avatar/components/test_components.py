@@ -12,6 +12,7 @@ from openrois_avatar.components.viewpoint import Viewpoint
 from openrois_avatar.link.messages import Command, Completed, Look, Place, React, Stop
 from openrois_avatar.link.messages import Viewpoint as LinkViewpoint
 
+from openrois.contract import Event, SubscriptionLost
 from openrois.errors import Aborted, BadParameter, ComponentFailed, Unsupported
 from openrois.registry import LocalRegistry
 from openrois.types.codes import ComponentStatus
@@ -162,9 +163,12 @@ async def choose(stage: Stage, viewpoint: str) -> None:
 
 async def test_all_viewers_see_it_from_the_viewpoint_that_was_chosen(stage: Stage) -> None:
     told: list[str] = []
-    subscription = await stage.registry.subscribe(
-        "avatar/Viewpoint", "viewpoint_changed", lambda event: told.append(event.results[0].value)
-    )
+
+    def hear(event: Event | SubscriptionLost) -> None:
+        assert isinstance(event, Event)
+        told.append(event.results[0].value)
+
+    subscription = await stage.registry.subscribe("avatar/Viewpoint", "viewpoint_changed", hear)
     assert await values(stage, "Viewpoint", "viewpoint") == {"viewpoint": "automatic"}
     for viewpoint in ("face", "face", "automatic"):
         await choose(stage, viewpoint)
