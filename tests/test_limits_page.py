@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 from openrois_avatar.metrics import figures as avatar
+from openrois_streaming.encoder_limit import ENCODERS_LIMIT
 from openrois_streaming.network.admission import AdmissionSettings
 
 from openrois.gateway.configuration import settings_of
@@ -76,8 +77,9 @@ def settings() -> dict[str, float]:
 def options() -> dict[str, float]:
     """Return what `openrois avatar` can be told to bound, by the options' names."""
     admission = AdmissionSettings()
+    encoders = {"--max-encoders": float(ENCODERS_LIMIT)}
     names = ("peer_packets", "peer_bytes", "total_packets", "total_bytes")
-    return {f"--{name.replace('_', '-')}": float(getattr(admission, name)) for name in names}
+    return encoders | {f"--{name.replace('_', '-')}": float(getattr(admission, name)) for name in names}
 
 
 def profiles() -> dict[str, float]:
@@ -119,6 +121,7 @@ def test_the_numbers_are_those_that_hold() -> None:
 
 def test_the_figures_are_served() -> None:
     media = {figure.name for figure in avatar.ADAPTER} | {figure.name for figure in avatar.GUARD}
+    media |= {figure.name for figure in avatar.SOURCE}
     served = {figure.name for figure in FIGURES} | media | set(HISTOGRAMS)
     named = {name for _, _, figures, _ in rows().values() for name in re.findall(r"`([^`]+)`", figures)}
     assert named <= served

@@ -9,6 +9,7 @@ from typing import Final
 from openrois_streaming.adaptation.caps import Caps
 from openrois_streaming.clock import MediaClock, SystemClock
 from openrois_streaming.codecs import available_codecs
+from openrois_streaming.encoder_limit import ENCODERS_LIMIT
 from openrois_streaming.network.settings import NetworkSettings
 from openrois_streaming.publisher import AudioPublisher, Publishing, VideoPublisher
 from openrois_streaming.self_encoding import EitherPublisher, EncodedPublisher
@@ -87,7 +88,15 @@ async def run_avatar(settings: AvatarSettings) -> AsyncIterator[Avatar]:
             )
         caps = Caps(max_bitrate=settings.max_viewer_bitrate)
         yield await stack.enter_async_context(
-            serve_scene(settings.engine_id, scene, clock, settings.network, lambda _: caps, settings.pixel_streaming)
+            serve_scene(
+                settings.engine_id,
+                scene,
+                clock,
+                settings.network,
+                lambda _: caps,
+                settings.pixel_streaming,
+                settings.max_encoders,
+            )
         )
 
 
@@ -99,6 +108,7 @@ async def serve_scene(
     network: NetworkSettings | None = None,
     cap: Callable[[Client], Caps] | None = None,
     streamer: PixelStreaming | None = None,
+    max_encoders: int = ENCODERS_LIMIT,
 ) -> AsyncIterator[Avatar]:
     """Make an engine of a scene: its components, and the streams of its picture and sound.
 
@@ -109,11 +119,12 @@ async def serve_scene(
         network: how the streams use the network.
         cap: what a client is sent at most of each stream; None: as much as its path carries.
         streamer: where it is a streamer of Pixel Streaming as well; None for nowhere.
+        max_encoders: encoders of its picture at a time.
 
     Raises:
         UnsupportedLibrary: the installed aiortc is not one that can be used.
     """
-    video = _publisher(scene, clock)
+    video = _publisher(scene, clock, max_encoders)
     audio = AudioPublisher(scene.audio, clock=clock)
     microphone, camera = Microphone(clock), Camera()
     pictures, sounds = (
@@ -158,10 +169,17 @@ async def serve_scene(
         yield Avatar(host, video, audio, looking.snapshot)
 
 
-def _publisher(scene: Scene, clock: MediaClock) -> EitherPublisher:
+def _publisher(scene: Scene, clock: MediaClock, max_encoders: int) -> EitherPublisher:
     encoded = scene.encoded or EngineEncoded(clock, PictureDemand(clock))
     return EitherPublisher(
-        VideoPublisher(scene.video, clock=clock, stamp=scene.stamped, frame_rate=scene.frame_rate, size=scene.size),
+        VideoPublisher(
+            scene.video,
+            clock=clock,
+            stamp=scene.stamped,
+            frame_rate=scene.frame_rate,
+            size=scene.size,
+            max_encoders=max_encoders,
+        ),
         EncodedPublisher(encoded, clock=clock, frame_rate=scene.frame_rate, size=scene.size),
         lambda: encoded.announced is not None,
     )

@@ -70,6 +70,13 @@ def main(arguments: Sequence[str]) -> int:
         metavar="BIT/S",
         help="that an application is sent at most of each video stream (as much as its path carries)",
     )
+    parser.add_argument(
+        "--max-encoders",
+        type=_encoders,
+        default=defaults.max_encoders,
+        metavar="N",
+        help="encoders of the picture at a time; viewers then share what runs (%(default)s)",
+    )
     add_network_options(parser)
     add_pixel_streaming_options(parser)
     parser.add_argument("--verbose", action="store_true", help="log more")
@@ -101,6 +108,7 @@ def main(arguments: Sequence[str]) -> int:
         metrics=metrics,
         network=network,
         max_viewer_bitrate=chosen.max_viewer_bitrate,
+        max_encoders=chosen.max_encoders,
         pixel_streaming=streamer,
         credentials=credentials(chosen),
     )
@@ -115,6 +123,12 @@ def main(arguments: Sequence[str]) -> int:
 def _bitrate(text: str) -> int:
     if not (text.isascii() and text.isdigit()) or int(text) < MIN_BITRATE:
         raise argparse.ArgumentTypeError(f"{text!r} is no rate for pictures: {MIN_BITRATE} bit/s or more")
+    return int(text)
+
+
+def _encoders(text: str) -> int:
+    if not (text.isascii() and text.isdigit()) or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is no number of encoders: 1 or more")
     return int(text)
 
 

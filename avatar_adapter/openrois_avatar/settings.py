@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 from typing import Final
 
+from openrois_streaming.encoder_limit import ENCODERS_LIMIT
 from openrois_streaming.network.settings import NetworkSettings
 
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
@@ -34,6 +35,7 @@ class AvatarSettings:
         network: how its streams use the network.
         max_viewer_bitrate: bit/s that an application is sent at most of each video stream, whatever it asks for; None:
             as much as its path carries.
+        max_encoders: encoders of the picture at a time, of all sizes, paces and codecs.
         pixel_streaming: where it is a streamer of Pixel Streaming as well; None for nowhere.
         credentials: what is shown to the gateway.
     """
@@ -48,5 +50,6 @@ class AvatarSettings:
     metrics: tuple[str, int] | None = None
     network: NetworkSettings = field(default_factory=NetworkSettings)
     max_viewer_bitrate: int | None = None
+    max_encoders: int = ENCODERS_LIMIT
     pixel_streaming: PixelStreaming | None = None
     credentials: Credentials = NO_CREDENTIALS

@@ -60,6 +60,7 @@ _REFUSALS: Final[dict[type[media_errors.SessionError], type[RoISError]]] = {
     media_errors.UnknownStream: Unsupported,
     media_errors.UnknownPeer: Unsupported,
     media_errors.NoCommonCodec: Unsupported,
+    media_errors.NoEncoder: OutOfResources,
     media_errors.TooManySections: OutOfResources,
     media_errors.TooManySessions: OutOfResources,
     media_errors.TooManyCandidates: OutOfResources,

@@ -96,6 +96,10 @@ class Published:
         """The only one."""
         return (self,)
 
+    def has_room(self, mime_type: str) -> bool:
+        """There always is."""
+        return True
+
     @property
     def rung(self) -> None:
         """There is nothing to choose."""

@@ -11,6 +11,7 @@ from openrois_streaming.adaptation.rung import Rung
 from openrois_streaming.adaptation.viewer import Adaptation, Standing
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.encoded import EncodedFrame
+from openrois_streaming.errors import NoEncoder
 from openrois_streaming.feed import STILL_INTERVAL, Feed
 from openrois_streaming.rtp.reports import ReceiverReport
 from openrois_streaming.stats import AdaptationStats
@@ -73,6 +74,8 @@ class Downlink:
         self._ticked = clock.now()
         self._codec: str | None = None
         self._failing = False
+        self.refused = ""
+        """Why there is nothing to send, and will be nothing; empty where there is."""
         self._rung: Rung | None = None
         self._demand = 0.0
         self.adaptation = Adaptation(stream.caps, clock.now(), stream.path_bitrate)
@@ -114,6 +117,8 @@ class Downlink:
         try:
             self._decide(self._codec, now)
             self._failing = False
+        except NoEncoder as refusal:
+            self.refused = str(refusal)
         except Exception as error:
             if not self._failing:
                 _log.warning("a %s stream cannot be played: %r", self._stream.kind, error)

@@ -37,6 +37,10 @@ class NoCommonCodec(SessionError):
     """The application can decode none of the codecs that can be offered."""
 
 
+class NoEncoder(SessionError):
+    """The engine encodes as much as it may, and nothing of it in a codec of the application."""
+
+
 class TooManySections(SessionError):
     """All m-sections of the peer connection are in use."""
 

@@ -2,7 +2,7 @@
 
 import logging
 from collections.abc import Callable, Hashable, Sequence
-from contextlib import AbstractAsyncContextManager, AbstractContextManager
+from contextlib import AbstractAsyncContextManager, AbstractContextManager, ExitStack
 from dataclasses import replace
 from typing import Protocol
 
@@ -73,19 +73,35 @@ class MediaPublisher(Protocol):
     """A source that can be had in several encodings."""
 
     def renditions(self, mime_type: str, fps: float | None = None) -> Sequence[SharedRendition]:
-        """Its encodings of that media type, the best first, with at most so many pictures a second."""
+        """Its encodings of that media type, the best first, with at most so many pictures a second.
+
+        Raises:
+            NoEncoder: there is none, and all encoders are in use.
+        """
+        ...
+
+    def has_room(self, mime_type: str) -> bool:
+        """Whether a viewer can be played something in that media type now."""
         ...
 
 
 class _Part:
-    """A rendition that is played, from the task's start to its end."""
+    """A rendition that is played, and wanted until the part is left: what others may have follows from it."""
 
-    __slots__ = ("chain", "rendition", "task")
+    __slots__ = ("_wanting", "chain", "rendition", "task")
 
     def __init__(self, rendition: SharedRendition, kind: str) -> None:
         self.rendition = rendition
         self.chain = ReferenceChain(kind)
         self.task: Task[None] | None = None
+        self._wanting = ExitStack()
+        self._wanting.enter_context(rendition.wanted())
+
+    def leave(self) -> None:
+        """Play it no more."""
+        self._wanting.close()
+        if self.task is not None:
+            self.task.cancel()
 
 
 class Feed:
@@ -155,8 +171,8 @@ class Feed:
         return part
 
     def _leave(self, part: _Part | None) -> None:
-        if part is not None and part.task is not None:
-            part.task.cancel()
+        if part is not None:
+            part.leave()
 
     async def _keep_playing(self, part: _Part, bitrate: float | None) -> None:
         failing = False
@@ -166,19 +182,18 @@ class Feed:
             failing = False
             self._take(part, frame)
 
-        with part.rendition.wanted():
-            while True:
-                part.chain, pause = ReferenceChain(self._kind), RETRY
-                try:
-                    async with part.rendition.play(self, take, bitrate) as playing:
-                        await playing.get()
-                except Exception as error:
-                    pause = RETRY if failing else FIRST_RETRY
-                    if not failing:
-                        told = "a %s source stopped; it is tried again every %.0f s: %r"
-                        _log.warning(told, self._kind, RETRY, error.__cause__ or error)
-                    failing = True
-                await self._clock.sleep_until(self._clock.now() + pause)
+        while True:
+            part.chain, pause = ReferenceChain(self._kind), RETRY
+            try:
+                async with part.rendition.play(self, take, bitrate) as playing:
+                    await playing.get()
+            except Exception as error:
+                pause = RETRY if failing else FIRST_RETRY
+                if not failing:
+                    told = "a %s source stopped; it is tried again every %.0f s: %r"
+                    _log.warning(told, self._kind, RETRY, error.__cause__ or error)
+                failing = True
+            await self._clock.sleep_until(self._clock.now() + pause)
 
     def _take(self, part: _Part, frame: EncodedFrame) -> None:
         if part is self._next and frame.keyframe:

@@ -53,7 +53,7 @@ class PeerOwner(Protocol):
         ...
 
     def peer_declined(self, peer: "Peer", stream: Stream) -> None:
-        """The application wants nothing of `stream` here, which is to be detached."""
+        """The application wants nothing of `stream` here, or can be sent nothing: it is to be detached."""
         ...
 
     def peer_ended(self, peer: "Peer") -> None:
@@ -216,11 +216,17 @@ class Peer:
             if self._answered_at is not None and now - self._answered_at >= CONNECT_TIMEOUT:
                 self.end("no media path to the application was found")
         else:
-            for leg in self.legs.values():
-                leg.tick(now)
+            self._tick_legs(now)
             self._tell_clocks(now)
             self.viewer.excuse(late)
             self._watch(self.viewer, now)
+
+    def _tick_legs(self, now: float) -> None:
+        for stream, leg in tuple(self.legs.items()):
+            leg.tick(now)
+            if leg.refused:
+                _log.warning("the stream %s ends: %s", stream.stream_id, leg.refused)
+                self._owner.peer_declined(self, stream)
 
     def end(self, reason: str) -> None:
         """End it for good. The application is told `reason`; closing goes on in a task."""

@@ -2,17 +2,20 @@
 
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
+from functools import cache
 from typing import Generic, Protocol, TypeVar
 
 from openrois_streaming.adaptation.demand import LOWEST, MIDDLE, TOP, Demands
 from openrois_streaming.adaptation.rung import Rung, every_for, ladder
 from openrois_streaming.adaptation.thinning import Thinning
 from openrois_streaming.clock import MediaClock, wall_at
-from openrois_streaming.codecs import CodecUnavailable, codec_named
+from openrois_streaming.codecs import CodecUnavailable, available_codecs, codec_named
 from openrois_streaming.encoded import AUDIO_CLOCK_RATE, VIDEO_CLOCK_RATE
 from openrois_streaming.encoder_audio import OpusEncoder
+from openrois_streaming.encoder_limit import ENCODERS_LIMIT, within_limit
 from openrois_streaming.encoder_video import VideoEncoder
 from openrois_streaming.encoding import Encoding
+from openrois_streaming.errors import NoEncoder
 from openrois_streaming.fanout import Fanout
 from openrois_streaming.feed import MediaPublisher
 from openrois_streaming.rendition import Rendition, encoded_rendition
@@ -91,6 +94,10 @@ class Publisher(Generic[RawT]):
         self._raw: Fanout[RawT] = Fanout(self._source, name=name)
         self._made: dict[tuple[object, ...], Rendition] = {}
 
+    def has_room(self, mime_type: str) -> bool:
+        """Whether a viewer can be played something in that media type now."""
+        return True
+
     @property
     def made(self) -> tuple[Rendition, ...]:
         """All renditions that were played so far."""
@@ -134,6 +141,7 @@ class VideoPublisher(Publisher[RawVideo]):
         frame_rate: frames per second that the source is expected to give.
         size: width and height that it is expected to give, until the first frame shows what it does.
         max_bitrate: the most that a rendition is encoded with, in bit/s; None: as much as is of use for its size.
+        max_encoders: renditions that are encoded at a time, see `encoder_limit`.
         name: what it is called in the log.
     """
 
@@ -146,9 +154,11 @@ class VideoPublisher(Publisher[RawVideo]):
         frame_rate: float = 30.0,
         size: tuple[int, int] = (1280, 720),
         max_bitrate: int | None = None,
+        max_encoders: int = ENCODERS_LIMIT,
         name: str = "video",
     ) -> None:
         super().__init__(source, clock=clock, name=name, finish=self._finished)
+        self._max_encoders = max_encoders
         self._stamp = stamp
         self._frame_rate = frame_rate
         self._size = size
@@ -167,11 +177,23 @@ class VideoPublisher(Publisher[RawVideo]):
 
         Raises:
             CodecUnavailable: this source cannot be encoded so, here or at all.
+            NoEncoder: all encoders are in use, and none of them has this media type.
         """
         codec = codec_named(mime_type)
         if not codec.startswith("video/"):
             raise CodecUnavailable(f"pictures cannot be encoded as {codec}")
-        every = every_for(self._frame_rate, fps)
+        asked = self._ladder(codec, every_for(self._frame_rate, fps))
+        first = asked[0] if fps is None else self._ladder(codec, 1)[0]
+        return within_limit(asked, first, self._made.values(), self._max_encoders, len(_video_codecs()))
+
+    def has_room(self, mime_type: str) -> bool:
+        """Whether a viewer can be played something in that media type now."""
+        try:
+            return bool(self.renditions(mime_type))
+        except NoEncoder:
+            return False
+
+    def _ladder(self, codec: str, every: int) -> tuple[Rendition, ...]:
         rungs = ladder(*self._size, self._frame_rate, every=every, max_bitrate=self._max_bitrate)
         return tuple(self._rendition(codec, rung, last=rung is rungs[-1]) for rung in rungs)
 
@@ -220,6 +242,11 @@ class AudioPublisher(Publisher[RawAudio]):
             encoding = _audio_encoding(codec)
             self._made[codec,] = encoded_rendition(self._raw, encoding, clock=self._clock, bitrate=self._bitrate)
         return (self._made[codec,],)
+
+
+@cache
+def _video_codecs() -> tuple[str, ...]:
+    return tuple(codec for codec in available_codecs() if codec.startswith("video/"))
 
 
 def _video_encoding(mime_type: str, demands: Demands) -> Encoding[RawVideo]:

@@ -233,6 +233,11 @@ class Rendition:
         """Whether its encoder runs or has ever put out a frame."""
         return self.running or self._source.encoded > 0
 
+    @property
+    def is_wanted(self) -> bool:
+        """Whether somebody plays it, or tries to."""
+        return self._wanted > 0
+
     @contextmanager
     def wanted(self) -> Iterator[None]:
         """Somebody plays it while the context lasts, or tries again and again; what failed before is over."""

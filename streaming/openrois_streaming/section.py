@@ -132,6 +132,11 @@ class Leg:
         if self._downlink is not None:
             self._downlink.tick(now)
 
+    @property
+    def refused(self) -> str:
+        """Why nothing can be sent; empty where it can."""
+        return "" if self._downlink is None else self._downlink.refused
+
     def _stop_sending(self) -> None:
         if self._downlink is not None:
             self._downlink.close()

@@ -62,6 +62,10 @@ class EncodedPublisher:
         self._rendition.suit(self._rung(self._passed_on.size or self._size), LOWEST)
         return (self._rendition,)
 
+    def has_room(self, mime_type: str) -> bool:
+        """Whether a viewer can be played something in that media type: nothing is encoded here."""
+        return True
+
     @property
     def made(self) -> tuple[Rendition, ...]:
         """The rendition, if it was played so far."""
@@ -123,6 +127,10 @@ class EitherPublisher:
             CodecUnavailable: not in this media type, now or at all.
         """
         return (self._encoded if self._comes_encoded() else self._raw).renditions(mime_type, fps)
+
+    def has_room(self, mime_type: str) -> bool:
+        """Whether a viewer can be played something in that media type now."""
+        return (self._encoded if self._comes_encoded() else self._raw).has_room(mime_type)
 
     @property
     def made(self) -> tuple[Rendition, ...]:

@@ -10,6 +10,7 @@ from openrois_signaling.messages import Answer, Candidate, Direction, Downward, 
 from openrois_streaming.adaptation.caps import Caps
 from openrois_streaming.channels import Channels, InputSink, MakeChannels
 from openrois_streaming.clock import MediaClock
+from openrois_streaming.errors import NoEncoder
 from openrois_streaming.feed import MediaPublisher
 from openrois_streaming.inlet import Intake, MediaInlet
 from openrois_streaming.network.guard import GuardFigures
@@ -163,6 +164,7 @@ class StreamSession:
 
         Raises:
             NoCommonCodec: it can use nothing of what can be had here.
+            NoEncoder: what it can use would need one more encoder than there may be.
             TooManySections: the peer connection is full.
             ValueError: the session is closed, or has the stream already, or the direction and its ends do not agree.
         """
@@ -174,6 +176,13 @@ class StreamSession:
             raise ValueError("only audio goes both ways in one stream")
         intake = None if inlet is None else Intake(stream_id, inlet)
         chosen = choose_codecs(kind, codecs)
+        if publisher is not None:
+            names = ", ".join(chosen)
+            chosen = tuple(codec for codec in chosen if publisher.has_room(codec))
+            if not chosen:
+                raise NoEncoder(
+                    f"all encoders of the engine are in use, and none of them encodes {names}; try again later"
+                )
         stream = Stream(
             stream_id, component_ref, kind, publisher, chosen, Counters(), direction, intake, caps or Caps(), stereo
         )

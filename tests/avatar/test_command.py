@@ -55,6 +55,8 @@ def test_it_can_be_stopped_while_its_game_engine_starts(
         ("--pixel-streaming", "8888"),
         ("--max-viewer-bitrate", "fast"),
         ("--max-viewer-bitrate", "5"),
+        ("--max-encoders", "0"),
+        ("--max-encoders", "many"),
         ("--pixel-streaming", "ws://[::1]", "--engine", "unreal"),
         ("--stamp",),
     ],

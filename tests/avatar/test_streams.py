@@ -490,3 +490,12 @@ async def test_an_application_that_cannot_decode_what_comes_encoded_is_refused_a
         await alice.connect()
     assert WirelessConnection.made == []
     assert await alice.connect(direction="sendonly")
+
+
+async def test_a_viewer_for_whose_only_codec_there_is_no_encoder_is_refused(stage: Stage) -> None:
+    stage.publisher.full = {"video/VP8"}
+    viewer = Caller(stage)
+    with pytest.raises(
+        OutOfResources, match="all encoders of the engine are in use, and none of them encodes video/VP8"
+    ):
+        await viewer.connect(VP8)

@@ -12,6 +12,7 @@ from openrois_streaming.clock import wall_at
 from openrois_streaming.errors import (
     InvalidCandidate,
     InvalidDescription,
+    NoEncoder,
     NoPath,
     PeerClosed,
     StaleGeneration,
@@ -462,6 +463,16 @@ async def test_an_application_that_does_what_none_has_to_is_given_up(owner: Owne
     owner.connection.misuse = "the application sends from too many sources (SSRC)"
     owner.peer.tick(owner.clock.now())
     assert owner.reasons == ["the application sends from too many sources (SSRC)"]
+
+
+async def test_a_stream_that_finds_no_encoder_ends(owner: Owner) -> None:
+    owner.publisher.failure = NoEncoder("all encoders of the engine are in use")
+    owner.attach()
+    await owner.answer()
+    owner.connection.become("connected")
+    await settle()
+    owner.peer.tick(owner.clock.now())
+    assert owner.declined == ["s"]
 
 
 async def test_a_candidate_that_is_found_late_follows_the_offer(owner: Owner) -> None:

@@ -4,13 +4,17 @@ import numpy as np
 import pytest
 from openrois_streaming import stamp
 from openrois_streaming.codecs import CodecUnavailable
+from openrois_streaming.encoder_limit import ENCODERS_LIMIT
 from openrois_streaming.fanout import SourceEnded
+from openrois_streaming.feed import Feed
 from openrois_streaming.publisher import AudioPublisher, VideoPublisher
 from openrois_streaming.source import RawAudio, RawVideo
 from openrois_streaming.stamp import Stamp
+from openrois_streaming.stats import Counters
+from openrois_streaming.tasks import OwnedTasks
 
 from tests.support.pictures import Decoder, Scene
-from tests.support.streaming import FedSource, VirtualClock, picture
+from tests.support.streaming import FedSource, VirtualClock, picture, settle
 
 
 @pytest.fixture
@@ -194,3 +198,32 @@ async def test_who_wants_half_the_pictures_gets_every_other_one_and_costs_the_ot
                     await second.get()
     assert all_of_them.figures().encoded == 8
     assert half.figures().encoded == 4
+
+
+async def test_many_viewers_that_want_many_paces_share_a_few_encoders(clock: VirtualClock) -> None:
+    source: FedSource[RawVideo] = FedSource()
+    publisher = VideoPublisher(source, clock=clock, size=(640, 360))
+    tasks = OwnedTasks("viewers", lambda error: pytest.fail(repr(error)))
+    feeds: list[Feed] = []
+    for number in range(64):
+        codec, fps = ("video/H264", "video/VP8")[number % 2], 30 / (1 + number // 4 % 8)
+        feed = Feed("video", lambda frame: None, Counters(), tasks, clock)
+        feed.play(publisher.renditions(codec, fps)[number // 2 % 2], 300_000)
+        feeds.append(feed)
+    await settle()
+    assert publisher.running_encoders == ENCODERS_LIMIT
+    assert publisher.has_room("video/VP8")
+    for feed in feeds:
+        feed.close()
+    await tasks.aclose()
+    assert publisher.running_encoders == 0
+    assert len(set(publisher.renditions("video/H264", 10))) == 2, "there is room again"
+
+
+async def test_with_one_encoder_the_second_codec_finds_no_room(clock: VirtualClock) -> None:
+    publisher = VideoPublisher(FedSource[RawVideo](), clock=clock, max_encoders=1)
+    assert publisher.has_room("video/VP8")
+    async with publisher.renditions("video/H264")[0].subscribe():
+        assert publisher.has_room("video/H264")
+        assert not publisher.has_room("video/VP8")
+    assert publisher.has_room("video/VP8")

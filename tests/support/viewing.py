@@ -100,6 +100,11 @@ class FedPublisher:
         """Of the renditions that are made from now on."""
         self.fps: float | None = None
         """How many pictures a second were asked for last."""
+        self.full: set[str] = set()
+        """Media types in which nobody can be played anything."""
+
+    def has_room(self, mime_type: str) -> bool:
+        return mime_type not in self.full
 
     def renditions(self, mime_type: str, fps: float | None = None) -> tuple[FedRendition]:
         self.fps = fps

@@ -36,9 +36,6 @@ _CATCH_UP: Final = 0.02
 _LEAVE_OUT: Final = 0.9
 """Share of the time in which viewers join, so that the last of them see something before it is over."""
 
-_NICE: Final = 5
-"""So that a machine that is too small lets the flood wait, and not those who measure."""
-
 _MISSED: Final = 17
 """Packets that a NACK asks for again: as many as one entry names (RFC 4585 section 6.2.1)."""
 
@@ -215,7 +212,6 @@ async def _joining(url: str, component_ref: str, viewers: int, seconds: float) -
 
 async def _harass(params: dict[str, Any]) -> Mapping[str, Any]:
     """Do all that is asked for, at the same time; returns what of it was done."""
-    os.nice(max(0, _NICE - os.nice(0)))
     url, ref, seconds = params["url"], params["component_ref"], params["seconds"]
     targets = [(host, port) for host, port in params["targets"]]
     began = time.monotonic()

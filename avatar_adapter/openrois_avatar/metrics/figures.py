@@ -42,6 +42,8 @@ class Source:
     frames: int
     last_frame_age: float | None
     """Seconds; None if it has given none since it was started."""
+    encoders: int | None = None
+    """How many encode it now; None for what is not encoded."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -288,6 +290,7 @@ SOURCE: Final[tuple[Figure[Source], ...]] = (
         "Time since the source gave its last frame.",
         lambda s: s.last_frame_age,
     ),
+    Figure("openrois_source_encoders", "gauge", "Encoders of the source that run.", lambda s: s.encoders),
 )
 
 ADAPTER: Final[tuple[Figure[Process], ...]] = (

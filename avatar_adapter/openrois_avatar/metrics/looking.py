@@ -75,7 +75,9 @@ class Looking:
     def _source(self, name: str, supervised: Supervised) -> Source:
         seen = supervised.observe()
         age = None if seen.last_frame_at is None else max(0.0, self._clock.now() - seen.last_frame_at)
-        return Source(name, supervised.health.status, seen.frames, age)
+        publisher = self._publishers.get(name)
+        encoders = None if publisher is None else publisher.running_encoders
+        return Source(name, supervised.health.status, seen.frames, age, encoders)
 
 
 async def _streams_of(session: StreamSession) -> Sequence[StreamStats]:

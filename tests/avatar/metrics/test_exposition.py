@@ -60,7 +60,7 @@ STREAM_1 = StreamStats(
 RENDITION_1 = RenditionFigures("video/H264", True, 1, 1_500_000, 11, 5500, 2, 1, 1, 5, 0.5)
 SNAPSHOT = Snapshot(
     Process(1, 64, 20, 5),
-    (Source("engine", ComponentStatus.READY, 12, 0.01), Source("sound", ComponentStatus.WARNING, 0, None)),
+    (Source("engine", ComponentStatus.READY, 12, 0.01, 2), Source("sound", ComponentStatus.WARNING, 0, None)),
     (("picture", RENDITION_1),),
     (STREAM_1,),
     (("strangers", 3), ("malformed", 0)),
@@ -114,6 +114,7 @@ def test_every_figure_of_a_stream_a_rendition_and_a_source_is_there() -> None:
     assert found["openrois_sense_analysis_seconds_total"][("vision",)] == 1.5
     assert found["openrois_input_messages_total"] == {("taken",): 9, ("refused",): 1}
     assert found["openrois_source_last_frame_age_seconds"] == {("engine",): 0.01}
+    assert found["openrois_source_encoders"] == {("engine",): 2}
     states = {values[3]: value for values, value in found["openrois_stream_status"].items()}
     assert states == {"not_connected": 0, "not_running": 0, "running": 1, "suspended": 0}
     assert found["openrois_source_status"][("warning", "sound")] == 1

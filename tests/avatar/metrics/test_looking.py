@@ -55,6 +55,7 @@ async def test_a_snapshot_holds_what_lives_now(sessions: StreamSessions) -> None
     assert (shown.name, shown.status, shown.frames) == ("picture", ComponentStatus.READY, 1)
     assert shown.last_frame_age == pytest.approx(0.25)
     assert heard.last_frame_age is None
+    assert (shown.encoders, heard.encoders) == (1, None)
 
     alice.disconnect("a")
     await settle()
