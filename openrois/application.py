@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final, cast
 
 from openrois.accepted import AcceptedCommands
-from openrois.access.principal import LOCAL, Principal
+from openrois.access.principal import LOCAL, Principal, quota_name
 from openrois.audit import Audit
 from openrois.change_notice import ChangeNotice
 from openrois.command_budget import MAX_UNFINISHED, MAX_UNFINISHED_TEXT, CommandBudget
@@ -34,6 +34,7 @@ from openrois.lost_streams import lost_streams
 from openrois.ordering import ReplyFirst
 from openrois.shown import ShownDirectories
 from openrois.stream_parameters import StreamParameters
+from openrois.subject_quotas import SubjectQuotas
 from openrois.tasks import TaskScope
 from openrois.traffic import Traffic
 from openrois.types.codes import CompletedStatus, ErrorType, StreamStatus
@@ -68,6 +69,7 @@ class EngineHost:
         shown: what applications are shown of the engine.
         commands: what the commands take that are accepted and not finished.
         unread: what waits to be sent on all connections.
+        quotas: what the applications of one subject may have together.
         sleep: waits for some seconds, between the commands of a sequence.
         wall_clock: epoch seconds.
         ice_servers: what an end of a stream may use, as the W3C's RTCIceServer objects; given who it is for.
@@ -88,6 +90,7 @@ class EngineHost:
     shown: ShownDirectories = field(default_factory=ShownDirectories)
     commands: CommandBudget = field(default_factory=CommandBudget)
     unread: UnreadBudget = field(default_factory=UnreadBudget)
+    quotas: SubjectQuotas = field(default_factory=SubjectQuotas)
     sleep: Callable[[float], Awaitable[None]] = asyncio.sleep
     wall_clock: Callable[[], float] = time.time
     ice_servers: Callable[[str], tuple[Mapping[str, Any], ...]] = lambda _user: ()
@@ -113,6 +116,7 @@ class EngineHost:
             acted=self.audit.acted,
             on_lost=_end_uplinks,
         )
+        self.quotas.absent = lambda: self.leases.model.absent
 
     def crashed(self, what: str) -> None:
         """Report that something went wrong inside the engine, which is nobody else's fault."""
@@ -214,6 +218,11 @@ class ApplicationSession:
     def sharer(self) -> str | None:
         """Against whose share commands count; None for a parent, and where nobody has to prove who it is."""
         return None if self.trusted or self.principal is LOCAL else self.principal.subject
+
+    @property
+    def quota_name(self) -> str:
+        """Against whose quotas connections, streams and what waits unread count."""
+        return quota_name(self.principal, self.client_id)
 
     def may_operate(self, component_ref: str) -> bool:
         """Tell whether this session may change what the component does."""

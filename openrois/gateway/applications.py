@@ -13,7 +13,7 @@ from openrois_signaling.methods import InvalidParams as InvalidSignaling
 from openrois_signaling.relay import PEERS_PER_OWNER, Refused, Relay, Upward
 from pydantic import ValidationError
 
-from openrois.access.principal import LOCAL, quota_name
+from openrois.access.principal import LOCAL
 from openrois.application import ApplicationSession, EngineHost
 from openrois.contract import Client
 from openrois.correlation import connection
@@ -100,7 +100,8 @@ async def serve_application(
             connection(app.client_id[:8]),
             sign_ins.visit(tenure.principal, "/", tenure.address) as visit,
             host.traffic.counted("application", session, app.events.count),
-            host.unread.account(quota_name(tenure.principal, app.client_id), session.cut_unread) as unread,
+            host.quotas.serving(app),
+            host.unread.account(app.quota_name, session.cut_unread) as unread,
         ):
             session.outbox.account = unread
             closed = await session.run()

@@ -120,6 +120,24 @@ GATEWAY: Final[tuple[Figure[EngineHost], ...]] = (
         lambda h: h.commands.most_text,
     ),
     Figure(
+        "openrois_gateway_subject_most_connections",
+        "gauge",
+        "Connections of the subject that has most; without tokens 0.",
+        lambda h: h.quotas.most_connections,
+    ),
+    Figure(
+        "openrois_gateway_subject_most_sessions",
+        "gauge",
+        "Sessions of the subject that has most, those that may be resumed included.",
+        lambda h: h.quotas.most_sessions,
+    ),
+    Figure(
+        "openrois_gateway_subject_most_streams",
+        "gauge",
+        "Streams of the subject that has most.",
+        lambda h: h.quotas.most_streams,
+    ),
+    Figure(
         "openrois_gateway_unread_characters",
         "gauge",
         "Characters that wait to be sent, on all connections.",

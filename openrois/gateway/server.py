@@ -3,12 +3,14 @@
 import asyncio
 import logging
 import time
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
 from contextlib import (
     AbstractAsyncContextManager,
     AbstractContextManager,
     AsyncExitStack,
+    ExitStack,
     asynccontextmanager,
+    contextmanager,
     nullcontext,
 )
 from dataclasses import dataclass
@@ -17,9 +19,11 @@ from typing import Final
 
 from aiohttp import WSCloseCode, web
 
+from openrois.access.principal import LOCAL, quota_name
 from openrois.application import RESTARTS, EngineHost
 from openrois.audit import Audit
 from openrois.engine import Engine
+from openrois.errors import OutOfResources
 from openrois.gateway.adapters import serve_adapter
 from openrois.gateway.admission import guard
 from openrois.gateway.applications import serve_application
@@ -44,6 +48,7 @@ from openrois.log_lines import Redaction
 from openrois.loop_lag import LoopLag
 from openrois.metrics.server import metrics_address, serving_metrics
 from openrois.schema import openrpc
+from openrois.subject_quotas import SubjectQuotas
 from openrois.tasks import TaskScope
 from openrois.tcp_server import serving_tcp
 from openrois.transport.stream import MessageStream, StreamClosed
@@ -114,6 +119,7 @@ async def run_gateway(
             # Greater than those of a process before this one, as long as the wall clock is not set back.
             first_epoch=round(time.time() * 1000),
             unread=UnreadBudget(settings.unread),
+            quotas=SubjectQuotas(settings.subject_connections, settings.subject_sessions, settings.subject_streams),
         )
         entrance = Entrance.open(settings, audit, tasks, host.traffic.turn_away)
         readiness = Readiness()
@@ -192,7 +198,7 @@ class _Server:
                 request,
                 self._application_profile,
                 tenure,
-                self._places.of_application(request.remote or ""),
+                self._place_of_application(tenure),
                 self._places.entering(),
                 lambda stream: serve_application(
                     self._host, stream, tenure, self._entrance.renewal, self._entrance.sign_ins
@@ -202,6 +208,19 @@ class _Server:
         if path == _OPENRPC:
             return web.Response(body=openrpc(), content_type="application/json")
         return page_response(path)
+
+    @contextmanager
+    def _place_of_application(self, tenure: Tenure) -> Iterator[None]:
+        with ExitStack() as stack:
+            stack.enter_context(self._places.of_application(tenure.address))
+            if tenure.principal is not LOCAL:
+                # Without tokens each connection is a subject of its own, and has one of each.
+                try:
+                    stack.enter_context(self._host.quotas.connected(quota_name(tenure.principal, "")))
+                except OutOfResources as error:
+                    self._host.traffic.turn_away("too many of one subject")
+                    raise web.HTTPTooManyRequests(text=f"{error}\n") from None
+            yield
 
     async def _admitted(self, request: web.Request) -> web.Response:
         """Answer as a WebSocket would be: a browser does not tell its page why one was refused."""

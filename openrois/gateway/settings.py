@@ -15,6 +15,7 @@ from openrois.jsonrpc.session import CALL_TIMEOUT
 from openrois.jsonrpc.unread import MAX_UNREAD
 from openrois.leases.model import GRACE, PATIENCE
 from openrois.metrics.server import metrics_address
+from openrois.subject_quotas import CONNECTIONS_OF_SUBJECT, SESSIONS_OF_SUBJECT, STREAMS_OF_SUBJECT
 from openrois.types.references import flaw_of_name
 
 __all__ = ["GROUPS", "SECRET_LENGTH", "GatewaySettings"]
@@ -119,6 +120,13 @@ class Quotas(SettingsGroup):
 
     table: ClassVar[str] = "quotas"
 
+    subject_connections: int = setting(
+        CONNECTIONS_OF_SUBJECT, "applications at a time that show tokens of one subject", metavar="COUNT"
+    )
+    subject_sessions: int = setting(
+        SESSIONS_OF_SUBJECT, "sessions of one subject, those that may be resumed included", metavar="COUNT"
+    )
+    subject_streams: int = setting(STREAMS_OF_SUBJECT, "streams of one subject", metavar="COUNT")
     unread: int = setting(
         MAX_UNREAD, "characters that wait to be read on all connections; beyond, the fullest is cut", metavar="COUNT"
     )
@@ -128,6 +136,10 @@ class Quotas(SettingsGroup):
 
     @model_validator(mode="after")
     def _check_quotas(self) -> Self:
+        if min(self.subject_connections, self.subject_streams) < 1:
+            raise ValueError("subject_connections and subject_streams must be at least 1")
+        if self.subject_sessions < self.subject_connections:
+            raise ValueError("subject_sessions must be at least subject_connections, each of which has one")
         if self.unread < _LEAST_UNREAD:
             raise ValueError(f"unread must be at least {_LEAST_UNREAD}, which one reply may take")
         if not 1 <= self.stall_timeout <= 3600:

@@ -42,9 +42,8 @@ ADAPTER: Final = SocketProfile(max_message=1 << 20, ping_interval=1.5, ping_time
 _CLOSE_TIMEOUT: Final = 1.0
 _NO_CODE: Final = 1005
 
-_PING_PAYLOAD: Final = 8
-_PING: Final = bytes((0x89, _PING_PAYLOAD))
-"""The header of a ping."""
+_PING: Final = bytes((0x89, 16))
+"""The header of a ping that says 16 bytes."""
 
 _TEXT: Final = 0x81
 _LENGTH_16: Final = struct.Struct("!BBH")
@@ -130,7 +129,7 @@ class ServerSocket:
 
         What a ping says comes back in its pong (RFC 6455, 5.5.3), and is known only to a side that has read it.
         """
-        self._pinged = secrets.token_bytes(_PING_PAYLOAD)
+        self._pinged = secrets.token_bytes(16)
         transport = self._request.transport
         if transport is not None and not self.response.closed and not transport.is_closing():
             self._write(transport, _PING + self._pinged)

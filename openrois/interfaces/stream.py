@@ -123,7 +123,7 @@ async def connect_stream(app: ApplicationSession, component_ref: str, parameters
 
     Raises:
         Unsupported: there is no such component, or it has no streams.
-        OutOfResources: this application has too many.
+        OutOfResources: this application, or its subject, has too many.
         Aborted: the application has left.
         RoISError: the engine refused.
     """
@@ -132,6 +132,7 @@ async def connect_stream(app: ApplicationSession, component_ref: str, parameters
         raise Aborted("the application is gone")
     if len(app.streams) + app.connecting >= MAX_STREAMS:
         raise OutOfResources(f"one application has at most {MAX_STREAMS} streams")
+    app.host.quotas.require_stream(app)
     operated = may_be_uplink(parameters) and require_may_send(app, component_ref)
     params: dict[str, Any] = {
         "component_ref": component_ref,
@@ -140,6 +141,9 @@ async def connect_stream(app: ApplicationSession, component_ref: str, parameters
     if ice_servers := app.host.ice_servers(engine_of(component_ref)):
         # The other end of the stream needs them as much as the application does.
         params["ice_servers"] = list(ice_servers)
+    if not app.principal.may_call("rois.command.bind"):
+        # The adapter knows no principals, and keeps places for applications that may bind.
+        params["may_bind"] = False
     client, bus = app.client, app.engine.route(component_ref)
     app.connecting += 1
     try:

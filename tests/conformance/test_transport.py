@@ -325,11 +325,11 @@ class TestPings:
                     # One by one: the first ping may stand behind it already.
                     head += await loop.sock_recv(near, 1)
                 for _ in range(5):
-                    assert await loop.sock_recv(near, 2) == b"\x89\x08"
+                    assert await loop.sock_recv(near, 2) == b"\x89\x10"
                     asked = b""
-                    while len(asked) < 8:
-                        asked += await loop.sock_recv(near, 8 - len(asked))
-                    await loop.sock_sendall(near, b"\x8a\x88" + bytes(4) + asked)
+                    while len(asked) < 16:
+                        asked += await loop.sock_recv(near, 16 - len(asked))
+                    await loop.sock_sendall(near, b"\x8a\x90" + bytes(4) + asked)
 
     async def test_one_whose_answers_wait_behind_its_own_requests_stays(
         self, robot: Robot, monkeypatch: pytest.MonkeyPatch

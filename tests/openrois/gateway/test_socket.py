@@ -98,7 +98,7 @@ async def test_a_side_that_is_read_from_and_says_nothing_is_cut() -> None:
     async with asyncio.timeout(60):
         await made.keep_alive()
     assert transport.aborted.is_set()
-    assert [data[:2] for data in transport.written] == [b"\x89\x08"]
+    assert [data[:2] for data in transport.written] == [b"\x89\x10"]
     receiving.cancel()
 
 
@@ -125,7 +125,7 @@ async def pinged(transport: Transport) -> bytes:
     return transport.written[-1][2:]
 
 
-@pytest.mark.parametrize("answers", [lambda sent: b"", lambda sent: sent[:7], lambda sent: bytes(8)])
+@pytest.mark.parametrize("answers", [lambda sent: b"", lambda sent: sent[:15], lambda sent: bytes(16)])
 async def test_a_pong_that_does_not_say_what_its_ping_said_is_no_sign_of_life(
     answers: Callable[[bytes], bytes],
 ) -> None:
