@@ -3,20 +3,24 @@
 import asyncio
 import logging
 from collections.abc import Awaitable, Callable
+from contextlib import suppress
 from math import inf
 from typing import Protocol
 
 from openrois_streaming.adaptation.budget import BURST
 from openrois_streaming.adaptation.rung import Rung
-from openrois_streaming.adaptation.viewer import Adaptation, Standing
+from openrois_streaming.adaptation.viewer import Adaptation, Decision, Standing
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.encoded import EncodedFrame
 from openrois_streaming.errors import NoEncoder
-from openrois_streaming.feed import STILL_INTERVAL, Feed
+from openrois_streaming.feed import STILL_INTERVAL, Feed, SharedRendition
 from openrois_streaming.rtp.reports import ReceiverReport
 from openrois_streaming.stats import AdaptationStats
 from openrois_streaming.stream import Stream
 from openrois_streaming.tasks import OwnedTasks, Task
+
+PREPARATION = 1.0
+"""Seconds for which source and encoder run at most for a viewer that has answered and cannot be reached yet."""
 
 # How often the path's own round trip is measured, and how long it is waited between, where it is busy.
 _TRIPS = 4
@@ -73,6 +77,7 @@ class Downlink:
         self._feed = Feed(stream.kind, sender.send, stream.counters, tasks, clock)
         self._ticked = clock.now()
         self._codec: str | None = None
+        self._preparing: Task[None] | None = None
         self._failing = False
         self.refused = ""
         """Why there is nothing to send, and will be nothing; empty where there is."""
@@ -89,6 +94,11 @@ class Downlink:
     def pause(self) -> float:
         """Seconds that are meant to pass between two pictures, where not all of them are sent; else 0."""
         return STILL_INTERVAL if self._feed.stills else 0.0
+
+    def prepare(self, codec: str) -> None:
+        """Have source and encoder run once for `PREPARATION`, so that the first picture need not wait for them."""
+        if self._preparing is None and self._stream.kind == "video":
+            self._preparing = self._tasks.start(self._run_ahead(codec), "prepare")
 
     def open(self, codec: str) -> None:
         """Play it in `codec`, a media type."""
@@ -130,6 +140,8 @@ class Downlink:
 
     def sent(self, frame: EncodedFrame) -> None:
         """The sender took `frame`."""
+        if self._preparing is not None:
+            self._preparing.cancel()
         self.adaptation.path.sent(len(frame.data), self._clock.now())
 
     def reported(self, report: ReceiverReport) -> None:
@@ -165,6 +177,12 @@ class Downlink:
             probing=path.question is not None,
             switches=self.adaptation.switches,
         )
+
+    async def _run_ahead(self, codec: str) -> None:
+        with suppress(Exception):  # what fails will fail again, and be told, when it is played
+            rendition, _ = self._choose(codec, self._clock.now())
+            async with rendition.prepare():
+                await self._clock.sleep_until(self._clock.now() + PREPARATION)
 
     async def _measure(self) -> None:
         """Find out, whenever there is a question, how late a packet is behind a burst."""
@@ -224,16 +242,23 @@ class Downlink:
         trip = await self._round_trip()
         return inf if trip is None else trip
 
-    def _decide(self, codec: str, now: float) -> None:
+    def _choose(self, codec: str, now: float) -> tuple[SharedRendition, Decision | None]:
+        """The rendition to play, and what was decided; None where there is nothing to choose."""
         renditions = self._publisher.renditions(codec, self._stream.caps.fps)
         standings = [Standing(each.rung, each.least(self._feed)) for each in renditions if each.rung is not None]
         if not standings:
-            self._feed.play(renditions[0])
-            return
+            return renditions[0], None
         decision = self.adaptation.decide(standings, now)
-        self._rung, self._demand = standings[decision.index].rung, decision.demand
+        return renditions[decision.index], decision
+
+    def _decide(self, codec: str, now: float) -> None:
+        rendition, decision = self._choose(codec, now)
+        if decision is None:
+            self._feed.play(rendition)
+            return
+        self._rung, self._demand = rendition.rung, decision.demand
         self._stream.path_bitrate = self.adaptation.path.budget
         self._feed.stills = decision.stills
-        self._feed.play(renditions[decision.index], decision.demand)
+        self._feed.play(rendition, decision.demand)
         if self.adaptation.path.question is not None and self._stream.counters.frames_sent:
             self._asked.set()

@@ -38,6 +38,8 @@ class EncoderHung(Exception):
 class _Work(NamedTuple, Generic[RawT]):
     raw: RawT
     key_frame: bool
+    again: bool = False
+    """Whether it was encoded before, so that nothing is lost with it."""
 
 
 class EncoderThread(Generic[RawT]):
@@ -104,9 +106,19 @@ class EncoderThread(Generic[RawT]):
         """Hand over a raw frame, to be encoded as a key frame if `key_frame` is set."""
         with self._changed:
             if len(self._waiting) >= self._depth:
-                key_frame |= self._waiting.popleft().key_frame
-                self.dropped += 1
+                left_out = self._waiting.popleft()
+                key_frame |= left_out.key_frame
+                self.dropped += not left_out.again
             self._waiting.append(_Work(raw, key_frame))
+            self._changed.notify()
+
+    def hasten(self, raw: RawT) -> None:
+        """Encode a key frame as soon as the encoder can: of the newest frame that waits, or else of `raw` once more."""
+        with self._changed:
+            if self._waiting:
+                self._waiting[-1] = self._waiting[-1]._replace(key_frame=True)
+            else:
+                self._waiting.append(_Work(raw, key_frame=True, again=True))
             self._changed.notify()
 
     def set_bitrate(self, bitrate: int) -> None:

@@ -41,6 +41,9 @@ class Encoding(Generic[RawT]):
     """How many raw frames may wait for the encoder: 1 is the latest alone."""
     choose: Callable[[RawT], bool] | None = None
     """Which raw frames are encoded, if not all are."""
+    is_fresh: Callable[[RawT, float], bool] | None = None
+    """Whether a raw frame can still be shown at a time of the media clock: then a key frame that is asked for is made
+    of the last one at once. Without it the source's next frame is waited for."""
 
 
 class EncodedSource(Generic[RawT]):
@@ -76,8 +79,15 @@ class EncodedSource(Generic[RawT]):
         return self._encode_seconds_before + (self._run.thread.encode_seconds if self._run else 0.0)
 
     def request_key_frame(self, cause: KeyFrameCause) -> None:
-        """Make one of the next frames a key frame, as soon as the budget of `cause` allows."""
+        """Make a key frame as soon as the budget of `cause` allows: of the last frame while it is fresh."""
         self._budget.request(cause)
+        run, now, is_fresh = self._run, self._clock.now(), self._encoding.is_fresh
+        if run is None or run.last is None or is_fresh is None or not is_fresh(run.last, now):
+            return
+        taken = self._budget.take(now)
+        if taken is not None:
+            self.forced[taken] += 1
+            run.thread.hasten(run.last)
 
     def set_bitrate(self, bitrate: int) -> None:
         """Aim at `bitrate` (bit/s), now and whenever the encoder starts again."""
@@ -130,6 +140,8 @@ class EncodedSource(Generic[RawT]):
                 if cause:
                     self.forced[cause] += 1
                 run.thread.offer(raw, key_frame=cause is not None)
+                if self._encoding.is_fresh is not None:
+                    run.last = raw
                 report.update(now, run.dropped)
         except SourceEnded as end:
             run.thread.end(cast("Exception | None", end.__cause__))
@@ -155,12 +167,14 @@ class EncodedSource(Generic[RawT]):
             yield frame
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class _Run(Generic[RawT]):
     """What is there only while the source is open."""
 
     raw: Subscription[RawT]
     thread: EncoderThread[RawT]
+    last: RawT | None = None
+    """What was encoded last, where it may be once more."""
 
     @property
     def dropped(self) -> int:

@@ -52,6 +52,10 @@ class SharedRendition(Protocol):
         """Have `take` called with each frame while the context lasts; a key frame is asked for, to start with."""
         ...
 
+    def prepare(self) -> AbstractAsyncContextManager[None]:
+        """Have source and encoder run while the context lasts, for a viewer that cannot be sent anything yet."""
+        ...
+
     def wanted(self) -> AbstractContextManager[None]:
         """Have it count as played while the context lasts, also between two tries to play what fails."""
         ...

@@ -279,6 +279,9 @@ class Peer:
                 _log.debug("a candidate cannot be used")
         self._heed()
         self.follow()
+        if self.viewer is None:
+            for leg in self.legs.values():
+                leg.prepare()
         self._owner.peer_changed(self)
         if self._negotiation.dirty:
             self._renegotiate()

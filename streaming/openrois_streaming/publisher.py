@@ -24,6 +24,9 @@ from openrois_streaming.stamp import stamped
 
 RawT = TypeVar("RawT")
 
+# How many frame times old a picture may be to be encoded once more for a viewer that joins, resumes or lost data.
+_FRESH = 2.0
+
 # Blocks of sound that may wait for the encoder: with 20 ms each, a stall of 0.2 s loses nothing.
 _SOUND_DEPTH = 10
 
@@ -270,6 +273,7 @@ def _video_encoding(mime_type: str, demands: Demands) -> Encoding[RawVideo]:
         predicted=True,
         depth=1,
         choose=None if rung.every == 1 else lambda raw: thinning.wants(raw.captured_at),
+        is_fresh=lambda raw, now: now - raw.captured_at <= _FRESH / demands.rung.frame_rate,
     )
 
 

@@ -303,6 +303,13 @@ class Rendition:
                 self._demands.drop(viewer)
                 self._follow()
 
+    @asynccontextmanager
+    async def prepare(self) -> AsyncIterator[None]:
+        """Have source and encoder run while the context lasts, for a viewer that cannot be sent anything yet."""
+        with self.wanted():
+            async with self._fanout.subscribe(mailbox=HandedOn(lambda _frame: None)):
+                yield
+
     def demand(self, viewer: Hashable, bitrate: float) -> None:
         """`viewer`, who plays it, can take `bitrate` (bit/s) from now on."""
         if self._demands is not None:

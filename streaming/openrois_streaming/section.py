@@ -96,6 +96,12 @@ class Leg:
         if self._uplink is not None:
             self._uplink.follow(there=self.up and self.section.answered in _SENDING, wanted=wanted)
 
+    def prepare(self) -> None:
+        """What is about to be sent may begin to be made: the answer is there, and the media path will be."""
+        wanted = self.stream.is_open and self.section.answered in _RECEIVING
+        if wanted and self._downlink is not None and self.section.codec is not None:
+            self._downlink.prepare(self.section.codec)
+
     def judge(self, now: float, seen: float) -> Verdict:
         """Whether media reaches the other end in each direction that was agreed on; `seen` as for `Flow.judge`."""
         verdicts = []

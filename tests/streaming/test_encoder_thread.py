@@ -68,6 +68,28 @@ async def test_a_busy_encoder_gets_the_latest_frame_and_the_key_frame_asked_of_a
         assert encoder.forced == [4]
 
 
+async def test_what_is_hastened_is_the_newest_frame_that_waits_or_else_the_last_once_more(
+    encoders: FakeEncoders,
+) -> None:
+    async with thread_of(encoders) as thread:
+        encoder = await made(encoders, thread)
+        hold(encoder, thread, 1)
+        thread.offer(picture(2))
+        thread.hasten(picture(1))
+        encoder.go_on.set()
+        assert [await taken(thread), await taken(thread)] == [b"1", b"2"]
+        assert encoder.forced == [2]
+        hold(encoder, thread, 3)
+        thread.hasten(picture(3))
+        thread.offer(picture(4))
+        encoder.go_on.set()
+        assert [await taken(thread), await taken(thread)] == [b"3", b"4"]
+        assert (encoder.forced, thread.dropped) == ([2, 4], 0)
+        thread.hasten(picture(4))
+        assert await taken(thread) == b"4"
+        assert (encoder.forced, thread.dropped) == ([2, 4, 4], 0)
+
+
 async def test_a_deeper_hand_over_keeps_what_waits_in_order(encoders: FakeEncoders) -> None:
     async with thread_of(encoders, depth=3) as thread:
         encoder = await made(encoders, thread)

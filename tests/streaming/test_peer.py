@@ -9,6 +9,7 @@ from openrois_signaling.negotiation import ANSWER_TIMEOUT, APPLY_TIMEOUT, PREPAR
 from openrois_streaming import peer as peer_module
 from openrois_streaming.channels import Channels
 from openrois_streaming.clock import wall_at
+from openrois_streaming.downlink import PREPARATION
 from openrois_streaming.errors import (
     InvalidCandidate,
     InvalidDescription,
@@ -178,10 +179,10 @@ async def test_media_flows_when_the_offer_is_answered_and_the_connection_is_ther
     assert owner.peer.judge(stream, 0.0) is None
     await owner.answer()
     await settle()
-    assert owner.publisher.made == {}
+    rendition = owner.publisher.renditions("video/VP8")[0]
+    assert (rendition.prepared, rendition.asked) == (1, [])
     owner.connection.become("connected")
     await settle()
-    rendition = owner.publisher.renditions("video/VP8")[0]
     assert rendition.asked == [KeyFrameCause.START]
     await rendition.show(keyframe=True)
     assert owner.peer.judge(stream, owner.clock.now()) is Verdict.UNDECIDED
@@ -545,3 +546,31 @@ async def test_a_suspended_stream_has_no_capture_time(owner: Owner) -> None:
     owner.connection.hear()
     owner.peer.tick(owner.clock.now())
     assert len(owner.clocks) == 1
+
+
+async def test_source_and_encoder_run_ahead_of_the_media_path_for_a_moment_only(owner: Owner) -> None:
+    owner.attach()
+    await owner.answer()
+    await settle()
+    rendition = owner.publisher.renditions("video/VP8")[0]
+    assert rendition.readers == 1
+    await owner.clock.advance(PREPARATION)
+    assert rendition.readers == 0, "it may never come"
+    owner.connection.become("connected")
+    await settle()
+    assert (rendition.readers, rendition.prepared) == (1, 1)
+
+
+async def test_what_ran_ahead_is_left_with_the_first_frame_that_is_sent(owner: Owner) -> None:
+    await owner.play()
+    await settle()
+    rendition = owner.publisher.renditions("video/VP8")[0]
+    assert (rendition.readers, rendition.prepared) == (1, 1)
+
+
+async def test_a_suspended_stream_runs_nothing_ahead(owner: Owner) -> None:
+    stream = owner.attach()
+    stream.suspend(Party.APPLICATION)
+    await owner.answer()
+    await settle()
+    assert owner.publisher.made == {}

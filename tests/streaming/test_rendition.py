@@ -20,12 +20,13 @@ FRAME = 0.03
 class Stage:
     """A rendition with a source, a clock and encoders in the test's hand."""
 
-    def __init__(self, *, predicted: bool = True) -> None:
+    def __init__(self, *, predicted: bool = True, fresh: float | None = None) -> None:
         self.clock = VirtualClock()
         self.source: FedSource[RawVideo] = FedSource()
         self.encoders = FakeEncoders()
         self.raw = Fanout(self.source, name="stage")
-        encoding = Encoding("video/H264", 90_000, self.encoders, predicted=predicted, depth=1)
+        is_fresh = None if fresh is None else lambda raw, now: now - raw.captured_at <= fresh
+        encoding = Encoding("video/H264", 90_000, self.encoders, predicted, depth=1, is_fresh=is_fresh)
         self.rendition = encoded_rendition(self.raw, encoding, clock=self.clock, bitrate=1000)
         self.next = 0
 
@@ -93,6 +94,49 @@ async def test_a_viewer_that_joins_gets_a_key_frame_first_and_nothing_before_it(
             assert not (await stage.shoot(first)).keyframe
             assert (await got(second)).sequence == 6
             assert second.dropped == 0
+
+
+async def test_a_viewer_that_joins_gets_the_last_picture_at_once_if_it_is_fresh() -> None:
+    stage = Stage(fresh=0.06)
+    async with stage.rendition.subscribe() as first:
+        for _ in range(5):
+            await stage.shoot(first)
+        await stage.clock.advance(0.05)
+        async with stage.rendition.subscribe() as second:
+            again = await got(second)
+            assert (again.keyframe, again.data, again.sequence) == (True, b"4", 5)
+            assert await got(first) == again
+            assert not (await stage.shoot(first)).keyframe
+            assert (await got(second)).data == b"5"
+        assert (stage.rendition.figures().starts, stage.rendition.figures().dropped_input) == (2, 0)
+
+
+async def test_a_picture_from_before_a_pause_is_never_shown_again() -> None:
+    stage = Stage(fresh=0.06)
+    async with stage.rendition.subscribe() as first:
+        await stage.shoot(first)
+        await stage.clock.advance(0.07)
+        async with stage.rendition.subscribe() as second:
+            assert (await stage.shoot(first)).keyframe
+            assert (await got(second)).data == b"1"
+    await stage.clock.advance(0.01)
+    async with stage.rendition.subscribe() as third:
+        await stage.shoot(third)
+        assert stage.encoders.made[-1].encoded == [2], "nothing is kept while nobody watches"
+
+
+async def test_repairs_from_the_last_picture_keep_to_their_budget() -> None:
+    stage = Stage(fresh=0.06)
+    async with stage.rendition.subscribe() as first:
+        await stage.shoot(first)
+        await stage.clock.advance(0.01)
+        for _ in range(20):
+            stage.rendition.request_key_frame(KeyFrameCause.REPAIR)
+        assert (await got(first)).keyframe
+        for _ in range(3):
+            assert not (await stage.shoot(first)).keyframe
+            stage.rendition.request_key_frame(KeyFrameCause.REPAIR)
+        assert stage.rendition.figures().repairs == 1
 
 
 async def test_viewers_that_join_within_100_ms_share_a_key_frame(stage: Stage) -> None:

@@ -86,6 +86,19 @@ async def test_the_numbers_go_on_when_the_source_is_opened_again(clock: VirtualC
         assert (await anext(frames)).sequence == 300
 
 
+async def test_a_source_that_is_opened_gives_at_once_what_was_due_last(clock: VirtualClock) -> None:
+    bars = ColourBars(160, 90, 30, clock=clock)
+    async with bars.open() as frames:
+        assert (await anext(frames)).sequence == 0
+    clock.jump(1.02)
+    async with bars.open() as frames:
+        opened = await anext(frames)
+        assert (opened.sequence, clock.now() - opened.captured_at) == (30, pytest.approx(0.02))
+        assert (await next_after(clock, frames, 0.014)).sequence == 31
+    async with bars.open() as frames:
+        assert (await next_after(clock, frames, 0.034)).sequence == 32, "none comes twice"
+
+
 async def test_nothing_is_left_sleeping_when_the_source_is_closed(clock: VirtualClock) -> None:
     async with ColourBars(160, 90, 30, clock=clock).open() as frames:
         await taken(clock, frames, 0.1)

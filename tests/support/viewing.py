@@ -51,6 +51,8 @@ class FedRendition:
         """What a viewer must be able to take."""
         self.source: FedSource[EncodedFrame] = FedSource()
         self.asked: list[KeyFrameCause] = []
+        self.prepared = 0
+        """How often it was made to run ahead of a viewer."""
         self.wants = 0
         """Feeds that play it, or try to."""
         self._fanout = Fanout(self.source, name=mime_type)
@@ -67,6 +69,12 @@ class FedRendition:
         async with self._fanout.subscribe(mailbox=HandedOn(take)) as subscription:
             self.request_key_frame(KeyFrameCause.START)
             yield subscription
+
+    @asynccontextmanager
+    async def prepare(self) -> AsyncIterator[None]:
+        self.prepared += 1
+        async with self._fanout.subscribe(mailbox=HandedOn(lambda _frame: None)):
+            yield
 
     @contextmanager
     def wanted(self) -> Iterator[None]:

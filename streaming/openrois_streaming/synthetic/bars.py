@@ -49,6 +49,7 @@ class ColourBars:
         self.width, self.height, self.fps = width, height, fps
         self._clock = clock
         self._epoch: float | None = None
+        self._given = -1
         self._glyphs = _glyphs(height)
         self._background = _bars(width, height)
         self._blacken_caption()
@@ -65,7 +66,8 @@ class ColourBars:
             yield frames
 
     async def _frames(self, epoch: float) -> AsyncGenerator[RawVideo, None]:
-        async for number in due(self._clock, epoch, self.fps, patience=0):
+        async for number in due(self._clock, epoch, self.fps, patience=0, after=self._given):
+            self._given = number
             moment = epoch + number / self.fps
             picture = self._draw(number, wall_at(self._clock, moment))
             yield RawVideo(picture, "i420", self.width, self.height, number, moment)

@@ -47,6 +47,7 @@ class TalkingHead:
         self.width, self.height, self.fps = width, height, fps
         self._clock = clock
         self._epoch: float | None = None
+        self._given = -1
         self._pictures = _second(width, height, fps)
 
     @asynccontextmanager
@@ -58,7 +59,8 @@ class TalkingHead:
             yield frames
 
     async def _frames(self, epoch: float) -> AsyncGenerator[RawVideo, None]:
-        async for number in due(self._clock, epoch, self.fps, patience=0):
+        async for number in due(self._clock, epoch, self.fps, patience=0, after=self._given):
+            self._given = number
             moment = epoch + number / self.fps
             phase = wall_at(self._clock, moment) % 1
             picture = self._pictures[int(phase * len(self._pictures))]
