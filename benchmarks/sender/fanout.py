@@ -112,6 +112,10 @@ class Published:
         async with self.frames.subscribe(mailbox=HandedOn(take)) as subscription:
             yield subscription
 
+    def prepare(self) -> contextlib.AbstractAsyncContextManager[None]:
+        """The frames are there already."""
+        return contextlib.nullcontext()
+
     def wanted(self) -> contextlib.AbstractContextManager[None]:
         """It never fails."""
         return contextlib.nullcontext()
