@@ -13,7 +13,7 @@ _WRONG_USAGE: Final = 2
 class CommandLine(argparse.ArgumentParser):
     """An `argparse.ArgumentParser` that takes no abbreviations, and does not answer a slip with all of its usage."""
 
-    def __init__(self, prog: str, **more: Any) -> None:
+    def __init__(self, prog: str | None, **more: Any) -> None:
         super().__init__(prog, allow_abbrev=False, **more)
 
     def error(self, message: str) -> NoReturn:

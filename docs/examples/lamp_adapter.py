@@ -1,6 +1,6 @@
 """A lamp behind a gateway: run it, and Ctrl-C ends it."""
 
-from openrois.adapter import Component, command, event, parameter, query, run
+from openrois.adapter import Component, command, event, main, parameter, query
 
 
 class Lamp(Component, authority="Example", function="actuation"):
@@ -26,4 +26,4 @@ class Lamp(Component, authority="Example", function="actuation"):
 
 
 if __name__ == "__main__":
-    run(Lamp("lamp"), engine_id="lamp_1")
+    main(Lamp("lamp"), engine_id="lamp_1")

@@ -6,6 +6,7 @@
 the rest.
 """
 
+from openrois.adapter.command import main
 from openrois.adapter.running import run, serve
 from openrois.authoring.marks import command, event, optional, query
 from openrois.authoring.parameters import parameter
@@ -29,6 +30,7 @@ __all__ = [
     "Unsupported",
     "command",
     "event",
+    "main",
     "optional",
     "parameter",
     "query",

@@ -111,6 +111,16 @@ class ComponentType:
         """Return the events of the type and of all it includes, the included ones first."""
         return (*(event for included in self.includes for event in included.all_events()), *self.events)
 
+    def required_commands(self) -> tuple[str, ...]:
+        """Return the commands without which no component of the type can be used.
+
+        What acts or senses has to be started and stopped, streams to be connected and disconnected; to pause is left to
+        each component.
+        """
+        acts_or_senses = self.function in (ComponentFunction.ACTUATION, ComponentFunction.SENSING)
+        needed = ("start", "stop") if acts_or_senses else ("connect_stream", "disconnect_stream")
+        return tuple(each.name for each in self.all_commands() if each.name in needed)
+
     def payloads(self) -> Iterator[type[Payload]]:
         """Yield every payload of the type's own messages and parameters."""
         found = (

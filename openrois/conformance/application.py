@@ -5,6 +5,7 @@ from typing import Any, Final
 
 from websockets.asyncio.client import ClientConnection
 
+from openrois.conformance.command_ids import CommandIds
 from openrois.conformance.connection import Connection
 from openrois.conformance.deviation import Deviation, expect, shown
 from openrois.conformance.strictness import (
@@ -32,14 +33,18 @@ class Application(Connection):
         name: what it is called in the transcript.
         transcript: keeps what is said.
         patience: seconds to wait for anything.
+        ids: of the commands of the check.
 
     Attributes:
         told: the notifications that nobody asked for yet: method and params, in order.
         reasons: why something was refused or failed, by the request's id or the command's.
     """
 
-    def __init__(self, socket: ClientConnection, name: str, transcript: Transcript, patience: float) -> None:
+    def __init__(
+        self, socket: ClientConnection, name: str, transcript: Transcript, patience: float, ids: CommandIds
+    ) -> None:
         super().__init__(socket, name, transcript, patience)
+        self._ids = ids
         self.told: list[tuple[str, dict[str, Any]]] = []
         self.reasons: dict[Any, str] = {}
         self.extended = False
@@ -55,12 +60,14 @@ class Application(Connection):
         check_envelope(message)
         told, self._explained = self._explained, None
         if told is not None:
-            self.reasons[explained_by(told, message)] = told["reason"]
+            explained = explained_by(told, message)
+            self.reasons[self._ids.written(explained) if isinstance(explained, str) else explained] = told["reason"]
         if "method" in message:
             params = read_notification(message["method"], message.get("params", {}), extended=self.extended)
             if message["method"] == REASON:
                 self._explained = params
                 return await self.hear()
+            params = self._ids.incoming(params)
             self._count(message["method"], params)
             self.told.append((message["method"], params))
         return message
@@ -77,7 +84,7 @@ class Application(Connection):
         request_id = f"req-{self._last_id}"
         self.expect_answer_to(request_id)
         self.extended = self.extended or is_extension(method)
-        await self.send({"jsonrpc": "2.0", "id": request_id, "method": method, "params": params})
+        await self.send({"jsonrpc": "2.0", "id": request_id, "method": method, "params": self._ids.outgoing(params)})
         return request_id
 
     def expect_answer_to(self, request_id: Any) -> None:
@@ -112,7 +119,7 @@ class Application(Connection):
         response = await self.response(request_id)
         if "result" not in response:
             raise Deviation(f"a result of {method}", shown(response))
-        return read_result(method, response["result"])
+        return self._ids.incoming(read_result(method, response["result"]))
 
     async def ask(self, method: str, **params: Any) -> dict[str, Any]:
         """Ask and return the result, checked and with every field."""

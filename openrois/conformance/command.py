@@ -78,6 +78,7 @@ def _read(arguments: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--no-adapter", action="store_true", help="do not dial in as an adapter: far less is tried")
     parser.add_argument(
         "--component",
+        action=_Once,
         metavar="REF",
         help="try this component of somebody else, too: bind and release it, ask its queries, subscribe to its events",
     )
@@ -98,6 +99,17 @@ def _read(arguments: Sequence[str]) -> argparse.Namespace:
     if chosen.url is not None and chosen.markdown:
         parser.error("--markdown is for the manifest, without --url")
     return chosen
+
+
+class _Once(argparse.Action):
+    """An option that may stand once: of two the first would not be tried, and nothing would say so."""
+
+    def __call__(
+        self, parser: argparse.ArgumentParser, namespace: argparse.Namespace, values: Any, option: str | None = None
+    ) -> None:
+        if getattr(namespace, self.dest) is not None:
+            parser.error(f"{option} is given twice: try one component after the other")
+        setattr(namespace, self.dest, values)
 
 
 def _read_gateway(chosen: argparse.Namespace) -> None:

@@ -10,6 +10,7 @@ from urllib.parse import urlsplit
 from websockets.exceptions import InvalidHandshake
 
 from openrois.conformance.application import Application
+from openrois.conformance.command_ids import CommandIds
 from openrois.conformance.deviation import Deviation
 from openrois.conformance.door import Door
 from openrois.conformance.probe import Probe, dialled, new_engine_id
@@ -75,6 +76,7 @@ class Stage:
     stack: AsyncExitStack
     remarks: list[str] = field(default_factory=list)
     _applications: list[Application] = field(default_factory=list)
+    _ids: CommandIds = field(default_factory=CommandIds)
 
     @property
     def probe(self) -> Probe:
@@ -97,6 +99,10 @@ class Stage:
         """Return the component_ref of a component of the suite's adapter."""
         return self.probe.ref(name)
 
+    def sent_id(self, command_id: str) -> str:
+        """Return the id that stands on the wire for a command of the check."""
+        return self._ids.sent(command_id)
+
     def remark(self, text: str) -> None:
         """Say something although the check passes."""
         self.remarks.append(text)
@@ -111,7 +117,7 @@ class Stage:
         except (OSError, InvalidHandshake, ValueError, TimeoutError) as error:
             raise Deviation("an application to be let in", refusal(error)) from None
         name = f"application {len(self._applications) + 1}"
-        app = Application(socket, name, self.setting.transcript, self.patience)
+        app = Application(socket, name, self.setting.transcript, self.patience, self._ids)
         self._applications.append(app)
         return app
 

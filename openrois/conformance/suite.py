@@ -27,6 +27,9 @@ _CHECK_TIMEOUT: Final = 60.0
 """Seconds after which a check is given up, beside ten of its waits."""
 
 
+_WHOLE: Final = "a check that comes to its end"
+
+
 class Outcome(Enum):
     """How a check went."""
 
@@ -182,22 +185,32 @@ async def _run(place: Visit, check: Check) -> Verdict:
             code, reason = await setting.probe.closed()
             return Verdict(check, Outcome.FAILED, "the suite's adapter to stay connected", f"closed {code} {reason}")
         setting.probe.reset()
-    async with AsyncExitStack() as stack:
-        stage = Stage(setting, stack)
-        try:
-            async with asyncio.timeout(_CHECK_TIMEOUT + 10 * setting.patience):
-                await check.play(stage)
-                await stage.strike()
-        except Deviation as deviation:
-            verdict = Verdict(check, Outcome.FAILED, deviation.expected, deviation.came)
-        except TimeoutError:
-            verdict = Verdict(check, Outcome.FAILED, "an end of the check", "none")
-        except (KeyError, IndexError, TypeError, ValueError) as error:
-            verdict = Verdict(check, Outcome.FAILED, "an answer that the check can follow", repr(error))
-        except WebSocketException as error:
-            verdict = Verdict(check, Outcome.FAILED, "a connection that lasts", str(error))
-        else:
-            verdict = Verdict(check, Outcome.PASSED, remarks=tuple(dict.fromkeys(stage.remarks)))
-        frames = tuple(setting.transcript.frames)
+    verdict: Verdict | None = None
+    try:
+        async with AsyncExitStack() as stack:
+            verdict = await _judged(check, Stage(setting, stack))
+    except Exception as error:
+        # What breaks while connections are closed is this check's, and never the end of the run.
+        if verdict is None or verdict.outcome is Outcome.PASSED:
+            verdict = Verdict(check, Outcome.FAILED, _WHOLE, repr(error))
+    return replace(verdict, frames=tuple(setting.transcript.frames))
+
+
+async def _judged(check: Check, stage: Stage) -> Verdict:
+    try:
+        async with asyncio.timeout(_CHECK_TIMEOUT + 10 * stage.patience):
+            await check.play(stage)
+            await stage.strike()
+        return Verdict(check, Outcome.PASSED, remarks=tuple(dict.fromkeys(stage.remarks)))
+    except Deviation as deviation:
+        return Verdict(check, Outcome.FAILED, deviation.expected, deviation.came)
+    except TimeoutError:
+        return Verdict(check, Outcome.FAILED, "an end of the check", "none")
+    except (KeyError, IndexError, TypeError, ValueError) as error:
+        return Verdict(check, Outcome.FAILED, "an answer that the check can follow", repr(error))
+    except WebSocketException as error:
+        return Verdict(check, Outcome.FAILED, "a connection that lasts", str(error))
+    except Exception as error:
+        return Verdict(check, Outcome.FAILED, _WHOLE, repr(error))
+    finally:
         await stage.clear()
-    return replace(verdict, frames=frames)

@@ -26,6 +26,7 @@ RULES: Final[tuple[Rule, ...]] = (
     profile_rules.it_has_an_identity,
     profile_rules.its_profile_can_be_read,
     profile_rules.its_profile_keeps_to_its_type,
+    profile_rules.it_has_the_commands_of_its_type,
     message_rules.it_tells_its_status,
     message_rules.its_queries_answer,
     message_rules.it_refuses_unknown_messages,
@@ -164,10 +165,15 @@ async def findings(
 
     Raises:
         RoISError: the bus cannot say what is behind it.
+        ValueError: `parameters` or `refuses` name a component that is not there.
     """
     directory = await bus.discover()
+    refs = directory.profile.component_refs()
+    for name, given in (("parameters", parameters), ("refuses", refuses)):
+        if unknown := sorted(set(given or ()) - set(refs)):
+            raise ValueError(f"{name} names {unknown[0]!r}, which is not there: there are {', '.join(refs) or 'none'}")
     found = [Finding("", "it_refuses_unknown_components", sentence) for sentence in await _strangers(bus, patience)]
-    for component_ref in directory.profile.component_refs():
+    for component_ref in refs:
         profile = directory.component_profiles.get(component_ref)
         if profile is None:
             found.append(Finding(component_ref, "it_has_an_identity", "it is listed and has no profile"))

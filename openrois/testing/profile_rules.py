@@ -11,11 +11,17 @@ from openrois.types.profiles import HRIComponentProfile, ParameterProfile
 from openrois.types.references import flaw_of_name, reference
 from openrois.types.values import check_value
 
-__all__ = ["it_has_an_identity", "its_profile_can_be_read", "its_profile_keeps_to_its_type"]
+__all__ = [
+    "it_has_an_identity",
+    "it_has_the_commands_of_its_type",
+    "its_profile_can_be_read",
+    "its_profile_keeps_to_its_type",
+]
 
 _URN: Final = re.compile(r"urn:x-rois:def:[Cc]omponent:[^:\s]+::[^:\s]+")
 _COMMON: Final = ROIS_COMMON.profile()
-_STANDARD: Final = {kind.urn: kind.profile() for kind in BASIC_COMPONENTS}
+_TYPES: Final = {kind.urn: kind for kind in BASIC_COMPONENTS}
+_STANDARD: Final = {urn: kind.profile() for urn, kind in _TYPES.items()}
 
 
 async def it_has_an_identity(subject: Subject) -> None:
@@ -63,6 +69,15 @@ async def its_profile_keeps_to_its_type(subject: Subject) -> None:
         _require_same(profile, standard, profile.component_type)
         if standard.function is not None:
             require(profile.function is standard.function, f"its class is {profile.function}, not {standard.function}")
+
+
+async def it_has_the_commands_of_its_type(subject: Subject) -> None:
+    """It has the commands that its type requires."""
+    kind = _TYPES.get(subject.profile.component_type)
+    required = () if kind is None else kind.required_commands()
+    missing = [name for name in required if subject.profile.command(name) is None]
+    others = ", ".join(each.name for each in subject.profile.command_profiles) or "none"
+    require(not missing, f"{subject.profile.component_type} requires {', '.join(missing)}; its commands are {others}")
 
 
 def _is_common(name: str) -> bool:

@@ -1,6 +1,5 @@
 """The leg between gateway and adapter: what an adapter is asked, what it may be, and what it may not do."""
 
-import secrets
 from typing import Any, Final
 
 from openrois.conformance.checks.execute import EXECUTE
@@ -77,7 +76,7 @@ async def _adapter_without_hello(stage: Stage) -> None:
 async def _adapter_command_id(stage: Stage) -> None:
     """A command reaches its adapter under the id that the application chose, while that is free there."""
     app, other = await stage.application(), await stage.application()
-    unit = {"component_ref": stage.ref("eye"), "command_type": "echo", "command_id": f"chosen-{secrets.token_hex(8)}"}
+    unit = {"component_ref": stage.ref("eye"), "command_type": "echo", "command_id": "chosen"}
     await app.granted(EXECUTE, command_unit_list=[unit])
     await app.completed(unit["command_id"])
     if await other.code(EXECUTE, command_unit_list=[unit]) == "OK":
@@ -85,7 +84,7 @@ async def _adapter_command_id(stage: Stage) -> None:
     else:
         stage.remark("a command_id that one application has used is refused to others")
     sent = [params["command_unit_list"][0]["command_id"] for params in stage.probe.params_of(EXECUTE)]
-    expect("the command_id", sent[0], unit["command_id"])
+    expect("the command_id", sent[0], stage.sent_id("chosen"))
     if len(set(sent)) != len(sent):
         raise Deviation("ids at the adapter that are all different", shown(sent))
 

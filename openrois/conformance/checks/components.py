@@ -99,6 +99,8 @@ async def _standard_profiles(stage: Stage) -> None:
         profile = HRIComponentProfile.model_validate(given)
         if (kind := kinds.get(profile.component_type)) is not None:
             found += 1
+            if missing := _missing(profile, kind):
+                stage.remark(f"{ref}, a {kind.code}, lacks {', '.join(missing)}")
             _compare(ref, profile, kind.profile())
     if not found:
         stage.remark("the gateway has no component of the standard")
@@ -130,6 +132,24 @@ async def _component_profile(stage: Stage) -> None:
         raise Deviation(f"a profile of {ref}", shown(sorted(profiles)))
     found = (await app.granted("rois.command.search", condition=f"component_ref = '{ref}'"))["component_ref_list"]
     expect("what search finds", found, [ref])
+
+
+@CHECKS("component-commands", Needs.COMPONENT)
+async def _component_commands(stage: Stage) -> None:
+    """The given component has the commands that its type, one of the standard's, requires."""
+    app = await stage.application()
+    profile = await _profile_of(stage, app)
+    kind = next((each for each in BASIC_COMPONENTS if each.urn == profile.component_type), None)
+    if kind is None:
+        stage.remark(f"{profile.component_type} is no type of the standard")
+        return
+    if missing := _missing(profile, kind):
+        said = shown(sorted(each.name for each in profile.command_profiles))
+        raise Deviation(f"the commands {', '.join(missing)} of a {kind.code}", said)
+
+
+def _missing(profile: HRIComponentProfile, kind: ComponentType) -> list[str]:
+    return [name for name in kind.required_commands() if profile.command(name) is None]
 
 
 async def _profile_of(stage: Stage, app: Application) -> HRIComponentProfile:

@@ -100,4 +100,4 @@ async def _reason_secret(stage: Stage) -> None:
     expect("how it completed", await other.completed("theirs"), {"theirs": "OK"})
     method = "rois.command.get_command_result"
     said = {each: await _refused(app, method, "BAD_PARAMETER", {"command_id": each}) for each in ("theirs", "nobody")}
-    expect("the reason", said["theirs"].replace("theirs", "nobody"), said["nobody"])
+    expect("the reason", said["theirs"].replace(stage.sent_id("theirs"), "nobody"), said["nobody"])

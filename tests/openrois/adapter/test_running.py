@@ -120,6 +120,24 @@ class TestExample:
                 assert await lamp.query("power") == {"power": 3.0}
                 assert await lamp.get_parameter() == {"brightness": 50}
 
+    @pytest.mark.parametrize(
+        ("options", "status", "words"),
+        [
+            (["--help"], 0, ("An adapter with lamp (Lamp)", "--gateway URL", "OPENROIS_GATEWAY", "--engine-id")),
+            (["--gateway", "lamp"], 2, ("--gateway: ", "no address of a gateway")),
+            (["--gatway", "x"], 2, ("--gatway is not known here; is it --gateway?",)),
+        ],
+    )
+    async def test_its_command_line(self, options: list[str], status: int, words: tuple[str, ...]) -> None:
+        async with asyncio.timeout(60):
+            asked = await asyncio.create_subprocess_exec(
+                sys.executable, str(EXAMPLE), *options,
+                stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.STDOUT,
+            )  # fmt: skip
+            said_, _ = await asked.communicate()
+        assert asked.returncode == status
+        assert all(each in said_.decode() for each in words), said_.decode()
+
     async def test_it_keeps_the_contract(self) -> None:
         async with launched(sys.executable, str(EXAMPLE)) as running:
             assert await findings(running.engine) == []

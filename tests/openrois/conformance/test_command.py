@@ -12,6 +12,8 @@ from typing import Any
 
 import pytest
 
+from openrois import adapter as adapting
+from openrois.adapter import components
 from openrois.conformance import command
 from openrois.conformance.manifest import read_manifest
 from openrois.transport.credentials import CA_FILE_VARIABLE, TOKEN_FILE_VARIABLE
@@ -194,6 +196,26 @@ class TestTokens:
             assert "came 401: a valid token is needed" in capsys.readouterr().err
 
 
+class Mistyped(components.Navigation):
+    """Has `strat` where it should have `start`."""
+
+    @adapting.command
+    async def strat(self) -> None: ...
+
+    async def stop(self) -> None: ...
+
+
+async def test_a_component_that_lacks_a_command(capsys: pytest.CaptureFixture[str]) -> None:
+    async with deployment.gateway(adapter_timeout=0.5) as gateway, deployment.adapter(gateway, Mistyped("legs")):
+        part = ("--url", gateway.url.replace("http", "ws"), "--no-adapter", "--only")
+        assert await run(*part, "own.commands", "--component", "robot/legs") == 1
+        shown = capsys.readouterr().out
+        assert "FAIL     own.commands" in shown
+        assert "the commands start of a Navigation" in shown
+        assert await run(*part, "standard-profiles") == 0
+        assert "note      robot/legs, a Navigation, lacks start" in capsys.readouterr().out
+
+
 @asynccontextmanager
 async def trying() -> AsyncIterator[str]:
     async with deployment.gateway(adapter_timeout=0.5) as gateway:
@@ -209,6 +231,7 @@ async def trying() -> AsyncIterator[str]:
         (["--url", "ws://x/", "--adapter-token-file", "/nowhere"], "the token cannot be read from /nowhere"),
         (["--url", "wss://x/", "--ca-file", "/nowhere"], "/nowhere cannot be used as authorities"),
         (["--url", "ws://x/", "--markdown"], "--markdown is for the manifest"),
+        (["--url", "ws://x/", "--component", "a/b", "--component", "a/b"], "--component is given twice"),
     ],
 )
 def test_wrong_usage_ends_with_2(arguments: list[str], words: str, capsys: pytest.CaptureFixture[str]) -> None:

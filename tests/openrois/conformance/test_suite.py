@@ -8,7 +8,7 @@ import pytest
 
 from openrois.conformance.checks import ALL_CHECKS
 from openrois.conformance.deviation import Deviation
-from openrois.conformance.stage import Needs
+from openrois.conformance.stage import Check, Needs, Stage
 from openrois.conformance.suite import Outcome, Verdict, run_checks, visit
 from openrois.gateway.server import Gateway
 from openrois.jsonrpc.session import RpcSession
@@ -73,7 +73,7 @@ def speak_the_base_alone(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setattr("openrois.gateway.applications.stream_methods", lambda _app: {})
     monkeypatch.setattr("openrois.gateway.applications._Signaling.methods", lambda _signaling: {})
-    monkeypatch.setattr("openrois.remote.proxy.RemoteProxy._hello", no_greeting)
+    monkeypatch.setattr("openrois.remote.proxy.RemoteProxy._greet", no_greeting)
 
 
 async def test_without_an_adapter_what_needs_none_is_tried(gateway: Gateway) -> None:
@@ -404,6 +404,47 @@ async def test_an_adapter_that_is_not_taken_is_said(gateway: Gateway) -> None:
     assert verdicts["connect"].outcome is Outcome.PASSED
     assert verdicts["query"].outcome is Outcome.NOT_RUN
     assert "the suite's adapter was not taken" in verdicts["query"].came
+
+
+async def test_a_check_that_breaks_is_one_failure(gateway: Gateway, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In its middle, or only when its connections are closed; the others are run."""
+
+    async def broken(stage: Stage) -> None:
+        raise AttributeError("'NoneType' object has no attribute 'call_soon'")
+
+    async def breaking_at_its_end(stage: Stage) -> None:
+        stage.stack.push_async_callback(broken, stage)
+
+    monkeypatch.setattr(Stage, "clear", broken)
+    plays = {"broken": broken, "at its end": breaking_at_its_end}
+    checks = [Check(name, "", play, frozenset()) for name, play in plays.items()]
+    sane = next(check for check in ALL_CHECKS if check.id == "connect")
+    async with visit(address(gateway), PATIENCE, adapter=False) as place:
+        verdicts = await run_checks(place, checks)
+        monkeypatch.undo()
+        (after,) = await run_checks(place, [sane])
+    assert [verdict.outcome for verdict in verdicts] == [Outcome.FAILED] * 2
+    assert all("call_soon" in verdict.came for verdict in verdicts)
+    assert after.outcome is Outcome.PASSED
+
+
+async def test_no_id_of_a_command_is_sent_by_two_checks_or_two_runs(gateway: Gateway) -> None:
+    """As at a gateway that remembers ids for all applications."""
+    names = ("execute-results", "execute-statuses")
+    sent: list[set[str]] = []
+
+    def note(message: Any, method: str) -> Sequence[Any]:
+        if method == "rois.command.execute":
+            sent[-1].update(unit["command_id"] for unit in message["params"]["command_unit_list"])
+        return [message]
+
+    async with bent(address(gateway), to_gateway=note) as proxy:
+        for _ in range(2):
+            for name in names:
+                sent.append(set())
+                assert (await tried(proxy.url, name))[name].outcome is Outcome.PASSED
+    assert all(sent)
+    assert len(set().union(*sent)) == sum(map(len, sent))
 
 
 async def test_an_adapter_that_is_cut_off_fails_what_needs_it(gateway: Gateway) -> None:

@@ -128,6 +128,20 @@ async def test_a_profile_that_is_not_in_order(make: Callable[[HRIComponentProfil
     assert rule in await rules_broken(Bus(make(Motor().profile)))
 
 
+async def test_a_command_that_its_type_requires() -> None:
+    class Mistyped(Navigation):
+        @command
+        async def strat(self) -> None: ...
+
+    mistyped = Mistyped()
+    kept = tuple(each for each in mistyped.profile.command_profiles if each.name != "start")
+    mistyped.__dict__["profile"] = mistyped.profile.model_copy(update={"command_profiles": kept})
+    said = {each.rule: each.sentence for each in await findings(Bus(mistyped), patience=PATIENCE)}
+    assert said["it_has_the_commands_of_its_type"] == (
+        "urn:x-rois:def:component:OMG::Navigation requires start; its commands are stop, strat"
+    )
+
+
 # What a component answers.
 
 

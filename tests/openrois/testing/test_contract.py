@@ -54,7 +54,7 @@ async def test_each_basic_component(kind: type[Component], rule: LocalRule) -> N
 
 def test_every_rule_is_a_test_of_its_own() -> None:
     tests = {name for name in dir(ComponentContract) if name.startswith("test_")}
-    assert len(tests) == len(RULES) + len(LOCAL_RULES) == 18
+    assert len(tests) == len(RULES) + len(LOCAL_RULES) == 19
 
 
 async def test_who_does_not_say_what_is_tried_is_told() -> None:
@@ -65,6 +65,13 @@ async def test_who_does_not_say_what_is_tried_is_told() -> None:
 async def test_a_whole_adapter_behind_a_gateway() -> None:
     async with memory_gateway(*(kind() for kind in BASICS)) as gateway:
         assert await findings(gateway.engine, parameters={"robot/speech_synthesizer": NEEDS}) == []
+
+
+@pytest.mark.parametrize("given", ["parameters", "refuses"])
+async def test_what_is_said_of_a_component_that_is_not_there_is_refused(given: str) -> None:
+    async with memory_gateway(*(kind() for kind in BASICS)) as gateway:
+        with pytest.raises(ValueError, match=f"^{given} names 'robot/speech', which is not there: there are robot/"):
+            await findings(gateway.engine, **{given: {"robot/speech": NEEDS}})  # type: ignore[arg-type]
 
 
 async def test_a_robot_of_somebody_else() -> None:

@@ -1,0 +1,48 @@
+"""The command line of an adapter: where its gateway is, and what it shows there."""
+
+from collections.abc import Sequence
+
+from openrois.adapter.running import GATEWAY, GATEWAY_VARIABLE, run
+from openrois.command_line import CommandLine
+from openrois.component import Component
+from openrois.transport.address import adapter_url
+from openrois.transport.credential_options import add_credential_options
+
+__all__ = ["main"]
+
+
+def main(*components: Component, engine_id: str, arguments: Sequence[str] | None = None) -> None:
+    """Serve components as `run` does, where the options of the command line say; `--help` tells them.
+
+    Args:
+        components: each with a name of its own.
+        engine_id: unique behind its gateway; leads every component_ref, unless `--engine-id` names another.
+        arguments: of the command line; those of the process unless given.
+
+    Raises:
+        SystemExit: the options are wrong, or help was asked for.
+    """
+    offered = ", ".join(f"{each.profile.name} ({each.profile.identifier.code})" for each in components)
+    parser = CommandLine(None, description=f"An adapter with {offered}. It serves its gateway until Ctrl-C ends it.")
+    parser.add_argument(
+        "--gateway", metavar="URL", help=f"where the gateway takes adapters ({GATEWAY_VARIABLE}, or {GATEWAY})"
+    )
+    parser.add_argument(
+        "--engine-id", default=engine_id, metavar="ID", help="leads its component_refs; unique there (%(default)s)"
+    )
+    add_credential_options(parser)
+    parser.add_argument("--verbose", action="store_true", help="log more")
+    chosen = parser.parse_args(arguments)
+    try:
+        if chosen.gateway is not None:
+            adapter_url(chosen.gateway)
+    except ValueError as error:
+        parser.error(f"--gateway: {error}")
+    run(
+        *components,
+        engine_id=chosen.engine_id,
+        gateway=chosen.gateway,
+        token_file=chosen.token_file,
+        ca_file=chosen.ca_file,
+        verbose=chosen.verbose,
+    )
