@@ -16,11 +16,12 @@ from openrois_avatar.link.receivers import Arrivals, Receivers
 from openrois_avatar.link.unheard import Unheard
 
 FAREWELL_TIMEOUT: Final = 0.5
-"""Seconds that a peer has to take our goodbye before its connection is aborted."""
+"""Seconds that a peer has to take our goodbye and to close, before its connection is aborted."""
 MAX_UNREAD: Final = 256 * 1024
 """Bytes of commands that an engine may leave unread before it is cut off."""
 _CONGESTED: Final = 16 * 1024
 """Bytes that the engine has not read yet above which sound waits: 90 ms of it."""
+_LINGER: Final = 64 * 1024
 _NAME: Final = "openrois-avatar"
 
 _log = logging.getLogger(__name__)
@@ -38,7 +39,11 @@ class Host(Protocol):
         ...
 
     def ended(self, connection: EngineConnection) -> None:
-        """The connection is gone; called once for each that was opened."""
+        """The connection has ended, or lasts until our goodbye has been read; called once for each that was opened."""
+        ...
+
+    def gone(self, connection: EngineConnection) -> None:
+        """The connection is gone; called once for each that was opened, after `ended`."""
         ...
 
 
@@ -55,11 +60,13 @@ class EngineConnection(asyncio.BufferedProtocol):
         self._parser = Parser(Sender.ENGINE, receivers.video.memory.take)
         self._hello: Hello | None = None
         self._reason: str | None = None
+        self._linger: memoryview | None = None
         self._unheard = Unheard(lambda block: self._send(encode(block)))
         self._greeting_timeout = greeting_timeout
         loop = asyncio.get_running_loop()
         self._timer: asyncio.TimerHandle | None = None
         self._closed: asyncio.Future[str] = loop.create_future()
+        self._gone: asyncio.Future[None] = loop.create_future()
 
     @property
     def hello(self) -> Hello:
@@ -80,6 +87,10 @@ class EngineConnection(asyncio.BufferedProtocol):
     async def closed(self) -> str:
         """Wait for the end of the connection and give its reason; any number of tasks may wait."""
         return await asyncio.shield(self._closed)
+
+    async def gone(self) -> None:
+        """Wait until nothing is left of the connection, `FAREWELL_TIMEOUT` seconds after its end at the latest."""
+        await asyncio.shield(self._gone)
 
     def send_command(self, command: Command) -> None:
         """Send a command; never waits. An engine that leaves 256 KiB of them unread is cut off.
@@ -106,7 +117,11 @@ class EngineConnection(asyncio.BufferedProtocol):
         if self._reason is None:
             self._reason = reason
             self._send(encode(Bye(reason)))
-            self._shut()
+            # A socket that is closed while something comes in takes back what the other side has not read of it.
+            self._linger = memoryview(bytearray(_LINGER))
+            self._transport.write_eof()
+            self._allow(FAREWELL_TIMEOUT, self._transport.abort)
+            asyncio.get_running_loop().call_soon(self._end)
 
     def abort(self, reason: str) -> None:
         """End the connection at once, without a goodbye."""
@@ -124,10 +139,12 @@ class EngineConnection(asyncio.BufferedProtocol):
 
     def get_buffer(self, sizehint: int) -> memoryview:
         """Called by the event loop."""
-        return self._parser.get_buffer()
+        return self._parser.get_buffer() if self._linger is None else self._linger
 
     def buffer_updated(self, nbytes: int) -> None:
         """Called by the event loop."""
+        if self._linger is not None:
+            return  # after our goodbye nothing counts
         try:
             self._parser.buffer_updated(nbytes, self._take)
         except LinkError as error:
@@ -148,13 +165,20 @@ class EngineConnection(asyncio.BufferedProtocol):
         self._stop_waiting()
         if self._reason is None:
             self._reason = f"the connection broke: {exc}" if exc else "the engine closed the connection"
-        self._host.ended(self)
-        self._arrivals.end(self._reason)
-        self._closed.set_result(self._reason)
+        self._end()
+        self._host.gone(self)
+        self._gone.set_result(None)
+
+    def _end(self) -> None:
+        if not self._closed.done():
+            assert self._reason is not None
+            self._closed.set_result(self._reason)
+            self._host.ended(self)
+            self._arrivals.end(self._reason)
 
     def _take(self, message: Message) -> None:
         if self._reason is not None:
-            return  # after a goodbye nothing counts
+            return  # after its goodbye nothing counts
         match message:
             case Video() | Encoded() | Doorbell() | Audio():
                 self._arrivals.take(message)
@@ -162,7 +186,8 @@ class EngineConnection(asyncio.BufferedProtocol):
                 self._greet(message)
             case Bye():
                 self._reason = message.reason
-                self._shut()
+                self._transport.close()
+                self._allow(FAREWELL_TIMEOUT, self._transport.abort)
             case _:
                 assert isinstance(message, Event), "the parser lets an engine say nothing else"
                 self._arrivals.take(message)
@@ -182,10 +207,6 @@ class EngineConnection(asyncio.BufferedProtocol):
 
     def _send(self, parts: tuple[Bytes, ...]) -> None:
         self._transport.write(b"".join(parts))
-
-    def _shut(self) -> None:
-        self._transport.close()
-        self._allow(FAREWELL_TIMEOUT, self._transport.abort)
 
     def _allow(self, seconds: float, then: Callable[[], None]) -> None:
         """Allow `seconds` for the one thing that is waited for now, the greeting or the end."""

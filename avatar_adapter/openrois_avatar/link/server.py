@@ -132,11 +132,14 @@ class LinkServer:
 
     def ended(self, connection: EngineConnection) -> None:
         """Called by a connection."""
-        self._connections.discard(connection)
         if self._engine is connection:
             self._engine = None
             if not self._arrived.empty():
                 self._arrived.get_nowait()
+
+    def gone(self, connection: EngineConnection) -> None:
+        """Called by a connection."""
+        self._connections.discard(connection)
 
     async def _accept_all(self, listener: socket.socket) -> None:
         """Serve every connection.
@@ -166,7 +169,7 @@ class LinkServer:
                 for connection in list(self._connections):
                     connection.close("the adapter ends")
                 for connection in list(self._connections):
-                    await connection.closed()
+                    await connection.gone()
 
 
 async def _readable(listener: socket.socket) -> None:

@@ -384,6 +384,49 @@ async def test_an_engine_that_does_not_read_is_cut_off(world: World) -> None:
         assert await connection.closed() == "the engine does not read its commands"
 
 
+def tell_much_and_listen(address: str, said: bytes) -> bytes:
+    """Send everything before anything is read, as an engine does that is in the middle of a picture."""
+    if address.startswith("unix:"):
+        line = socket.socket(socket.AF_UNIX)
+        line.connect(address.removeprefix("unix:"))
+    else:
+        line = socket.create_connection(("127.0.0.1", int(address.rpartition(":")[2])))
+    heard = b""
+    with line:
+        line.settimeout(60)
+        line.sendall(said)
+        while data := line.recv(65536):
+            heard += data
+    return heard
+
+
+@pytest.mark.parametrize("address", [None, "tcp:127.0.0.1:0"])
+async def test_whoever_still_sends_reads_why_it_is_sent_away(
+    address: str | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("openrois_avatar.link.connection.FAREWELL_TIMEOUT", 60)
+    async with LinkServer.listen(address) as server:
+        said = wire(replace(HELLO, secret="wrong")) + bytes(16 << 20)
+        heard = await asyncio.to_thread(tell_much_and_listen, server.address, said)
+    assert Parser(Sender.ADAPTER).feed(heard) == [Bye("wrong secret")]
+
+
+async def test_whoever_sends_without_an_end_is_cut(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("openrois_avatar.link.connection.FAREWELL_TIMEOUT", 0.05)
+
+    def flood(address: str) -> int:
+        line, sent = socket.create_connection(("127.0.0.1", int(address.rpartition(":")[2]))), 0
+        with line, suppress(OSError):
+            line.settimeout(60)
+            line.sendall(wire(replace(HELLO, secret="wrong")))
+            while True:
+                sent += line.send(bytes(65536))
+        return sent
+
+    async with LinkServer.listen("tcp:127.0.0.1:0") as server, asyncio.timeout(60):
+        assert await asyncio.to_thread(flood, server.address) > 0
+
+
 async def test_a_goodbye_is_not_waited_for_forever(world: World, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("openrois_avatar.link.connection.FAREWELL_TIMEOUT", 0.01)
     monkeypatch.setattr("openrois_avatar.link.connection.MAX_UNREAD", 10_000_000)
