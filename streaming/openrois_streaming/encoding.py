@@ -85,9 +85,12 @@ class EncodedSource(Generic[RawT]):
         if run is None or run.last is None or is_fresh is None or not is_fresh(run.last, now):
             return
         taken = self._budget.take(now)
+        if taken is None and run.begun:
+            return
         if taken is not None:
             self.forced[taken] += 1
-            run.thread.hasten(run.last)
+        run.begun = True
+        run.thread.hasten(run.last)
 
     def set_bitrate(self, bitrate: int) -> None:
         """Aim at `bitrate` (bit/s), now and whenever the encoder starts again."""
@@ -136,12 +139,15 @@ class EncodedSource(Generic[RawT]):
                 now = self._clock.now()
                 if choose is not None and not choose(raw):
                     continue
+                if self._encoding.is_fresh is not None:
+                    run.last = raw
+                    if not run.begun and not self._budget.is_asked:
+                        continue
+                run.begun = True
                 cause = self._budget.take(now) if self._encoding.predicted else None
                 if cause:
                     self.forced[cause] += 1
                 run.thread.offer(raw, key_frame=cause is not None)
-                if self._encoding.is_fresh is not None:
-                    run.last = raw
                 report.update(now, run.dropped)
         except SourceEnded as end:
             run.thread.end(cast("Exception | None", end.__cause__))
@@ -174,7 +180,9 @@ class _Run(Generic[RawT]):
     raw: Subscription[RawT]
     thread: EncoderThread[RawT]
     last: RawT | None = None
-    """What was encoded last, where it may be once more."""
+    """The source's last frame, where that may be encoded when it is asked for."""
+    begun: bool = False
+    """Whether anything was encoded: before a key frame is asked for, nothing is."""
 
     @property
     def dropped(self) -> int:

@@ -39,6 +39,11 @@ class KeyFrameBudget:
         """Note that a viewer needs a key frame."""
         self._pending.add(cause)
 
+    @property
+    def is_asked(self) -> bool:
+        """Whether a viewer that asked for a key frame has not had one since."""
+        return bool(self._pending)
+
     def take(self, now: float) -> KeyFrameCause | None:
         """Decide on the frame that is encoded next: the cause it must be a key frame for, or None.
 

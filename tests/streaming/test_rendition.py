@@ -111,6 +111,22 @@ async def test_a_viewer_that_joins_gets_the_last_picture_at_once_if_it_is_fresh(
         assert (stage.rendition.figures().starts, stage.rendition.figures().dropped_input) == (2, 0)
 
 
+async def test_what_runs_ahead_of_a_viewer_encodes_nothing_before_that_comes() -> None:
+    stage = Stage(fresh=0.06)
+    async with stage.rendition.prepare():
+        for number in range(3):
+            await stage.clock.advance(FRAME)
+            await stage.source.feed(picture(number, stage.clock.now()))
+        assert (stage.rendition.running, stage.rendition.figures().encoded) == (True, 0)
+        async with stage.rendition.subscribe() as viewer:
+            first = await got(viewer)
+            assert (first.keyframe, first.data) == (True, b"2")
+            stage.next = 3
+            assert (await stage.shoot(viewer)).data == b"3"
+            assert stage.encoders.made[0].encoded == [2, 3]
+    assert (stage.rendition.running, stage.source.is_open) == (False, False)
+
+
 async def test_a_picture_from_before_a_pause_is_never_shown_again() -> None:
     stage = Stage(fresh=0.06)
     async with stage.rendition.subscribe() as first:
