@@ -47,7 +47,8 @@ def stop_run(load: Load, p99: float = 20.0, **more: object) -> StopRun:
     """A run under a load, of which everything was there unless `more` says otherwise."""
     reached = {"reports": load.reports, "strangers": load.strangers, "joined": load.viewers}
     waits = Waits(count=300, p50=4_000.0, p95=9_000.0, p99=p99 * 1000)
-    return StopRun.model_validate({"load": load, "stops": waits, "unconfirmed": 0, "pictures": 30.0, **reached, **more})
+    rest = {"unconfirmed": 0, "adapter": 0.2, "pictures": 30.0}
+    return StopRun.model_validate({"load": load, "stops": waits, **rest, **reached, **more})
 
 
 def stop(*runs: StopRun) -> StopReport:

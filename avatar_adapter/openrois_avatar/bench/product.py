@@ -27,10 +27,12 @@ class Product:
     Attributes:
         host: `host:port` of the gateway.
         gateway: the gateway's process id.
+        adapter: the adapter's.
     """
 
     host: str
     gateway: int
+    adapter: int
 
     @property
     def url(self) -> str:
@@ -60,7 +62,7 @@ async def product(
         adapter = ("openrois_avatar.bench.adapter", f"ws://{host}/adapter", str(width), str(height), str(fps), show)
         said = Output("adapter", clock, on_line)
         async with child_process(*adapter, output=said) as process:
-            served = Product(host, gateway.pid)
+            served = Product(host, gateway.pid, process.pid)
             await _attached(served.url, process, said)
             yield served
 

@@ -13,6 +13,7 @@ from typing import Any, Final
 from openrois.bench.conditions import conditions, load
 from openrois.bench.errors import within
 from openrois.bench.figures import Waits
+from openrois.bench.processes import Child
 from openrois.client import Client, ComponentProxy
 from openrois.errors import RoISError
 from openrois_avatar.bench.adapter import COMPONENT_REF, ENGINE_ID, STOPPED, WHEEL_REF
@@ -117,27 +118,29 @@ class _Measuring:
         harassing = asyncio.ensure_future(
             self._crowd.ask("harass", {**asked, "seconds": seconds}, within=seconds + _PATIENCE)
         )
+        adapter = Child(self._served.adapter, "")
         try:
             async with Client(self._served.url) as client:
                 wheel = client.component(WHEEL_REF)
                 async with wheel.bound():
                     await asyncio.sleep(_SETTLING)
-                    before = await self._watcher.ask("seen", {}, within=_PATIENCE)
+                    before, used = await self._watcher.ask("seen", {}, within=_PATIENCE), adapter.cpu()
                     waits, unconfirmed = await self._stops(client, wheel)
-                    after = await self._watcher.ask("seen", {}, within=_PATIENCE)
+                    after, used = await self._watcher.ask("seen", {}, within=_PATIENCE), adapter.cpu() - used
                     dead_man = [await self._dead_man(wheel) for _ in range(self._settings.dead_man)]
             done = await harassing
         finally:
             harassing.cancel()
             await asyncio.gather(harassing, return_exceptions=True)
-        pictures = (after["pictures"] - before["pictures"]) / (after["at"] - before["at"])
+        took = after["at"] - before["at"]
         return Run(
             load=load,
             **done,
             stops=Waits.of(waits),
             unconfirmed=unconfirmed,
             dead_man=tuple(dead_man),
-            pictures=pictures,
+            pictures=(after["pictures"] - before["pictures"]) / took,
+            adapter=used / took,
             viewer_ended=after["bye"],
         )
 

@@ -40,6 +40,7 @@ class Run(Figures):
         stops: how long STOP took.
         unconfirmed: times that STOP was not confirmed.
         dead_man: milliseconds from the gateway's last sign of life to the stop.
+        adapter: cores that the adapter used.
         pictures: a second that the honest viewer had.
         viewer_ended: why its peer connection has ended; empty where it has not.
     """
@@ -53,6 +54,7 @@ class Run(Figures):
     stops: Waits
     unconfirmed: int
     dead_man: tuple[float, ...] = ()
+    adapter: float
     pictures: float
     viewer_ended: str = ""
 
@@ -82,7 +84,7 @@ class StopReport(Figures):
 
     def __str__(self) -> str:
         head = ("load", "STOPs", "p50", "p99", "unconfirmed", "dead man")
-        beside = ("RTCP/s", "strangers/s", "joined", "pictures/s")
+        beside = ("RTCP/s", "strangers/s", "joined", "adapter CPU", "pictures/s")
         where = "gateway and adapter on one core, all others on another" if self.pinned else "all on one core"
         return "\n".join(
             (
@@ -125,5 +127,6 @@ def _row(run: Run) -> tuple[str, ...]:
         f"{run.reports:,.0f}",
         f"{run.strangers:,.0f}",
         f"{run.joined}/{run.load.viewers}",
+        f"{run.adapter:.2f}",
         f"{run.pictures:.1f}",
     )

@@ -70,9 +70,9 @@ FLOOD = Load(name="flood", reports=5_000, strangers=20_000, viewers=64)
 def test_stop_as_text_has_a_line_for_each_load() -> None:
     told = str(stop(stop_run(IDLE), stop_run(FLOOD, p99=70.0, dead_man=(399.6, 430.2)))).splitlines()
     assert told[4:7] == [
-        "load   STOPs  p50   p99  unconfirmed  dead man  RTCP/s  strangers/s  joined  pictures/s",
-        "idle     300  4.0  20.0            0                 0            0     0/0        30.0",
-        "flood    300  4.0  70.0            0  430        5,000       20,000   64/64        30.0",
+        "load   STOPs  p50   p99  unconfirmed  dead man  RTCP/s  strangers/s  joined  adapter CPU  pictures/s",
+        "idle     300  4.0  20.0            0                 0            0     0/0         0.20        30.0",
+        "flood    300  4.0  70.0            0  430        5,000       20,000   64/64         0.20        30.0",
     ]
     assert told[-1] == "all goals reached by the runs that count"
 

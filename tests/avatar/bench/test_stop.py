@@ -18,6 +18,7 @@ async def test_stop_and_the_dead_mans_switch_are_measured_beside_floods() -> Non
         assert run.stops.count >= 1
         assert 0 < run.stops.p50 <= run.stops.p99
         assert len(run.dead_man) == 1
+        assert run.adapter > 0
         assert bool(run.reports) is bool(run.load.reports)
         assert bool(run.strangers) is bool(run.load.strangers)
         assert run.joined + run.failed == run.load.viewers
