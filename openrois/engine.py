@@ -35,6 +35,9 @@ __all__ = ["Engine", "leads_to"]
 
 _log = logging.getLogger(__name__)
 
+AUTHORITY: Final = "OpenRoIS"
+"""Gives the ids of engines of this product their meaning."""
+
 MAX_DEPTH: Final = 8
 """How deep engines may stand below one another."""
 
@@ -162,11 +165,10 @@ class Engine:
             taken.add(engine_id)
         if _depth(directory.profile) >= MAX_DEPTH:
             raise BadParameter(f"engines stand at most {MAX_DEPTH} deep")
-        offering, seen = frozenset(ids), set[str]()
+        offering, repeated = frozenset(ids), frozenset(directory.profile.repeated_refs())
         for ref in directory.profile.component_refs():
-            if flaw := _flaw_of(ref, offering, directory) or ("it stands twice" if ref in seen else ""):
+            if flaw := _flaw_of(ref, offering, directory) or ("it stands twice" if ref in repeated else ""):
                 raise BadParameter(f"the component {ref[:300]!r} cannot be in this tree: {flaw}")
-            seen.add(ref)
 
     def _changed(self) -> None:
         self._directory = self._merge()
@@ -186,10 +188,10 @@ class Engine:
         own = [c.directory for c in self._children if c.directory.profile.identifier.code == self.engine_id]
         below = [c.directory for c in self._children if c.directory.profile.identifier.code != self.engine_id]
         profile = HRIEngineProfile(
-            identifier=RoISIdentifier(code=self.engine_id),
+            identifier=RoISIdentifier(code=self.engine_id, authority=AUTHORITY),
             sub_profiles=tuple(directory.profile for directory in below),
             component_ids=tuple(ref for directory in own for ref in directory.profile.component_ids),
-        )
+        ).completed()
         # A bus speaks for the components it lists; a profile that it gives beside them could be of somebody else's.
         components = {
             ref: directory.component_profiles[ref]

@@ -35,7 +35,7 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
         kept = set(matching(app.engine, condition))
         directory = app.engine.directory
         return ProfileResult(
-            profile=_restrict(directory.profile, kept),
+            profile=_restrict(directory.profile, kept) if condition.comparisons else directory.profile,
             component_profiles={ref: profile for ref, profile in directory.component_profiles.items() if ref in kept},
         )
 
@@ -53,10 +53,11 @@ def methods(app: ApplicationSession) -> dict[str, Handler]:
 
 
 def _restrict(profile: HRIEngineProfile, kept: set[str]) -> HRIEngineProfile:
-    """Return the tree of engines with only the components in `kept`."""
+    """Return the tree of engines with only the components in `kept`; sub-engines without any are left out."""
+    below = (_restrict(sub_profile, kept) for sub_profile in profile.sub_profiles)
     return HRIEngineProfile(
         identifier=profile.identifier,
-        sub_profiles=tuple(_restrict(below, kept) for below in profile.sub_profiles),
+        sub_profiles=tuple(sub_profile for sub_profile in below if sub_profile.component_ids),
         component_ids=tuple(ref for ref in profile.component_ids if ref in kept),
         parameter_profiles=profile.parameter_profiles,
     )

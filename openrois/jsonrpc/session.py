@@ -43,6 +43,9 @@ __all__ = [
 
 _log = logging.getLogger(__name__)
 
+MAX_NAME: Final = 100
+"""Characters of an unknown method in the error that names it."""
+
 CALL_TIMEOUT: Final = 10.0
 """Seconds that a call of ours waits for its answer."""
 
@@ -220,15 +223,16 @@ class RpcSession:
             _log.debug("asked for %.80s", request.method)
         started = perf_counter()
         self.requests += 1
+        name = request.method if len(request.method) <= MAX_NAME else f"{request.method[:MAX_NAME]}..."
         reply = Reply(None)
         try:
             result = await _handled(self.methods, request)
             reply = result if isinstance(result, Reply) else Reply(result)
             answer = Peer.response(request.id, reply.result)
         except InvalidParams as error:
-            answer = Peer.error(request.id, protocol.INVALID_PARAMS, "Invalid params", error.problems)
+            answer = Peer.error(request.id, protocol.INVALID_PARAMS, f"Invalid params of {name}", error.problems)
         except _MethodNotFound:
-            answer = Peer.error(request.id, protocol.METHOD_NOT_FOUND, "Method not found")
+            answer = Peer.error(request.id, protocol.METHOD_NOT_FOUND, f"Method not found: {name}")
         except Exception:
             self._failed(request.method)
             answer = Peer.error(request.id, protocol.INTERNAL_ERROR, "Internal error")

@@ -113,7 +113,7 @@ def _of_engines(engine: HRIEngineProfile) -> Iterator[str]:
         if flaw := flaw_of_name(engine_id):
             yield f"{engine_id!r} is no engine id: {flaw}"
     yield from (f"the engine id {engine_id!r} stands twice" for engine_id in _repeated(ids))
-    yield from (f"the component {ref!r} stands twice" for ref in _repeated(refs))
+    yield from (f"the component {ref!r} stands twice" for ref in engine.repeated_refs())
     for ref in dict.fromkeys(refs):
         if engine_of(ref) not in ids:
             yield f"the component {ref!r} does not begin with the id of an engine that offers it"

@@ -91,7 +91,7 @@ def component_xml(profile: HRIComponentProfile, component_ref: str = "") -> str:
 
 def _engine(name: str, profile: HRIEngineProfile) -> _Node:
     engine_id = profile.identifier.code
-    ids = tuple(write_id(ref) for ref in profile.component_ids) or (no_component(engine_id),)
+    ids = tuple(write_id(ref) for ref in profile.own_refs()) or (no_component(engine_id),)
     return _Node(
         name,
         {"gml:id": engine_id_text(engine_id)},
@@ -107,7 +107,7 @@ def _engine(name: str, profile: HRIEngineProfile) -> _Node:
 def _ids(profile: HRIEngineProfile) -> Iterator[tuple[str, str]]:
     """Yield what must stand once in a document: what it is, and its text."""
     yield from (("the engine id", engine_id) for engine_id in profile.engine_ids())
-    yield from (("the component", ref) for ref in profile.component_refs())
+    yield from (("the component", ref) for ref in (*profile.component_refs(), *profile.repeated_refs()))
 
 
 def _identity(identifier: RoISIdentifier, text: str, name: str, extra: Mapping[str, str]) -> Iterator[_Node]:

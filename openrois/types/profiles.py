@@ -1,6 +1,7 @@
 """Profiles of engines and components: the JSON form of the types in the standard's XML schema (XML-Profiles.xsd)."""
 
 import re
+from collections import Counter
 from typing import Final
 
 from pydantic import Field
@@ -100,7 +101,7 @@ class HRIComponentProfile(Model):
 
 
 class HRIEngineProfile(Model):
-    """An engine, its own components and its sub-engines."""
+    """An engine, the components that are reachable through it, and its sub-engines, each with those it has of them."""
 
     identifier: RoISIdentifier
     sub_profiles: tuple["HRIEngineProfile", ...] = Field(default=(), strict=False)
@@ -113,9 +114,26 @@ class HRIEngineProfile(Model):
         return (self.identifier.code, *below)
 
     def component_refs(self) -> tuple[str, ...]:
-        """Return the refs of this engine's components and of all below it."""
-        below = tuple(ref for profile in self.sub_profiles for ref in profile.component_refs())
-        return (*self.component_ids, *below)
+        """Return the refs of all components that are reachable through this engine, each once."""
+        below = (ref for profile in self.sub_profiles for ref in profile.component_refs())
+        return tuple(dict.fromkeys((*self.component_ids, *below)))
+
+    def own_refs(self) -> tuple[str, ...]:
+        """Return the refs of the components that no engine below this one lists."""
+        below = {ref for profile in self.sub_profiles for ref in profile.component_refs()}
+        return tuple(ref for ref in self.component_ids if ref not in below)
+
+    def repeated_refs(self) -> tuple[str, ...]:
+        """Return the refs that one engine lists twice, or two that do not stand below one another."""
+        below = Counter(ref for profile in self.sub_profiles for ref in profile.component_refs())
+        here = (ref for listed in (Counter(self.component_ids), below) for ref, times in listed.items() if times > 1)
+        deeper = (ref for profile in self.sub_profiles for ref in profile.repeated_refs())
+        return tuple(dict.fromkeys((*here, *deeper)))
+
+    def completed(self) -> "HRIEngineProfile":
+        """Return the profile with, at every level, all that is reachable through that engine."""
+        below = tuple(profile.completed() for profile in self.sub_profiles)
+        return self.model_copy(update={"sub_profiles": below, "component_ids": self.component_refs()})
 
 
 def component_urn(code: str, authority: str = "OMG") -> str:

@@ -28,3 +28,13 @@ async def test_it_goes_as_the_page_says() -> None:
                 await stream.send(json.dumps(message))
             else:
                 assert json.loads(await stream.receive()) == message
+
+
+def test_every_deliberate_difference_is_shown_by_a_test() -> None:
+    page = (ROOT / "docs" / "wire.md").read_text(encoding="utf-8")
+    (table,) = re.findall(r"^### Where we differ .*?\n\|---[^\n]*\n(.*?)\n\n", page, re.DOTALL | re.MULTILINE)
+    rows = [line.strip("| ").split(" | ") for line in table.splitlines()]
+    assert all(len(row) == 5 and all(row) for row in rows)
+    for *_, reference in rows:
+        path, *_, function = reference.strip("`").split("::")
+        assert f"def {function}(" in (ROOT / "tests" / path).read_text(encoding="utf-8"), reference

@@ -98,7 +98,7 @@ class TestAttach:
         await engine.attach(Far(tree("fleet", tree("a", refs=("a/lamp",)))))
         directory = await engine.discover()
         assert directory.profile.engine_ids() == ("gateway", "fleet", "a")
-        assert directory.profile.component_ids == ("gateway/bell",)
+        assert directory.profile.component_ids == ("gateway/bell", "a/lamp")
         assert list(directory.component_profiles) == ["gateway/bell", "a/lamp"]
         assert seen == [("gateway",), ("gateway", "fleet", "a")]
 

@@ -140,10 +140,7 @@ async def _component_commands(stage: Stage) -> None:
     app = await stage.application()
     profile = await _profile_of(stage, app)
     kind = next((each for each in BASIC_COMPONENTS if each.urn == profile.component_type), None)
-    if kind is None:
-        stage.remark(f"{profile.component_type} is no type of the standard")
-        return
-    if missing := _missing(profile, kind):
+    if kind is not None and (missing := _missing(profile, kind)):
         said = shown(sorted(each.name for each in profile.command_profiles))
         raise Deviation(f"the commands {', '.join(missing)} of a {kind.code}", said)
 

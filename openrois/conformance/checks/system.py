@@ -3,7 +3,9 @@
 from typing import Final
 
 from openrois.conformance.deviation import Deviation, expect, shown
-from openrois.conformance.probe_profiles import URN
+from openrois.conformance.probe import new_engine_id
+from openrois.conformance.probe_engine import Answer, ProbeEngine
+from openrois.conformance.probe_profiles import URN, component_profiles, profile_result
 from openrois.conformance.stage import Checks, Needs, Stage
 from openrois.types.profiles import HRIEngineProfile
 
@@ -77,7 +79,7 @@ async def _profile_ids(stage: Stage) -> None:
         below = profile.engine_ids()
         for ref in profile.component_ids:
             if ref.partition("/")[0] not in below:
-                raise Deviation(f"the components of {profile.identifier.code} to begin with its id and a slash", ref)
+                raise Deviation(f"the components of {profile.identifier.code} to begin with its id, or one below", ref)
         for sub in profile.sub_profiles:
             walk(sub)
 
@@ -105,9 +107,33 @@ async def _profile_unchanged(stage: Stage) -> None:
     expect("the engines of the adapter", below, [(engine_id, f"{engine_id}-below")])
 
 
+@CHECKS("profile-levels", Needs.ADAPTER)
+async def _profile_levels(stage: Stage) -> None:
+    """At every level `component_ids` lists all that is reachable there; an adapter that does so is attached."""
+    app = await stage.application()
+    engine_id = new_engine_id()
+    engine = ProbeEngine(engine_id, component_profiles(engine_id))
+    own = profile_result(engine_id, engine.profiles)
+    own["profile"]["component_ids"] = list(engine.profiles)
+    engine.answers["rois.system.get_profile"] = Answer(own)
+    adapter = await stage.adapter(engine)
+    await stage.until_there(adapter.ref("deep"))
+    tree = await app.tree()
+
+    def walk(profile: HRIEngineProfile) -> None:
+        if missing := set(profile.component_refs()) - set(profile.component_ids):
+            raise Deviation(f"all that is reachable through {profile.identifier.code}", f"without {sorted(missing)[0]}")
+        for below in profile.sub_profiles:
+            walk(below)
+
+    walk(tree)
+    found = await app.granted("rois.command.search", condition=f"component_ref = '{adapter.ref('deep')}'")
+    expect("a component that stands at two levels", found["component_ref_list"], [adapter.ref("deep")])
+
+
 @CHECKS("profile-condition", Needs.ADAPTER)
 async def _profile_condition(stage: Stage) -> None:
-    """A condition chooses components and leaves the tree of engines whole."""
+    """A condition chooses components; engines without one of these are left out."""
     app = await stage.application()
     everything = await app.tree()
     arm = stage.ref("arm")
@@ -115,7 +141,8 @@ async def _profile_condition(stage: Stage) -> None:
     expect("the components chosen by reference", list(chosen["component_profiles"]), [arm])
     tree = HRIEngineProfile.model_validate(chosen["profile"])
     expect("the components listed", tree.component_refs(), (arm,))
-    expect("the engines", tree.engine_ids(), everything.engine_ids())
+    top, engine_id = everything.identifier.code, stage.probe.engine.engine_id
+    expect("the engines, without those that have no match", tree.engine_ids(), (top, engine_id))
     by_type = await app.granted("rois.system.get_profile", condition=f"component_type = '{URN}'")
     mine = sorted(ref for ref in by_type["component_profiles"] if ref.startswith(stage.probe.engine.engine_id))
     wanted = sorted(ref for ref, profile in stage.probe.engine.profiles.items() if profile.component_type == URN)

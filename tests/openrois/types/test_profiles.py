@@ -92,3 +92,24 @@ def test_a_urn_is_taken_apart_where_it_names_an_authority() -> None:
     assert type_identifier(component_urn("Lamp", "Example")) == RoISIdentifier(code="Lamp", authority="Example")
     for other in ("urn:x-rois:def:component:::Lamp", "urn:x-rois:def:Component:OMG::RoISCommon", "Lamp", ""):
         assert type_identifier(other) == RoISIdentifier(code=other)
+
+
+def engine(code: str, *refs: str, below: tuple[HRIEngineProfile, ...] = ()) -> HRIEngineProfile:
+    return HRIEngineProfile(identifier=RoISIdentifier(code=code), component_ids=refs, sub_profiles=below)
+
+
+def test_what_stands_at_several_levels_of_one_path_is_one_component() -> None:
+    deep = engine("deep", "deep/a")
+    listing = engine("top", "top/b", "deep/a", below=(engine("middle", "deep/a", below=(deep,)),))
+    assert listing.component_refs() == ("top/b", "deep/a")
+    assert listing.own_refs() == ("top/b",)
+    assert listing.repeated_refs() == ()
+    bare = engine("top", "top/b", below=(engine("middle", below=(deep,)),))
+    assert bare.completed() == listing == listing.completed()
+
+
+def test_what_stands_twice_otherwise_is_repeated() -> None:
+    assert engine("a", "a/x", "a/x").repeated_refs() == ("a/x",)
+    beside = engine("top", below=(engine("a", "a/x"), engine("b", "a/x")))
+    assert beside.repeated_refs() == ("a/x",)
+    assert engine("upper", below=(beside,)).repeated_refs() == ("a/x",)

@@ -35,6 +35,11 @@ export interface Row {
   readonly found: string;
 }
 
+/** Returns the references of all components that an engine or one below it lists. */
+function reachable({ component_ids = [], sub_profiles = [] }: HRIEngineProfile): string[] {
+  return [...component_ids, ...sub_profiles.flatMap(reachable)];
+}
+
 /** Returns the engines at the top: the gateway's own, and behind it those that no profile lists. */
 export function engineTree({ profile, component_profiles }: Profile): EngineNode[] {
   const listed = new Set<string>();
@@ -42,12 +47,16 @@ export function engineTree({ profile, component_profiles }: Profile): EngineNode
     listed.add(ref);
     return componentNode(ref, component_profiles[ref] ?? { identifier: { code: "" }, name: "" });
   };
-  const engine = (each: HRIEngineProfile): EngineNode => ({
-    id: each.identifier.code,
-    profile: each,
-    components: (each.component_ids ?? []).map(component),
-    engines: (each.sub_profiles ?? []).map(engine),
-  });
+  const engine = (each: HRIEngineProfile): EngineNode => {
+    const { component_ids = [], sub_profiles = [] } = each;
+    const below = new Set(sub_profiles.flatMap(reachable));
+    return {
+      id: each.identifier.code,
+      profile: each,
+      components: component_ids.filter((ref) => !below.has(ref)).map(component),
+      engines: sub_profiles.map(engine),
+    };
+  };
   const top = profile === null ? [] : [engine(profile)];
   const strays = Object.keys(component_profiles).filter((ref) => !listed.has(ref));
   const engines = [...new Set(strays.map(engineOf))].map((id) => ({

@@ -388,7 +388,10 @@ namespace OpenRoIS
         public List<ParameterProfile> ParameterProfiles { get; set; } = new List<ParameterProfile>();
     }
 
-    /// <summary>An engine, its own components and its sub-engines.</summary>
+    /// <summary>
+    /// An engine, the components that are reachable through it, and its sub-engines, each with those it has
+    /// of them.
+    /// </summary>
     public sealed class HRIEngineProfile
     {
         [JsonProperty("identifier", Required = Required.Always)]

@@ -200,7 +200,10 @@ export interface HRIComponentProfile {
   readonly parameter_profiles?: readonly ParameterProfile[];
 }
 
-/** An engine, its own components and its sub-engines. */
+/**
+ * An engine, the components that are reachable through it, and its sub-engines, each with those it has
+ * of them.
+ */
 export interface HRIEngineProfile {
   readonly identifier: RoISIdentifier;
   readonly sub_profiles?: readonly HRIEngineProfile[];

@@ -19,11 +19,11 @@ const component = (type: string, more: Partial<HRIComponentProfile> = {}): HRICo
 const PROFILE: Profile = {
   profile: {
     identifier: { code: "gateway" },
-    component_ids: ["gateway/clock"],
+    component_ids: ["gateway/clock", "robot/arm", "robot/ear", "hand/finger"],
     sub_profiles: [
       {
         identifier: { code: "robot" },
-        component_ids: ["robot/arm", "robot/ear"],
+        component_ids: ["robot/arm", "robot/ear", "hand/finger"],
         sub_profiles: [{ identifier: { code: "hand" }, component_ids: ["hand/finger"] }],
       },
       { identifier: { code: "empty" } },
