@@ -8,6 +8,7 @@ from pathlib import Path
 from openrois_avatar.metrics import figures as avatar
 from openrois_streaming.encoder_limit import ENCODERS_LIMIT
 from openrois_streaming.network.admission import AdmissionSettings
+from openrois_streaming.places import PlaceRules
 
 from openrois.gateway.configuration import settings_of
 from openrois.gateway.metrics import FIGURES, HISTOGRAMS
@@ -79,6 +80,11 @@ def options() -> dict[str, float]:
     admission = AdmissionSettings()
     encoders = {"--max-encoders": float(ENCODERS_LIMIT)}
     names = ("peer_packets", "peer_bytes", "total_packets", "total_bytes")
+    places = PlaceRules()
+    encoders |= {
+        f"--{name.replace('_', '-')}": float(getattr(places, name))
+        for name in ("applications", "kept_for_operators", "answer_time")
+    }
     return encoders | {f"--{name.replace('_', '-')}": float(getattr(admission, name)) for name in names}
 
 

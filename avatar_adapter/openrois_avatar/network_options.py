@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from openrois_streaming.network.admission import AdmissionSettings
 from openrois_streaming.network.interfaces import host_addresses
 from openrois_streaming.network.settings import PROFILES, NetworkSettings, PortRange
+from openrois_streaming.places import PlaceRules
 
 __all__ = ["add_host_options", "add_network_options", "host_arguments", "network_settings"]
 
@@ -41,6 +42,28 @@ def add_network_options(parser: argparse.ArgumentParser) -> None:
     ):
         default = getattr(defaults, option.replace("-", "_"))
         group.add_argument(f"--{option}", type=int, default=default, metavar="N", help=f"{told} (%(default)s)")
+    places = PlaceRules()
+    group.add_argument(
+        "--applications",
+        type=int,
+        default=places.applications,
+        metavar="N",
+        help="applications that are streamed to at a time (%(default)s)",
+    )
+    group.add_argument(
+        "--kept-for-operators",
+        type=int,
+        default=places.kept_for_operators,
+        metavar="N",
+        help="of these, places that those leave free that may not bind (%(default)s)",
+    )
+    group.add_argument(
+        "--answer-time",
+        type=float,
+        default=places.answer_time,
+        metavar="SECONDS",
+        help="for which an unanswered offer holds a place that others want (%(default)s)",
+    )
 
 
 def _ports(text: str) -> PortRange:
@@ -59,6 +82,7 @@ def network_settings(chosen: argparse.Namespace) -> NetworkSettings:
         chosen.relay_only,
         chosen.candidates,
         AdmissionSettings(chosen.peer_packets, chosen.peer_bytes, chosen.total_packets, chosen.total_bytes),
+        PlaceRules(chosen.applications, chosen.kept_for_operators, chosen.answer_time),
     )
     host_addresses(settings.interfaces)
     return settings

@@ -18,8 +18,9 @@ Read = TypeVar("Read", bound=Model)
 
 
 class ConnectFromGateway(ConnectStreamParams):
-    """As an application's, and the ICE servers that the gateway adds."""
+    """As an application's, and what the gateway adds: ICE servers, and that the application may not bind."""
 
+    may_bind: bool = True
     ice_servers: tuple[IceServer, ...] = Field(default=(), strict=False)
 
 

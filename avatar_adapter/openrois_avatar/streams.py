@@ -148,7 +148,7 @@ class AvatarStreams:
         self._senders: dict[str, str] = {}
         """The stream that an application sends into a component."""
         self._numbers = itertools.count(1)
-        self.sessions = StreamSessions(self._make_session)
+        self.sessions = StreamSessions(self._make_session, self._network.places)
 
     def engines(self) -> frozenset[str]:
         """Return the id of the avatar's engine."""
@@ -238,7 +238,7 @@ class AvatarStreams:
         if direction != "recvonly" and params.component_ref in self._senders:
             raise OutOfResources(f"somebody sends to {params.component_ref} already, and only one can at a time")
         codecs = encoding.codecs if direction == "sendonly" else published.choose(encoding.codecs)
-        session = self.sessions.open(self._session_name(client))
+        session = self.sessions.open(self._session_name(client), may_bind=params.may_bind)
         session.ice_servers = params.ice_servers
         stream_id = new_id(self._engine_id)
         session.connect(

@@ -48,6 +48,10 @@ class PeerOwner(Protocol):
         """`message` is for the application."""
         ...
 
+    def peer_answered(self) -> None:
+        """An answer was applied."""
+        ...
+
     def peer_changed(self, peer: "Peer") -> None:
         """Media can pass over more of it than before."""
         ...
@@ -272,6 +276,7 @@ class Peer:
         held = self._negotiation.applied(self._clock.now())
         if self._answered_at is None:
             self._answered_at = self._clock.now()
+            self._owner.peer_answered()
         for attribute in (*candidates, *(each.candidate for each in held if each.candidate)):
             try:
                 await self._connection.add_candidate(attribute)

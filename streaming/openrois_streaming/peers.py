@@ -42,6 +42,8 @@ class Peers:
         self._present: Peer | None = None
         self._replaced: Peer | None = None
         self._closing: list[Peer] = []
+        self.was_answered = False
+        """Whether the application has ever answered an offer."""
         self.input = SessionInput(sink, lambda: [peer.input for peer in self.all()])
         """For what a person does."""
 
@@ -133,6 +135,10 @@ class Peers:
     def peer_says(self, message: Downward) -> None:
         """`message` is for the application."""
         self._send(message)
+
+    def peer_answered(self) -> None:
+        """An answer was applied."""
+        self.was_answered = True
 
     def peer_changed(self, peer: Peer) -> None:
         """Media can pass over more of `peer` than before."""

@@ -110,7 +110,7 @@ class StreamSession:
         self._supervisor: Task[None] | None = None
         self._held: dict[str, frozenset[Direction]] = {}
         self._closed = False
-        self._played_at = clock.now()
+        self._made_at = self._played_at = clock.now()
 
     async def __aenter__(self) -> Self:
         return self
@@ -134,6 +134,10 @@ class StreamSession:
     def is_over(self) -> bool:
         """Whether there is neither a stream nor a peer connection."""
         return not self._peers.all()
+
+    def unanswered_for(self) -> float | None:
+        """Seconds since it was made, where none of its peer connections was ever answered; None where one was."""
+        return None if self._peers.was_answered else self._clock.now() - self._made_at
 
     def connect(
         self,

@@ -9,12 +9,10 @@ from typing import Self
 from openrois_signaling.messages import Direction
 
 from openrois_streaming.errors import TooManySessions, UnknownPeer, UnknownStream
+from openrois_streaming.places import PlaceRules
 from openrois_streaming.seams.trial import self_test
 from openrois_streaming.session import StreamSession
 from openrois_streaming.tasks import OwnedTasks
-
-SESSIONS_LIMIT = 64
-"""Applications at once. Each costs about 1 % of a core for each stream that plays."""
 
 _log = logging.getLogger(__name__)
 
@@ -22,19 +20,29 @@ _log = logging.getLogger(__name__)
 class StreamSessions:
     """Which application has which session; nobody reaches the streams of another.
 
-    A session without streams keeps its place only while nobody else needs it.
+    A session without streams keeps its place only while no other application needs it; so does one whose offers were
+    not answered in time. To be used inside `async with`, which first tries whether the installed aiortc is one that can
+    be used.
 
-    To be used inside `async with`, which first tries whether the installed aiortc is one that can be used. `make` makes
-    the session of a client id.
+    Args:
+        make: makes the session of a client id.
+        rules: how many places there are, and for whom.
+
+    Attributes:
+        rules: those.
+        displaced: how many gave up their place because their offers were not answered.
 
     Raises:
         UnsupportedLibrary: (on entering) it is not.
     """
 
-    def __init__(self, make: Callable[[str], StreamSession], limit: int = SESSIONS_LIMIT) -> None:
+    def __init__(self, make: Callable[[str], StreamSession], rules: PlaceRules | None = None) -> None:
         self._make = make
-        self._limit = limit
+        self.rules = rules or PlaceRules()
+        self.displaced = 0
         self._sessions: dict[str, StreamSession] = {}
+        self._may_bind: dict[str, bool] = {}
+        """Of each application with a session, whether it may bind."""
         self._tasks = OwnedTasks("sessions", _failed)
         self._held: dict[str, tuple[Direction, ...]] = {}
 
@@ -54,19 +62,26 @@ class StreamSessions:
     def __iter__(self) -> Iterator[StreamSession]:
         return iter(tuple(self._sessions.values()))
 
-    def open(self, client_id: str) -> StreamSession:
+    @property
+    def unanswered(self) -> int:
+        """How many sessions have offers of which none was ever answered."""
+        return len(self._unanswered())
+
+    def open(self, client_id: str, *, may_bind: bool = True) -> StreamSession:
         """The session of a client; a new one if it has none.
+
+        Args:
+            client_id: the client.
+            may_bind: whether it may operate something; places are kept for those that may.
 
         Raises:
             TooManySessions: it would be one too many.
         """
         session = self._sessions.get(client_id)
         if session is None:
-            if len(self._sessions) >= self._limit:
-                self._end_idle()
-            if len(self._sessions) >= self._limit:
-                raise TooManySessions(f"{self._limit} applications are served already")
+            self._make_room(may_bind)
             session = self._sessions[client_id] = self._make(client_id)
+            self._may_bind[client_id] = may_bind
             for component_ref, directions in self._held.items():
                 session.hold(component_ref, *directions)
         return session
@@ -108,23 +123,41 @@ class StreamSessions:
     async def close(self, client_id: str, reason: str) -> None:
         """End the session of a client that is gone; unknown ones are fine."""
         session = self._sessions.pop(client_id, None)
+        self._may_bind.pop(client_id, None)
         if session is not None:
             await session.close(reason)
 
     async def aclose(self, reason: str) -> None:
         """End all sessions, at the same time."""
         sessions, self._sessions = self._sessions, {}
+        self._may_bind.clear()
         ends = await asyncio.gather(*(session.close(reason) for session in sessions.values()), return_exceptions=True)
         for end in ends:
             if isinstance(end, BaseException):
                 _failed(end)
         await self._tasks.aclose()
 
-    def _end_idle(self) -> None:
+    def _make_room(self, may_bind: bool) -> None:
+        if self.rules.has_room(self._may_bind.values(), may_bind):
+            return
         for client_id, session in tuple(self._sessions.items()):
             if not session.stream_ids:
-                del self._sessions[client_id]
-                self._tasks.start(session.close("nothing is left to play"), f"close {client_id}")
+                self._end(client_id, "nothing is left to play")
+        if self.rules.has_room(self._may_bind.values(), may_bind):
+            return
+        late = self.rules.displaced(self._may_bind, self._unanswered(), may_bind)
+        if late is None:
+            raise TooManySessions(f"{len(self._sessions)} of at most {self.rules.applications} applications are served")
+        self.displaced += 1
+        self._end(late, "its offer was not answered in time, and another application needs the place")
+
+    def _unanswered(self) -> dict[str, float]:
+        waits = ((client_id, session.unanswered_for()) for client_id, session in self._sessions.items())
+        return {client_id: seconds for client_id, seconds in waits if seconds is not None}
+
+    def _end(self, client_id: str, reason: str) -> None:
+        del self._may_bind[client_id]
+        self._tasks.start(self._sessions.pop(client_id).close(reason), f"close {client_id}")
 
 
 def _failed(error: BaseException) -> None:

@@ -12,7 +12,7 @@ from openrois_streaming import peer as peer_module
 from openrois_streaming.adaptation.caps import Caps
 from openrois_streaming.adaptation.rung import ladder
 from openrois_streaming.adaptation.viewer import VIDEO_SHARE
-from openrois_streaming.sessions import SESSIONS_LIMIT
+from openrois_streaming.places import SESSIONS_LIMIT
 
 from openrois.contract import Client
 from openrois.errors import BadParameter, OutOfResources, RoISError, Unsupported

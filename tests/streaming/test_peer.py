@@ -48,6 +48,7 @@ class Owner:
         self.ended: list[str] = []
         self.declined: list[str] = []
         self.changes = 0
+        self.answers = 0
         self.tasks = OwnedTasks("peer", self.failures.append)
         self.peer = Peer(
             "engine/p",
@@ -65,6 +66,9 @@ class Owner:
 
     def peer_says(self, message: Downward) -> None:
         self.said.append(message)
+
+    def peer_answered(self) -> None:
+        self.answers += 1
 
     def peer_changed(self, peer: Peer) -> None:
         self.changes += 1

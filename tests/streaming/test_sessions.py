@@ -5,6 +5,7 @@ import pytest
 from openrois_streaming import peer as peer_module
 from openrois_streaming import sessions as sessions_module
 from openrois_streaming.errors import TooManySessions, UnknownPeer, UnknownStream
+from openrois_streaming.places import PlaceRules
 from openrois_streaming.seams.trial import UnsupportedLibrary
 from openrois_streaming.session import StreamSession
 from openrois_streaming.sessions import StreamSessions
@@ -18,7 +19,7 @@ from tests.support.viewing import Application, FedPublisher, WirelessConnection
 async def sessions(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[StreamSessions]:
     monkeypatch.setattr(peer_module, "BundledConnection", WirelessConnection)
     WirelessConnection.made = []
-    async with StreamSessions(lambda client_id: Application().session, limit=2) as sessions:
+    async with StreamSessions(lambda client_id: Application().session, PlaceRules(2, 0)) as sessions:
         yield sessions
     assert len(sessions) == 0
     assert all(connection.closed for connection in WirelessConnection.made)
@@ -55,6 +56,71 @@ async def test_the_number_of_clients_is_bounded(sessions: StreamSessions) -> Non
     await sessions.close("bob", "gone")
     await sessions.close("bob", "gone")
     assert sessions.open("carol")
+
+
+class Applications:
+    """Applications by their client ids, with sessions of one engine on one clock."""
+
+    def __init__(self, rules: PlaceRules) -> None:
+        self.made: dict[str, Application] = {}
+        self.sessions = StreamSessions(self._make, rules)
+
+    def _make(self, client_id: str) -> StreamSession:
+        self.made[client_id] = Application()
+        return self.made[client_id].session
+
+    async def comes(self, client_id: str, *, may_bind: bool = False, answers: bool = False) -> None:
+        connect(self.sessions.open(client_id, may_bind=may_bind), client_id)
+        await settle()
+        if answers:
+            await self.made[client_id].answer()
+
+    async def later(self, seconds: float) -> None:
+        for application in self.made.values():
+            await application.clock.advance(seconds)
+
+
+@pytest.fixture
+async def applications(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Applications]:
+    monkeypatch.setattr(peer_module, "BundledConnection", WirelessConnection)
+    WirelessConnection.made = []
+    applications = Applications(PlaceRules(applications=4, kept_for_operators=2, answer_time=2.0))
+    async with applications.sessions:
+        yield applications
+
+
+async def test_places_are_kept_for_those_that_may_bind(applications: Applications) -> None:
+    for viewer in ("viewer 1", "viewer 2"):
+        await applications.comes(viewer, answers=True)
+    with pytest.raises(TooManySessions):
+        await applications.comes("viewer 3")
+    for operator in ("operator 1", "operator 2"):
+        await applications.comes(operator, may_bind=True, answers=True)
+    with pytest.raises(TooManySessions, match="4 of at most 4"):
+        await applications.comes("operator 3", may_bind=True)
+    await applications.sessions.close("viewer 1", "gone")
+    await applications.comes("viewer 3")
+
+
+async def test_who_does_not_answer_gives_up_its_place_to_the_next(applications: Applications) -> None:
+    await applications.comes("viewer 1", answers=True)
+    await applications.comes("viewer 2")
+    assert applications.sessions.unanswered == 1
+    await applications.later(1.9)
+    with pytest.raises(TooManySessions):
+        await applications.comes("viewer 3")
+    await applications.later(0.1)
+    await applications.comes("viewer 3")
+    await settle()
+    assert applications.made["viewer 2"].session.stream_ids == ()
+    assert [bye.reason for bye in applications.made["viewer 2"].byes] == [
+        "its offer was not answered in time, and another application needs the place"
+    ]
+    assert (len(applications.sessions), applications.sessions.displaced) == (2, 1)
+    # The one that has answered stays, however long ago that was.
+    await applications.later(5)
+    await applications.comes("viewer 4")
+    assert applications.made["viewer 1"].session.stream_ids == ("viewer 1",)
 
 
 async def test_a_session_without_streams_makes_room(sessions: StreamSessions) -> None:

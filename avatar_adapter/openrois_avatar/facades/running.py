@@ -12,7 +12,6 @@ from typing import Final
 
 from openrois_signaling.messages import MediaKind
 from openrois_streaming.clock import SystemClock
-from openrois_streaming.sessions import SESSIONS_LIMIT
 
 from openrois.adapter.running import hosted
 from openrois.application import EngineHost
@@ -87,7 +86,7 @@ async def run_facade(settings: AvatarSettings) -> AsyncIterator[FacadeAvatar]:
         FACADES[settings.engine], lambda heard: streams.hear(heard), lost, settings.link_secret, clock.now
     )
     streams = FacadeStreams(
-        settings.engine_id, kinds, lambda: server.streamer, lambda: last_words, clock, settings.network.policy
+        settings.engine_id, kinds, lambda: server.streamer, lambda: last_words, clock, settings.network
     )
     engine = Health("the game engine", clock.now())
     # A voice would have no way to whom it is for, and neither have the hands of who operates.
@@ -106,7 +105,12 @@ async def run_facade(settings: AvatarSettings) -> AsyncIterator[FacadeAvatar]:
             tasks.start(supervise(supervised, clock))
 
             async def look() -> Snapshot:
-                process = Process(len(streams), SESSIONS_LIMIT, len(asyncio.all_tasks()), threading.active_count())
+                process = Process(
+                    len(streams),
+                    settings.network.places.applications,
+                    len(asyncio.all_tasks()),
+                    threading.active_count(),
+                )
                 return Snapshot(process, (Source("engine", engine.status, 0, None),), (), ())
 
             yield FacadeAvatar(engine_host, url, look)

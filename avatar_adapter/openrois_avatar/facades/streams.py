@@ -7,9 +7,8 @@ from typing import Any, Final
 from openrois_signaling.messages import Answer, Bye, Candidate, Downward, MediaKind, Restart
 from openrois_streaming import errors as media_errors
 from openrois_streaming.clock import MediaClock
-from openrois_streaming.network.policy import CandidatePolicy
+from openrois_streaming.network.settings import NetworkSettings
 from openrois_streaming.sdp import read_candidate
-from openrois_streaming.sessions import SESSIONS_LIMIT
 from pydantic import ValidationError
 
 from openrois.contract import Client
@@ -57,7 +56,7 @@ class FacadeStreams:
         streamer: the game engine, if one is there that can be sent players.
         absent: says why there is none.
         clock: the media clock.
-        policy: which addresses of applications the game engine is told.
+        network: which addresses of applications the game engine is told, and how many there may be.
     """
 
     def __init__(
@@ -67,14 +66,16 @@ class FacadeStreams:
         streamer: Callable[[], Streamer | None],
         absent: Callable[[], str],
         clock: MediaClock,
-        policy: CandidatePolicy,
+        network: NetworkSettings,
     ) -> None:
         self._engine_id = engine_id
         self._kinds = kinds
         self._streamer = streamer
         self._absent = absent
         self._clock = clock
-        self._policy = policy
+        self._policy = network.policy
+        self._places = network.places
+        self._may_bind: dict[Client, bool] = {}
         self._viewings: dict[Client, Viewing] = {}
 
     def __len__(self) -> int:
@@ -159,17 +160,21 @@ class FacadeStreams:
             raise Unsupported(f"{params.component_ref} has no streams of direction {direction!r}: recvonly")
         if self._streamer() is None:
             raise ComponentFailed(self._absent())
-        viewing = self._viewings.get(client) or self._open(client)
+        viewing = self._viewings.get(client) or self._open(client, params.may_bind)
         viewing.ice_servers = params.ice_servers
         stream_id = new_id(self._engine_id)
         viewing.connect(stream_id, params.component_ref, kind)
         return {"stream_id": stream_id}
 
-    def _open(self, client: Client) -> Viewing:
-        if len(self._viewings) >= SESSIONS_LIMIT:
-            self._viewings = {client: viewing for client, viewing in self._viewings.items() if not viewing.is_over}
-        if len(self._viewings) >= SESSIONS_LIMIT:
-            raise OutOfResources(f"{SESSIONS_LIMIT} applications are served already")
+    def _open(self, client: Client, may_bind: bool) -> Viewing:
+        if not self._has_room(may_bind):
+            self._viewings = {each: viewing for each, viewing in self._viewings.items() if not viewing.is_over}
+            self._may_bind = {each: self._may_bind[each] for each in self._viewings}
+        if not self._has_room(may_bind):
+            raise OutOfResources(
+                f"{len(self._viewings)} of at most {self._places.applications} applications are served"
+            )
+        self._may_bind[client] = may_bind
 
         def send(message: Downward) -> None:
             client.notify(message.method, message.wire())
@@ -188,12 +193,16 @@ class FacadeStreams:
         )
         return viewing
 
+    def _has_room(self, may_bind: bool) -> bool:
+        return self._places.has_room(self._may_bind.values(), may_bind)
+
     def _permits(self, candidate: str) -> bool:
         return read_candidate(candidate, "0", self._policy) is not None
 
     async def forget(self, client: Client) -> None:
         """End the streams of an application that is gone."""
         viewing = self._viewings.pop(client, None)
+        self._may_bind.pop(client, None)
         if viewing is not None:
             viewing.close("the application is gone")
 

@@ -54,6 +54,8 @@ class Process:
     sessions_limit: int
     tasks: int
     threads: int
+    unanswered: int = 0
+    displaced: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -296,6 +298,18 @@ SOURCE: Final[tuple[Figure[Source], ...]] = (
 ADAPTER: Final[tuple[Figure[Process], ...]] = (
     Figure("openrois_sessions", "gauge", "Applications with a peer connection.", lambda p: p.sessions),
     Figure("openrois_sessions_limit", "gauge", "Applications that may have one.", lambda p: p.sessions_limit),
+    Figure(
+        "openrois_unanswered_sessions",
+        "gauge",
+        "Applications that have answered none of their offers yet.",
+        lambda p: p.unanswered,
+    ),
+    Figure(
+        "openrois_displaced_sessions_total",
+        "counter",
+        "Applications that lost their place because they had not answered in time, and another needed it.",
+        lambda p: p.displaced,
+    ),
     Figure("openrois_tasks", "gauge", "Tasks of the event loop.", lambda p: p.tasks),
     Figure("openrois_threads", "gauge", "Threads of the process.", lambda p: p.threads),
 )

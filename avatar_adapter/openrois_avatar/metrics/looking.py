@@ -11,7 +11,7 @@ from openrois_streaming.errors import UnknownStream
 from openrois_streaming.network.guard import GuardFigures
 from openrois_streaming.publisher import Publishing
 from openrois_streaming.session import StreamSession
-from openrois_streaming.sessions import SESSIONS_LIMIT, StreamSessions
+from openrois_streaming.sessions import StreamSessions
 from openrois_streaming.stats import StreamStats
 
 from openrois_avatar.metrics.figures import Process, Snapshot, Source
@@ -58,9 +58,11 @@ class Looking:
         streams = [await _streams_of(session) for session in self._sessions]
         process = Process(
             sessions=len(self._sessions),
-            sessions_limit=SESSIONS_LIMIT,
+            sessions_limit=self._sessions.rules.applications,
             tasks=len(asyncio.all_tasks()),
             threads=threading.active_count(),
+            unanswered=self._sessions.unanswered,
+            displaced=self._sessions.displaced,
         )
         renditions = tuple(
             (name, rendition.figures()) for name, publisher in self._publishers.items() for rendition in publisher.made

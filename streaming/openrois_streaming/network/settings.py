@@ -9,6 +9,7 @@ from typing import Final, NamedTuple, Self
 
 from openrois_streaming.network.admission import AdmissionSettings
 from openrois_streaming.network.policy import PORTS_FROM, CandidatePolicy
+from openrois_streaming.places import PlaceRules
 
 PROFILES: Final = {
     "lan": CandidatePolicy(),
@@ -46,6 +47,7 @@ class NetworkSettings:
         relay_only: media passes over a TURN server and no other way; no address of this machine is told.
         candidates: a key of `PROFILES`.
         admission: how much is let in.
+        places: how many applications are streamed to.
     """
 
     interfaces: tuple[str, ...] = ()
@@ -54,6 +56,7 @@ class NetworkSettings:
     relay_only: bool = False
     candidates: str = "lan"
     admission: AdmissionSettings = field(default_factory=AdmissionSettings)
+    places: PlaceRules = field(default_factory=PlaceRules)
 
     def __post_init__(self) -> None:
         if self.candidates not in PROFILES:

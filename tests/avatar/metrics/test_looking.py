@@ -9,9 +9,10 @@ from openrois_avatar.teleoperation.seat import Seat
 from openrois_streaming import peer as peer_module
 from openrois_streaming.errors import UnknownStream
 from openrois_streaming.network.guard import GuardFigures
+from openrois_streaming.places import SESSIONS_LIMIT
 from openrois_streaming.publisher import VideoPublisher
 from openrois_streaming.session import StreamSession
-from openrois_streaming.sessions import SESSIONS_LIMIT, StreamSessions
+from openrois_streaming.sessions import StreamSessions
 from openrois_streaming.source import RawVideo
 from openrois_streaming.state import StreamStatus
 
