@@ -76,7 +76,7 @@ async def test_the_tab_key_goes_everywhere_in_the_order_in_which_one_reads(guest
         *(["map-open", "map-back"] if away else ["map-open"]),  # other tests may have sent it away
         *("map", "viewpoint", "microphone-toggle", "camera-toggle"),
         *("video-suspend", "video-disconnect", "audio-suspend", "audio-disconnect"),
-        *("log-filter", "log-pause", "log-clear", "log"),
+        *("log-filter", "log-pause", "log-clear", "log-row"),
     ]
     assert await _tab(guest.page, len(order)) == order
 

@@ -9,6 +9,7 @@ import pytest_asyncio
 from playwright.async_api import Browser, expect
 
 from openrois.gateway.server import Gateway
+from tests.support.accessibility import found_by_axe
 from tests.support.browser import GATEWAY_AWAY, running_browser, visiting
 from tests.support.premises import running_avatar, running_gateway
 
@@ -47,6 +48,7 @@ async def test_a_gateway_that_has_gone(browser: Browser) -> None:
         await expect(visit.item("banner")).to_be_in_viewport(ratio=1)
 
 
+@pytest.mark.usefixtures("node")
 async def test_a_gateway_without_an_avatar_and_then_with_one(browser: Browser, gateway: Gateway) -> None:
     async with visiting(browser, gateway.url) as visit:
         words = await visit.banner("no-adapter", "No avatar is connected")
@@ -62,6 +64,7 @@ async def test_a_gateway_without_an_avatar_and_then_with_one(browser: Browser, g
         await expect(visit.item("stop-all")).to_be_visible()
         await expect(visit.item("stop-all")).to_be_disabled()
         usable = {"sound-on", "sound-off", "statistics-toggle", "captions-toggle", "fullscreen", "map-open"}
+        assert await found_by_axe(visit.page) == []
         assert set(await visit.read(_ENABLED)) <= usable | {"log-filter", "log-pause", "log-clear"}
 
 

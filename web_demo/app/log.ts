@@ -19,6 +19,10 @@ export class MessageLog {
   #missed = 0;
   #waiting: LogEntry[] = [];
   #frame = 0;
+  /** The row that the keyboard was in last; null before. */
+  #chosen: HTMLElement | null = null;
+  /** The one row that the Tab key goes to: the chosen one, else the newest. */
+  #stop: HTMLElement | null = null;
   /** The end is in view, and stays so. */
   #following = true;
   #scrolled = 0;
@@ -34,6 +38,11 @@ export class MessageLog {
     placeWhereThereIsRoom();
     // The list is as high as the rest of the page leaves it.
     new ResizeObserver(() => this.#follow()).observe(this.#list);
+    this.#list.addEventListener("focusin", ({ target }) => {
+      if (target instanceof HTMLElement) this.#chosen = target.closest("li");
+      this.#rove();
+    });
+    this.#list.addEventListener("keydown", (event) => this.#keyDown(event));
     this.#filter.addEventListener("input", () => this.#rebuild());
     this.#pause.addEventListener("click", () => this.#setPaused(!this.#paused));
     byTestId("log-clear", HTMLButtonElement).addEventListener("click", () => {
@@ -59,13 +68,57 @@ export class MessageLog {
     for (const entry of this.#waiting.filter((each) => matches(each, this.#filter.value))) {
       const before =
         entry.repeats > 1 ? this.#list.querySelector(`:scope > [data-number="${entry.number}"]`) : null;
-      if (before) before.replaceWith(row(entry));
+      if (before) this.#replace(before, row(entry));
       else this.#list.append(row(entry));
     }
     this.#waiting = [];
-    while (this.#list.childElementCount > MAX_ENTRIES) this.#list.firstElementChild?.remove();
+    while (this.#list.childElementCount > MAX_ENTRIES) this.#dropOldest();
+    this.#rove();
     this.#follow();
     this.#renderCount();
+  }
+
+  /** The arrow keys, Home and End go from row to row; right opens one, left closes it. */
+  #keyDown(event: KeyboardEvent): void {
+    const here = event.target instanceof HTMLElement ? event.target.closest("li") : null;
+    if (!here || event.ctrlKey || event.metaKey || event.altKey) return;
+    const details = here.querySelector("details");
+    const to: Readonly<Record<string, Element | null>> = {
+      ArrowUp: here.previousElementSibling,
+      ArrowDown: here.nextElementSibling,
+      Home: this.#list.firstElementChild,
+      End: this.#list.lastElementChild,
+    };
+    if (event.key === "ArrowRight" && details) details.open = true;
+    else if (event.key === "ArrowLeft" && details) details.open = false;
+    else if (event.key in to) summaryOf(to[event.key])?.focus();
+    else return;
+    event.preventDefault();
+  }
+
+  #rove(): void {
+    const row = this.#chosen?.isConnected ? this.#chosen : this.#list.lastElementChild;
+    const stop = summaryOf(row);
+    if (stop === this.#stop) return;
+    if (this.#stop) this.#stop.tabIndex = -1;
+    if (stop) stop.tabIndex = 0;
+    this.#stop = stop;
+  }
+
+  /** What was open stays so, and so does the keyboard's focus. */
+  #replace(before: Element, after: HTMLLIElement): void {
+    const focused = before.contains(document.activeElement);
+    const details = after.querySelector("details");
+    if (details && before.querySelector("details[open]")) details.open = true;
+    before.replaceWith(after);
+    if (focused) summaryOf(after)?.focus({ preventScroll: true });
+  }
+
+  #dropOldest(): void {
+    const oldest = this.#list.firstElementChild;
+    if (oldest?.contains(document.activeElement))
+      summaryOf(oldest.nextElementSibling)?.focus({ preventScroll: true });
+    oldest?.remove();
   }
 
   #follow(): void {
@@ -97,6 +150,10 @@ export class MessageLog {
   }
 }
 
+function summaryOf(row: Element | null | undefined): HTMLElement | null {
+  return row?.querySelector("summary") ?? null;
+}
+
 /** Under the picture where that leaves room, else at the end of the column of cards. */
 function placeWhereThereIsRoom(): void {
   const card = byRole("card-log", HTMLElement);
@@ -112,7 +169,7 @@ function row(entry: LogEntry): HTMLLIElement {
   const took = elapsed === undefined ? "" : `${elapsed < 10 ? elapsed.toFixed(1) : elapsed.toFixed(0)} ms`;
   const summary = make(
     "summary",
-    {},
+    { tabindex: "-1", "data-role": "log-row" },
     make("span", { class: "direction", title: direction }, direction === "sent" ? "↑" : "↓"),
     make("time", {}, formatTime(at)),
     make("span", { class: "method" }, name),

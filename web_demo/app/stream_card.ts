@@ -32,7 +32,7 @@ export class StreamCard {
   constructor(kind: MediaKind) {
     this.#kind = kind;
     this.#element = byRole(`card-${kind}`, HTMLElement);
-    this.#status = make("span", { class: "stream-status", "data-testid": `status-${kind}` });
+    this.#status = make("span", { class: "stream-status", role: "status", "data-testid": `status-${kind}` });
     this.#buttons = {
       suspend: this.#button("suspend", "Suspend"),
       resume: this.#button("resume", "Resume"),
@@ -42,7 +42,7 @@ export class StreamCard {
     const title = make("h2", { id: `${kind}-title` }, icon(ICONS[kind]), TITLES[kind]);
     const { suspend, resume, disconnect, connect } = this.#buttons;
     const verbs = make("div", { class: "verbs" }, suspend, resume, disconnect, connect);
-    this.#element.append(make("header", { role: "status" }, title, this.#status), verbs);
+    this.#element.append(make("header", {}, title, this.#status), verbs);
     this.watch(null);
   }
 

@@ -1,0 +1,116 @@
+"""No rule of WCAG 2.2 AA is broken in any state of the page, and what is pressed is large enough."""
+
+from collections.abc import Sequence
+from typing import Final, Literal
+
+import pytest
+from playwright.async_api import Browser, expect
+
+from tests.support.accessibility import found_by_axe, too_small
+from tests.support.browser import Visit, visiting
+from tests.support.conversation import all_stopped, meet
+from tests.support.demo import Demo
+
+pytestmark = [
+    pytest.mark.browser,
+    pytest.mark.engine,
+    pytest.mark.usefixtures("node"),
+    pytest.mark.asyncio(loop_scope="session"),
+]
+
+ENGINE: Final = "puppet"
+
+_NEVER_OPEN: Final = """window.WebSocket = class extends EventTarget {
+    readyState = 0;
+    bufferedAmount = 0;
+    send() {}
+    close() {}
+};"""
+_SIZES: Final = {"desktop": (1920, 1080), "laptop": (1366, 768), "phone": (390, 844), "landscape": (844, 390)}
+_ALL: Final = [(size, scheme) for size in _SIZES for scheme in ("light", "dark")]
+_ROVING: Final = "[...document.querySelectorAll('[data-testid=log] [tabindex=\"0\"]')].length"
+
+
+async def _faultless(visit: Visit, state: str, looks: Sequence[tuple[str, str]]) -> None:
+    """Look at the page in these sizes and colours."""
+    for size, scheme in looks:
+        width, height = _SIZES[size]
+        await visit.page.set_viewport_size({"width": width, "height": height})
+        # Colours on their way to others are not what is looked at.
+        shown: Literal["light", "dark"] = "dark" if scheme == "dark" else "light"
+        await visit.page.emulate_media(color_scheme=shown, reduced_motion="reduce")
+        assert await found_by_axe(visit.page) == [], (state, size, scheme)
+        assert await too_small(visit.page, 24) == [], (state, size, scheme)
+
+
+@pytest.mark.parametrize(
+    "looks",
+    [
+        pytest.param([("laptop", "light"), ("phone", "dark")], id="two looks"),
+        pytest.param(_ALL, id="every look", marks=[pytest.mark.long, pytest.mark.timeout(600)]),
+    ],
+)
+async def test_axe_finds_nothing_in_any_state(
+    browser: Browser, avatar: Demo, guest: Visit, looks: Sequence[tuple[str, str]]
+) -> None:
+    async with visiting(browser, avatar.page, script=_NEVER_OPEN) as waiting:
+        await expect(waiting.item("connection")).to_have_attribute("data-state", "connecting")
+        await _faultless(waiting, "connecting", looks)
+    await _faultless(guest, "live", looks)
+    await guest.press("control-toggle")
+    await expect(guest.item("control-toggle")).to_have_attribute("aria-pressed", "true")
+    await _faultless(guest, "driving", looks)
+    async with visiting(browser, avatar.page) as other:
+        await _meet_the_driven(other)
+        await _faultless(other, "another visitor drives", looks)
+    await guest.press("stop-all")
+    await all_stopped(guest)
+    await _faultless(guest, "stopped", looks)
+    await guest.press("fullscreen")
+    await guest.until("document.querySelector(':root:fullscreen')")
+    assert await found_by_axe(guest.page) == []
+    await guest.page.evaluate("document.exitFullscreen()")
+    await guest.until("!document.fullscreenElement")
+    await guest.page.evaluate("location.hash = '#inspector/avatar/SpeechSynthesis'")
+    await expect(guest.item("bind")).to_be_visible()
+    await _faultless(guest, "inspector", looks)
+
+
+async def _meet_the_driven(visit: Visit) -> None:
+    """Wait until the page shows an avatar that another visitor drives."""
+    await visit.plays(1)
+    await expect(visit.item("handover")).to_contain_text("Another visitor has control")
+
+
+async def test_what_a_finger_presses_is_as_large_as_a_finger(browser: Browser, avatar: Demo) -> None:
+    phone = {"width": 390, "height": 844}
+    async with visiting(browser, avatar.page, viewport=phone, has_touch=True, is_mobile=True) as visit:
+        await meet(visit)
+        assert await too_small(visit.page, 44) == []
+        await visit.page.evaluate("location.hash = '#inspector/avatar/SpeechSynthesis'")
+        await expect(visit.item("bind")).to_be_visible()
+        assert await too_small(visit.page, 44) == []
+
+
+async def test_the_messages_are_one_stop_of_the_tab_key_and_the_arrows_go_through_them(guest: Visit) -> None:
+    keyboard = guest.page.keyboard
+    rows = guest.page.locator("[data-role=log-row]")
+    await guest.until("document.querySelectorAll('[data-role=log-row]').length > 10")
+    assert await guest.read(_ROVING) == 1
+    await guest.press("log-pause")  # so that the newest one stays that
+    await guest.item("log-clear").focus()
+    await keyboard.press("Tab")
+    await expect(rows.last).to_be_focused()
+    await keyboard.press("ArrowUp")
+    await expect(rows.nth(await rows.count() - 2)).to_be_focused()
+    await keyboard.press("Home")
+    await expect(rows.first).to_be_focused()
+    await keyboard.press("ArrowRight")
+    await expect(guest.page.locator("[data-testid=log] details[open] pre")).to_have_count(1)
+    await keyboard.press("ArrowLeft")
+    await expect(guest.page.locator("[data-testid=log] details[open]")).to_have_count(0)
+    assert await guest.read(_ROVING) == 1
+    await keyboard.press("Shift+Tab")
+    await expect(guest.item("log-clear")).to_be_focused()
+    await keyboard.press("Tab")
+    await expect(rows.first).to_be_focused()
