@@ -22,7 +22,7 @@ TESTS = (
     *(str(path.relative_to(ROOT)) for path in sorted((ROOT / "tests/openrois").glob("test_*.py"))),
     *(
         f"tests/streaming/test_{part}.py"
-        for part in ("arrival", "level", "state", "liveness", "keyframes", "supervision")
+        for part in ("arrival", "encoder_limit", "level", "state", "liveness", "keyframes", "supervision")
     ),
     "tests/streaming/test_reference_chain.py",
     "tests/streaming/adaptation",
@@ -38,7 +38,10 @@ TESTS = (
         f"tests/streaming/testing/test_{part}.py"
         for part in ("candidates", "clicks", "delays", "link", "lipsync", "pictures", "sounds")
     ),
-    *(f"tests/streaming/network/test_{part}.py" for part in ("datagrams", "guard", "policy", "servers", "settings")),
+    *(
+        f"tests/streaming/network/test_{part}.py"
+        for part in ("admission", "datagrams", "guard", "policy", "servers", "settings")
+    ),
     *(
         str(path.relative_to(ROOT))
         for path in sorted((ROOT / "tests/codegen").glob("test_*.py"))
