@@ -39,6 +39,7 @@ async def serve_parent(
     sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,
     clock: Callable[[], float] = time.monotonic,
     chance: Callable[[], float] = random.random,
+    attached: Callable[[bool], None] = lambda _is_attached: None,
 ) -> None:
     """Serve an engine to the gateway at `url` until cancelled; a connection that ends is made again.
 
@@ -51,6 +52,7 @@ async def serve_parent(
             restarts asks for. Where somebody answers and refuses the adapter it is up to 1 s, later up to 5 s.
         clock: monotonic seconds, to tell a connection that lasted from one that did not.
         chance: a number from 0 up to 1.
+        attached: told when the gateway has taken the engine in, and when the connection ends after that.
 
     Raises:
         websockets.exceptions.InvalidURI: `url` is no WebSocket address.
@@ -66,7 +68,7 @@ async def serve_parent(
             async with dial(url, credentials=credentials) as stream:
                 _log.info("connected to %s", url)
                 connected, attempts, news = clock(), 0, logging.INFO
-                closed = await serve_engine(host, stream, credentials, url=url)
+                closed = await serve_engine(host, stream, credentials, url=url, attached=attached)
                 lasted, asked = clock() - connected, asked_to_wait(closed.reason)
                 if closed.code == POLICY_VIOLATION:
                     _log.warning("the gateway refuses this adapter: %s", closed.reason)

@@ -3,6 +3,7 @@
 import argparse
 import asyncio
 import logging
+import os
 import signal
 import sys
 from collections.abc import Sequence
@@ -18,8 +19,11 @@ from openrois_streaming.seams.trial import UnsupportedLibrary
 from openrois.command_line import CommandLine
 from openrois.dialer import serve_parent
 from openrois.errors import BadParameter
+from openrois.health import Readiness, healthz, readyz
 from openrois.logs import set_up_logging
 from openrois.metrics.server import LOOPBACK, MetricsUnavailable, metrics_address, serving_metrics
+from openrois.supervisor import Supervisor
+from openrois.tasks import TaskScope
 from openrois.transport.address import adapter_url
 from openrois.transport.credential_options import add_credential_options, credentials
 from openrois_avatar.adapter import Avatar, run_avatar
@@ -93,6 +97,13 @@ def main(arguments: Sequence[str]) -> int:
             raise ValueError(f"--pixel-streaming: the pictures of {chosen.engine} do not pass through the adapter")
     except ValueError as error:
         parser.error(str(error))
+    shown = credentials(chosen)
+    try:
+        # Both are read again whenever they are needed; what cannot be used now is most likely a mistake.
+        shown.newest(), shown.context(gateway)
+    except ValueError as error:
+        print(f"openrois avatar: {error}", file=sys.stderr)
+        return 1
     set_up_logging(verbose=chosen.verbose, form=chosen.log_format)
     sys.setswitchinterval(_SWITCH_INTERVAL)
     # Each picture is small and each encoder has a thread already: OpenCV's own threads would only wait for each other.
@@ -110,7 +121,7 @@ def main(arguments: Sequence[str]) -> int:
         max_viewer_bitrate=chosen.max_viewer_bitrate,
         max_encoders=chosen.max_encoders,
         pixel_streaming=streamer,
-        credentials=credentials(chosen),
+        credentials=shown,
     )
     try:
         uvloop.run(_run(settings))
@@ -154,8 +165,36 @@ async def _serve(settings: AvatarSettings) -> None:
             avatar = await stack.enter_async_context(run_facade(settings))
         else:
             avatar = await stack.enter_async_context(run_avatar(settings))
+        attachment = _Attachment(settings.engine_id, Supervisor(os.environ))
         if settings.metrics is not None:
-            serving = serving_metrics(*settings.metrics, partial(scraped, avatar.look))
+            readiness = Readiness()
+            readiness.require("the gateway: it has not taken this adapter in", lambda: attachment.is_there)
+            serving = serving_metrics(
+                *settings.metrics,
+                partial(scraped, avatar.look),
+                beside={"/healthz": healthz, "/readyz": partial(readyz, readiness, "")},
+            )
             _log.info("metrics: %s", await stack.enter_async_context(serving))
-        print(f"ready {settings.engine_id}", flush=True)
-        await serve_parent(avatar.host, settings.gateway, credentials=settings.credentials)
+        tasks = await stack.enter_async_context(TaskScope())
+        tasks.start(attachment.supervisor.watch())
+        stack.callback(attachment.supervisor.tell, "STOPPING=1")
+        await serve_parent(avatar.host, settings.gateway, credentials=settings.credentials, attached=attachment.take)
+
+
+class _Attachment:
+    """Whether the adapter is behind its gateway, told to whoever started it."""
+
+    def __init__(self, engine_id: str, supervisor: Supervisor) -> None:
+        self.supervisor = supervisor
+        self.is_there = False
+        self._engine_id = engine_id
+        self._was_there = False
+
+    def take(self, is_attached: bool) -> None:
+        """Learn that the gateway has taken the adapter in, or that the connection to it has ended."""
+        self.is_there = is_attached
+        if is_attached and not self._was_there:
+            self._was_there = True
+            print(f"ready {self._engine_id}", flush=True)
+            self.supervisor.tell("READY=1")
+        self.supervisor.tell(f"STATUS={'behind its gateway' if is_attached else 'waits for its gateway'}")

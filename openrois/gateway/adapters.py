@@ -15,6 +15,7 @@ from openrois.gateway.renewal import REFRESH, Renewal, expiring
 from openrois.gateway.sign_in import SignIns
 from openrois.gateway.tenure import Tenure
 from openrois.jsonrpc.session import CALL_TIMEOUT, RpcSession
+from openrois.remote.attachment import ATTACHED
 from openrois.remote.proxy import RemoteProxy
 from openrois.transport.stream import POLICY_VIOLATION, MessageStream, StreamClosed
 from openrois.types.references import engine_of
@@ -102,6 +103,8 @@ async def _keep_attached(
     try:
         await host.engine.attach(proxy, own=False)
         session.peer = ", ".join(proxy.engine_ids)
+        if proxy.speaks_extensions:
+            session.notify(ATTACHED, {})
         _log.info("attached %s", session.peer)
         while True:
             await changed.wait()

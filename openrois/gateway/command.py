@@ -18,10 +18,10 @@ from openrois.gateway.configuration import configure, printed
 from openrois.gateway.places import MAX_ADAPTERS, MAX_APPLICATIONS
 from openrois.gateway.server import Gateway, run_gateway
 from openrois.gateway.settings import GatewaySettings
-from openrois.gateway.supervisor import Supervisor
 from openrois.journal.file import JournalUnusable
 from openrois.logs import set_up_logging
 from openrois.metrics.server import MetricsUnavailable
+from openrois.supervisor import Supervisor
 from openrois.tasks import TaskScope
 
 __all__ = ["main"]

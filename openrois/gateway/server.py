@@ -29,7 +29,6 @@ from openrois.gateway.admission import guard
 from openrois.gateway.applications import serve_application
 from openrois.gateway.draining import RETRY_AFTER, Drain
 from openrois.gateway.entrance import Entrance
-from openrois.gateway.health import Readiness, healthz, readyz
 from openrois.gateway.http_connection import HttpConnection
 from openrois.gateway.ice import IceServers
 from openrois.gateway.metrics import Sources, figures
@@ -41,6 +40,7 @@ from openrois.gateway.socket import ADAPTER, APPLICATION, ServerSocket, SocketPr
 from openrois.gateway.stalling import Stalling
 from openrois.gateway.tenure import Tenure
 from openrois.heads import OPTIONS, Heads
+from openrois.health import Readiness, healthz, readyz
 from openrois.journal.journal import Journal
 from openrois.jsonrpc.unread import UnreadBudget
 from openrois.leases.model import Rules

@@ -3,9 +3,10 @@
 import asyncio
 import errno
 import hmac
-from collections.abc import AsyncIterator, Awaitable, Callable
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from contextlib import AsyncExitStack, asynccontextmanager
 from functools import partial
+from types import MappingProxyType
 from typing import Final
 
 from aiohttp import web
@@ -47,6 +48,7 @@ async def serving_metrics(
     write: Callable[[str], Awaitable[tuple[bytes, str]]],
     token: str = "",
     turned_away: Callable[[str], None] = lambda _reason: None,
+    beside: Mapping[str, Callable[[web.Request], Awaitable[web.StreamResponse]]] = MappingProxyType({}),
 ) -> AsyncIterator[str]:
     """Serve figures for as long as the block runs; gives the URL, with the port that was chosen for 0.
 
@@ -56,6 +58,7 @@ async def serving_metrics(
         write: given the header `Accept`, returns all figures and the content type; never called twice at a time.
         token: what whoever asks has to show, as `Authorization: Bearer`; empty for nothing.
         turned_away: told the reason whenever a connection is cut, or a request refused for being one too many.
+        beside: what is answered at other paths of the same port, to whoever asks.
 
     Raises:
         MetricsUnavailable: the port is taken, or the address is not this machine's.
@@ -83,6 +86,8 @@ async def serving_metrics(
 
     app = web.Application(middlewares=[heads.middleware()])
     app.router.add_get("/metrics", answer)
+    for path, handler in beside.items():
+        app.router.add_get(path, handler)
     runner = web.AppRunner(app, shutdown_timeout=_SHUTDOWN_TIMEOUT)
     await runner.setup()
     assert runner.server is not None

@@ -25,6 +25,7 @@ from openrois.jsonrpc import protocol
 from openrois.jsonrpc.session import NotificationHandler, RpcError, RpcSession
 from openrois.logs import Tally
 from openrois.remote.asking import Asking, read_result
+from openrois.remote.attachment import ATTACHED
 from openrois.remote.claims import Claims
 from openrois.remote.commands import RemoteCommand, RemoteCommands
 from openrois.remote.extension import RemoteExtension
@@ -150,7 +151,7 @@ class RemoteProxy:
         return directory
 
     async def _greet(self) -> None:
-        params = {"version": EXTENSION_VERSION, "extensions": [*EXTENSIONS, LEASES]}
+        params = {"version": EXTENSION_VERSION, "extensions": [*EXTENSIONS, LEASES, ATTACHED]}
         timeout = min(HELLO_TIMEOUT, self._session.call_timeout)
         try:
             self._greeting = await self._asking.ask(

@@ -17,6 +17,7 @@ from openrois.jsonrpc.session import Handler, InvalidParams, NotificationHandler
 from openrois.lifeline import ALIVE, WATCH
 from openrois.lost_streams import lost_streams
 from openrois.ordering import ReplyFirst
+from openrois.remote.attachment import ATTACHED, QUESTIONS_ALONE, Attachment
 from openrois.remote.extension import CLIENT_GONE, EXTENSION_METHODS
 from openrois.renewing import renewing
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
@@ -51,7 +52,12 @@ UNASKED: Final = 10.0
 
 
 async def serve_engine(
-    host: EngineHost, stream: MessageStream, credentials: Credentials = NO_CREDENTIALS, *, url: str = "its address"
+    host: EngineHost,
+    stream: MessageStream,
+    credentials: Credentials = NO_CREDENTIALS,
+    *,
+    url: str = "its address",
+    attached: Callable[[bool], None] = lambda _is_attached: None,
 ) -> StreamClosed:
     """Serve an engine to the parent at the other end until the connection ends; return why it did.
 
@@ -64,11 +70,14 @@ async def serve_engine(
         stream: the connection.
         credentials: what is shown when the token in use is about to end.
         url: where the parent was reached, for the log.
+        attached: told when the parent has taken the engine in, and when the connection ends after that.
     """
     session = RpcSession(stream, rules=intake_rules())
-    unasked = asyncio.get_running_loop().call_later(UNASKED, _tell_unasked, session, url)
+    loop, attachment = asyncio.get_running_loop(), Attachment(attached)
+    unasked = loop.call_later(UNASKED, _tell_unasked, session, url)
+    ungreeted = loop.call_later(QUESTIONS_ALONE, lambda: attachment.assume(was_asked=bool(session.requests)))
     app = ApplicationSession(host, session.notify, trusted=True)
-    served = _ServedExtension(host, session.notify, app)
+    served = _ServedExtension(host, session.notify, app, attachment)
     session.on_failure = host.crashed
     session.explain = app.explain
     session.methods = {**base_methods(app), **served.methods()}
@@ -76,12 +85,15 @@ async def serve_engine(
         **served.notifications(),
         **renewing(session, credentials, host.tasks),
         ALIVE: lambda _params: host.lifeline.sign(),
+        ATTACHED: lambda _params: attachment.confirm(),
     }
     try:
         with connection(f"gateway-{app.client_id[:8]}"):
             return await session.run()
     finally:
         unasked.cancel()
+        ungreeted.cancel()
+        attachment.end()
         # Before anything else, what moves stops.
         host.lifeline.cut("the connection to the gateway has ended")
         _end_waiting(host, app)
@@ -109,8 +121,13 @@ class _ServedExtension:
     """The extension calls of the parent's applications, each with its `client_id`."""
 
     def __init__(
-        self, host: EngineHost, notify: Callable[[str, Mapping[str, Any]], None], parent: ApplicationSession
+        self,
+        host: EngineHost,
+        notify: Callable[[str, Mapping[str, Any]], None],
+        parent: ApplicationSession,
+        attachment: Attachment,
     ) -> None:
+        self._attachment = attachment
         self._host = host
         self._notify = notify
         self._parent = parent
@@ -125,6 +142,7 @@ class _ServedExtension:
 
         async def hello(params: HelloParams) -> HelloResult:
             self._parent.extended = True
+            self._attachment.greet(params.extensions)
             if LEASES in params.extensions:
                 self._host.lifeline.attach(lambda wanted: self._notify(WATCH, {"wanted": wanted}))
             engines = tuple(sorted(self._host.engine.extension.engines()))

@@ -1,4 +1,4 @@
-"""The unit for systemd: what systemd itself says of it, and whether it fits the gateway."""
+"""The units for systemd: what systemd itself says of them, and whether they fit gateway and adapter."""
 
 import re
 import shutil
@@ -7,20 +7,23 @@ import sys
 from pathlib import Path
 
 import pytest
+from openrois_avatar import command as avatar
+from openrois_avatar.settings import AvatarSettings
 
 from openrois.gateway import command
 from openrois.gateway.configuration import configure
 
 PACKAGING = Path(__file__).parents[2] / "packaging"
 UNIT = PACKAGING / "openrois-gateway.service"
+AVATAR = PACKAGING / "openrois-avatar.service"
 
 needs_systemd = pytest.mark.skipif(shutil.which("systemd-analyze") is None, reason="systemd is not installed here")
 
 
-def entries() -> dict[str, list[str]]:
+def entries(unit: Path = UNIT) -> dict[str, list[str]]:
     """Return the values of each key, in their order."""
     found: dict[str, list[str]] = {}
-    for line in UNIT.read_text(encoding="utf-8").splitlines():
+    for line in unit.read_text(encoding="utf-8").splitlines():
         if "=" in line and not line.startswith("#"):
             key, _, value = line.partition("=")
             found.setdefault(key, []).append(value)
@@ -28,29 +31,29 @@ def entries() -> dict[str, list[str]]:
 
 
 @needs_systemd
-def test_systemd_understands_every_line(tmp_path: Path) -> None:
-    there = tmp_path / UNIT.name
-    there.write_text(UNIT.read_text(encoding="utf-8").replace("/opt/openrois/bin/openrois", sys.executable))
+@pytest.mark.parametrize("unit", [UNIT, AVATAR], ids=lambda unit: unit.stem)
+def test_systemd_understands_every_line(tmp_path: Path, unit: Path) -> None:
+    there = tmp_path / unit.name
+    there.write_text(unit.read_text(encoding="utf-8").replace("/opt/openrois/bin/openrois", sys.executable))
     said = subprocess.run(["systemd-analyze", "verify", str(there)], capture_output=True, text=True, check=False)
     assert (said.returncode, said.stdout + said.stderr) == (0, "")
 
 
 @needs_systemd
-def test_systemd_understands_what_is_written_of_adapters(tmp_path: Path) -> None:
+def test_systemd_understands_what_is_written_of_ports(tmp_path: Path) -> None:
     blocks = re.findall(r"```ini\n(.*?)```", (PACKAGING.parent / "docs" / "deploying.md").read_text(), re.DOTALL)
     (port,) = [block for block in blocks if "CAP_NET_BIND_SERVICE" in block]
-    (avatar,) = [block for block in blocks if "openrois avatar" in block]
+    there = tmp_path / UNIT.name
     own = UNIT.read_text(encoding="utf-8").replace("[Install]", port.replace("[Service]", "") + "[Install]")
-    for name, unit in (("openrois-avatar.service", avatar), (UNIT.name, own)):
-        there = tmp_path / name
-        there.write_text(unit.replace("/opt/openrois/bin/openrois", sys.executable))
-        said = subprocess.run(["systemd-analyze", "verify", str(there)], capture_output=True, text=True, check=False)
-        assert (said.returncode, said.stdout + said.stderr) == (0, "")
+    there.write_text(own.replace("/opt/openrois/bin/openrois", sys.executable))
+    said = subprocess.run(["systemd-analyze", "verify", str(there)], capture_output=True, text=True, check=False)
+    assert (said.returncode, said.stdout + said.stderr) == (0, "")
 
 
 @needs_systemd
-def test_it_is_exposed_as_little_as_can_be() -> None:
-    arguments = ["systemd-analyze", "security", "--offline=true", "--threshold=15", "--no-pager", str(UNIT)]
+@pytest.mark.parametrize(("unit", "threshold"), [(UNIT, 15), (AVATAR, 15)], ids=["gateway", "avatar"])
+def test_it_is_exposed_as_little_as_can_be(unit: Path, threshold: int) -> None:
+    arguments = ["systemd-analyze", "security", "--offline=true", f"--threshold={threshold}", "--no-pager", str(unit)]
     said = subprocess.run(arguments, capture_output=True, text=True, check=False)
     assert said.returncode == 0, said.stdout[-200:]
 
@@ -62,6 +65,28 @@ def test_it_runs_as_nobody_and_stops_in_good_order() -> None:
     assert "User" not in unit
     assert int(unit["TimeoutStopSec"][0]) > configure([], {}).settings.drain
     assert int(unit["WatchdogSec"][0]) > 0
+
+
+def test_the_avatar_is_watched_and_bounded_and_runs_with_the_options_of_its_unit(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    unit = entries(AVATAR)
+    assert (unit["DynamicUser"], unit["Type"], "User" in unit) == (["yes"], ["notify"], False)
+    # However long its gateway is not there, it is not killed for that.
+    assert unit["TimeoutStartSec"] == ["infinity"]
+    assert int(unit["WatchdogSec"][0]) > 0
+    assert unit["MemoryMax"] == ["3G"]
+    settings: list[AvatarSettings] = []
+    monkeypatch.setattr(avatar, "set_up_logging", lambda **_options: None)
+    monkeypatch.setattr(avatar, "_run", settings.append)
+    monkeypatch.setattr("uvloop.run", lambda _: None)
+    program, command_name, *options = unit["ExecStart"][0].split()
+    assert (program, command_name) == ("/opt/openrois/bin/openrois", "avatar")
+    given = dict(line.split("=", 1) for line in unit["Environment"])
+    options = [given.get(each.strip("${}"), each) if each.startswith("$") else each for each in options]
+    assert avatar.main([each for each in options if each]) == 0
+    assert settings[0].gateway == "ws://127.0.0.1:8765/adapter"
+    assert settings[0].metrics == ("127.0.0.1", 9466)
 
 
 def test_a_configuration_that_cannot_be_used_is_not_tried_again() -> None:

@@ -46,6 +46,8 @@ from openrois_avatar.link.messages import (
 from openrois_avatar.link.server import LinkServer
 from openrois_streaming.source import RawAudio, RawVideo
 
+from openrois.gateway.server import run_gateway
+from openrois.gateway.settings import GatewaySettings
 from tests.support.demo import end, first_line, free_port, start
 from tests.support.engine_child import PATIENCE, difference
 
@@ -273,10 +275,12 @@ async def test_it_comes_back_when_it_is_killed(engine: Engine) -> None:
 @pytest.mark.long
 async def test_nothing_is_left_of_it_when_the_adapter_is_killed(godot: None, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.delenv("DISPLAY", raising=False)
-    gateway = f"ws://127.0.0.1:{free_port()}/adapter"
+    port = free_port()
+    gateway = f"ws://127.0.0.1:{port}/adapter"
     adapter = start("avatar", "--engine", "godot", "--gateway", gateway)
     try:
-        assert await asyncio.to_thread(first_line, adapter) == "ready avatar"
+        async with run_gateway(GatewaySettings(port=port)):
+            assert await asyncio.to_thread(first_line, adapter) == "ready avatar"
         left = psutil.Process(adapter.pid).children(recursive=True)
         assert {"godot3-runner", "Xvfb"} <= {process.name() for process in left}
         os.kill(adapter.pid, signal.SIGKILL)

@@ -9,8 +9,8 @@ from urllib.parse import urlsplit
 import aiohttp
 import pytest
 
-from openrois.gateway.health import Readiness
 from openrois.gateway.server import Gateway
+from openrois.health import Readiness
 from tests.support import deployment
 
 TOKEN = "s" * 16

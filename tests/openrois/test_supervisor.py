@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from openrois.gateway.supervisor import Supervisor
+from openrois.supervisor import Supervisor
 
 
 @pytest.fixture

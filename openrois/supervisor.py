@@ -1,4 +1,4 @@
-"""Telling the supervisor that the gateway is ready, lives, and stops: systemd's protocol, where it is spoken."""
+"""Telling the supervisor that a process is ready, lives, and stops: systemd's protocol, where it is spoken."""
 
 import asyncio
 import logging
@@ -39,7 +39,7 @@ class Supervisor:
             _log.debug("the supervisor does not hear %s: %s", state, error)
 
     async def watch(self) -> None:
-        """Tell it for ever that the event loop turns; when that stays away, it starts the gateway again."""
+        """Tell it for ever that the event loop turns; when that stays away, it starts the process again."""
         while self._address and self._period:
             self.tell("WATCHDOG=1")
             await self._sleep(self._period)

@@ -1,4 +1,4 @@
-"""Whether the gateway lives and is ready, as supervisors and load balancers ask; why not is for its owner."""
+"""Whether a gateway or an adapter lives and is ready, as probes ask; why not is for its owner."""
 
 import hmac
 from collections.abc import Callable
@@ -14,7 +14,7 @@ _PASSED_ON: Final = ("Forwarded", "X-Forwarded-For", "X-Real-IP", "Via")
 
 
 class Readiness:
-    """What has to hold so that a gateway takes new connections and does what it is asked."""
+    """What has to hold so that a gateway takes new connections, or an adapter is behind its gateway."""
 
     def __init__(self) -> None:
         self._checks: dict[str, Callable[[], bool]] = {}
@@ -29,7 +29,7 @@ class Readiness:
 
 
 async def healthz(_request: web.Request) -> web.Response:
-    """Answer that the event loop turns: who gets no answer in time may start the gateway again."""
+    """Answer that the event loop turns: who gets no answer in time may start the process again."""
     return web.json_response({"status": "ok"})
 
 
