@@ -79,6 +79,13 @@ def turnserver() -> None:
 
 
 @pytest.fixture(scope="session")
+def haproxy() -> None:
+    """A proxy is installed."""
+    if shutil.which("haproxy") is None:
+        _lack("no haproxy is found; install it to run the tests with a proxy (Debian: apt install haproxy)")
+
+
+@pytest.fixture(scope="session")
 def namespaces() -> None:
     """Network namespaces can be made."""
     if why := missing():

@@ -163,7 +163,7 @@ async def test_f15_f16_a_storm_of_events_and_one_who_reads_slowly(
                 sent += 1
             assert await quick.execute(f"c{sent}", "switch", "calm/lamp") == "OUT_OF_RESOURCES"
         for each in (quick, slow):
-            async with asyncio.timeout(10):
+            async with asyncio.timeout(PATIENCE):
                 while len(each.events) + each.dropped < sent:
                     await each.ask("rois.system.connect")
             # The storm has passed by now: nothing of it waits in front of the gateway.

@@ -78,13 +78,23 @@ class Ground:
         """Where robots dial, through the relay."""
         return f"{self.relay.url.replace('http', 'ws', 1)}adapter"
 
-    async def robot(self, *components: Component, engine_id: str = "robot", relayed: bool = True) -> None:
-        """Let a robot of this process dial, which dials again at once whenever its connection has ended."""
+    async def robot(
+        self, *components: Component, engine_id: str = "robot", relayed: bool = True, url: str = ""
+    ) -> None:
+        """Let a robot of this process dial, which dials again at once whenever its connection has ended.
+
+        Args:
+            components: of the robot, in place of a lamp and a bell.
+            engine_id: of the robot.
+            relayed: through the relay, or straight to the gateway.
+            url: of the gateway, where it is reached in another way.
+        """
         scope = await self.stack.enter_async_context(TaskScope())
         engine = Engine(engine_id)
         await engine.attach(LocalRegistry(engine_id, components or (self.lamp, self.bell)))
         dialling = await self.stack.enter_async_context(TaskScope())
-        url = self.adapter_url if relayed else f"{self.gateway.url.replace('http', 'ws', 1)}adapter"
+        url = url or (self.relay.url if relayed else self.gateway.url)
+        url = f"{url.replace('http', 'ws', 1)}adapter"
         dialling.start(serve_parent(EngineHost(engine, scope), url, sleep=_briefly))
         await self.attached(engine_id)
 

@@ -33,7 +33,8 @@ __all__ = ["LONGEST_BLOCK", "PATIENCE", "Book", "Witness", "calm", "check_audit"
 
 W = TypeVar("W", bound="Witness")
 
-PATIENCE: Final = 10.0
+PATIENCE: Final = 30.0
+"""Seconds that anything may take on a busy machine; with time for it nearly all takes hundredths."""
 LONGEST_BLOCK: Final = 0.1
 """Seconds of processor time that one turn of the loop may take."""
 

@@ -36,6 +36,7 @@ class Spectator(Witness):
     """Plays streams of the avatar.
 
     Attributes:
+        devices: what it sends in streams of a kind, where it is to send.
         relays: what its next peer connections may pass, as the gateway named it.
         path: the network that its next peer connections pass, None for a good one.
         frames: how many it has decoded, by stream.
@@ -58,12 +59,14 @@ class Spectator(Witness):
         self.byes: list[str] = []
         self.connections: dict[str, RTCPeerConnection] = {}
         self.offers: list[dict[str, Any]] = []
+        self.devices: dict[str, MediaStreamTrack] = {}
         self.relays: list[RTCIceServer] = []
         self._refs: dict[str, str] = {}
         self._places: dict[tuple[str, str], str] = {}
         self._routes: dict[str, ImpairedPath | None] = {}
         self._news = asyncio.Event()
         self._turn = asyncio.Lock()
+        self._leaving = False
         self._tasks: set[asyncio.Task[None]] = set()
 
     def _hear(self, method: str, params: dict[str, Any]) -> None:
@@ -99,18 +102,28 @@ class Spectator(Witness):
 
     async def _answer(self, offer: dict[str, Any]) -> None:
         async with self._turn:
+            if self._leaving:
+                return
             peer_id = offer["peer_id"]
             connection = self.connections.get(peer_id) or self._open(peer_id)
             self._places.update({(peer_id, each["mid"]): each["stream_id"] for each in offer["streams"]})
             route = self._routes[peer_id]
             sdp = offer["sdp"] if route is None else route.to_viewer(offer["sdp"])
             await connection.setRemoteDescription(RTCSessionDescription(sdp, "offer"))
+            self._plug_in(connection, offer["streams"])
             await connection.setLocalDescription(await connection.createAnswer())
             sdp = connection.localDescription.sdp
             sdp = sdp if route is None else route.to_engine(sdp)
             # Another offer, a farewell or an end may have come before it.
             with suppress(asyncio.CancelledError):
                 await self.ask("signaling.answer", peer_id=peer_id, generation=offer["generation"], sdp=sdp)
+
+    def _plug_in(self, connection: RTCPeerConnection, streams: list[dict[str, str]]) -> None:
+        places = {each.mid: each for each in connection.getTransceivers()}
+        for each in streams:
+            if each["direction"] != "recvonly":
+                places[each["mid"]].sender.replaceTrack(self.devices[each["kind"]])
+                places[each["mid"]].direction = each["direction"]
 
     async def _add(self, params: dict[str, Any]) -> None:
         async with self._turn:
@@ -168,6 +181,13 @@ class Spectator(Witness):
         assert answer["return_code"] == "OK", answer
         return str(answer["stream_id"])
 
+    async def send(self, component_ref: str) -> str:
+        """Connect a stream in which this side sends its device."""
+        way = {"name": "transport_parameters", "data_type_ref": "String", "value": '{"direction": "sendonly"}'}
+        answer = await self.ask("rois.stream.connect_stream", component_ref=component_ref, parameters=[way])
+        assert answer["return_code"] == "OK", answer
+        return str(answer["stream_id"])
+
     async def play(self, component_ref: str = VIDEO, codecs: str = "") -> str:
         """Connect a stream, and wait until it runs and is seen."""
         stream_id = await self.connect(component_ref, codecs)
@@ -192,13 +212,14 @@ class Spectator(Witness):
         return status
 
     async def leave(self) -> None:
-        """End all media of this side."""
-        for connection in self.connections.values():
-            await connection.close()
+        """End all media of this side; an answer that has been begun is given before, and no other one."""
+        self._leaving = True
+        async with self._turn:
+            for connection in self.connections.values():
+                await connection.close()
         for task in tuple(self._tasks):
             task.cancel()
-            with suppress(asyncio.CancelledError):
-                await task
+        await asyncio.gather(*self._tasks, return_exceptions=True)
 
 
 async def _watch(url: str, codec: str, path: str = "") -> None:

@@ -154,7 +154,8 @@ class RtpReceiver:
         self._lane.end()
 
     async def stop(self) -> None:
-        """The peer connection closes."""
+        """The peer connection closes; aiortc may start this still, where it was about to."""
+        self._started = True
         self._lane.end()
         await self._tasks.aclose()
 

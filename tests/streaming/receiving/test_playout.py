@@ -123,6 +123,15 @@ class TestClocks:
         assert (figures.shortened > 0) is (drift > 0)
         assert (figures.lengthened > 0) is (drift < 0)
 
+    @pytest.mark.long
+    @pytest.mark.timeout(900)
+    @pytest.mark.parametrize("drift", [200e-6, -200e-6])
+    def test_after_half_an_hour_sound_is_as_late_as_in_the_beginning(self, drift: float) -> None:
+        hearing = listen(microphone(1800, drift=drift), 1800)
+        assert hearing.playout.figures.concealed == 0
+        for at in (600, 1200, 1790):
+            assert abs(hearing.median(at) + drift * at - LATE) < 0.04
+
     def test_a_source_that_starts_anew_is_heard(self) -> None:
         second = [(3 + at, timestamp + 10**7, data) for at, timestamp, data in microphone(3)]
         third = [(6 + at, timestamp + 5, data) for at, timestamp, data in microphone(3)]

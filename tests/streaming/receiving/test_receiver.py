@@ -4,7 +4,10 @@ from collections.abc import AsyncIterator, Callable
 from typing import Any
 
 import pytest
+from aiortc import RTCPeerConnection
 from openrois_streaming.clock import SystemClock
+from openrois_streaming.receiving.inbound import Negotiated
+from openrois_streaming.receiving.receiver import RtpReceiver
 from openrois_streaming.source import RawAudio, RawVideo
 
 from tests.support.receiving import Uplink, uplink
@@ -96,3 +99,13 @@ async def test_captured_at_is_on_our_clock() -> None:
         for frames in (pictures, sound):
             for frame in await some(frames, 10):
                 assert 0 <= SystemClock().now() - frame.captured_at < PATIENCE
+
+
+async def test_one_that_was_stopped_before_it_started_leaves_nothing_running() -> None:
+    connection = RTCPeerConnection()
+    receiver = RtpReceiver(connection.addTransceiver("video", direction="recvonly"), SystemClock())
+    before = asyncio.all_tasks()
+    await receiver.stop()
+    await receiver.negotiated(Negotiated((), (), {}))
+    assert asyncio.all_tasks() == before
+    await connection.close()
