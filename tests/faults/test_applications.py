@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.support.ground import Ground, ground, turns
-from tests.support.invariants import Witness
+from tests.support.invariants import PATIENCE, Witness
 from tests.support.plain import TOY, plain_adapter
 from tests.support.seeds import ALL, SOME
 
