@@ -24,8 +24,8 @@ STILL_INTERVAL = 1.5
 """Seconds between two pictures for a viewer whose path carries nothing else. After 2 s our SDK wants another path."""
 
 STILL_LEAST = 0.9
-"""Seconds after which a key frame that is there anyway is taken as the next of these pictures: a little less than
-`keyframes.REPAIR_INTERVAL`, for after one that is left out the next may take that long."""
+"""Seconds after which a key frame that is there anyway is taken as the next of these pictures: one is asked for
+`keyframes.STILL_SPACING` later."""
 
 _log = logging.getLogger(__name__)
 
@@ -222,7 +222,7 @@ class Feed:
             return
         self._counters.frames_dropped += 1
         if since >= STILL_INTERVAL:
-            part.rendition.request_key_frame(KeyFrameCause.REPAIR)
+            part.rendition.request_key_frame(KeyFrameCause.STILL)
 
     def _give(self, frame: EncodedFrame) -> None:
         if frame.keyframe:

@@ -8,6 +8,10 @@ START_INTERVAL = 0.1
 REPAIR_INTERVAL = 1.0
 """Seconds between two key frames for viewers that lost data. A browser without a picture asks five times a second."""
 
+STILL_SPACING = 0.6
+"""Seconds between two key frames for viewers that are sent single pictures: as many as lie between the earliest time at
+which such a viewer takes one and the time at which it asks, so that none waits because another has just been served."""
+
 
 class KeyFrameCause(Enum):
     """Why a viewer needs a key frame."""
@@ -16,14 +20,20 @@ class KeyFrameCause(Enum):
     """It joins, resumes, or changes to this rendition."""
     REPAIR = "repair"
     """It lost data (PLI, FIR, or an overflow of its queue)."""
+    STILL = "still"
+    """It is sent single pictures, and the next one is due."""
 
 
 # In the order of precedence: a frame that can serve both is taken from the budget of the starts.
-_BUDGETS = ((KeyFrameCause.START, START_INTERVAL), (KeyFrameCause.REPAIR, REPAIR_INTERVAL))
+_BUDGETS = (
+    (KeyFrameCause.START, START_INTERVAL),
+    (KeyFrameCause.REPAIR, REPAIR_INTERVAL),
+    (KeyFrameCause.STILL, STILL_SPACING),
+)
 
 
 class KeyFrameBudget:
-    """The two budgets of one rendition.
+    """The budgets of one rendition, one for each cause.
 
     They are kept apart, so that a viewer that asks for repairs without end never makes another one wait for its start.
     A key frame serves everybody who asked before it, whatever it was made for.

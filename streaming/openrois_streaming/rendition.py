@@ -353,7 +353,7 @@ class Rendition:
             encoded_bytes=source.encoded_bytes,
             key_frames=source.key_frames,
             starts=source.forced[KeyFrameCause.START],
-            repairs=source.forced[KeyFrameCause.REPAIR],
+            repairs=source.forced[KeyFrameCause.REPAIR] + source.forced[KeyFrameCause.STILL],
             dropped_input=source.dropped_input,
             encode_seconds=source.encode_seconds,
             size="" if self.rung is None else f"{self.rung.width}x{self.rung.height}@{self.rung.frame_rate:g}",

@@ -2,10 +2,11 @@ import asyncio
 import logging
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from random import Random
 
 import pytest
 from openrois_streaming.encoded import EncodedFrame
-from openrois_streaming.feed import FIRST_RETRY, RETRY, STILL_INTERVAL, Feed
+from openrois_streaming.feed import FIRST_RETRY, RETRY, STILL_INTERVAL, STILL_LEAST, Feed
 from openrois_streaming.keyframes import KeyFrameBudget, KeyFrameCause
 from openrois_streaming.stats import Counters
 from openrois_streaming.tasks import OwnedTasks
@@ -156,7 +157,7 @@ async def test_stills_are_key_frames_and_not_many(feeding: Feeding) -> None:
     shown = [frame(number, keyframe=number in (20, 61, 62, 130)) for number in range(1, 131)]
     await feeding.rendition.source.feed(*shown)
     assert feeding.taken == [0, 61, 130]
-    assert feeding.rendition.asked[1:2] == [KeyFrameCause.REPAIR]
+    assert feeding.rendition.asked[1:2] == [KeyFrameCause.STILL]
     feeding.feed.stills = False
     await feeding.rendition.source.feed(frame(131), frame(133), frame(134, keyframe=True))
     assert feeding.taken == [0, 61, 130, 131, 134]
@@ -203,6 +204,31 @@ async def test_stills_come_in_time_whoever_else_asks_for_key_frames(
             shown_at = now
     assert max(gaps[1:]) < STILL_INTERVAL + 0.2
     assert min(gaps) > 0.8
+
+
+@pytest.mark.parametrize("seed", range(12))
+async def test_stills_come_in_time_where_viewers_join_and_lose_data_at_once(feeding: Feeding, seed: int) -> None:
+    chance, rate, budget, shown_at, gaps = Random(seed), 30, KeyFrameBudget(), 0.0, []
+    joins, losses = chance.choice((0.3, 0.7, 1.1)), chance.choice((0.2, 1.0, 3.0))
+    await feeding.rendition.source.feed(frame(0, keyframe=True, at=0.0))
+    feeding.feed.stills = True
+    for number in range(1, 60 * rate):
+        now = number / rate
+        for cause, often in ((KeyFrameCause.START, joins), (KeyFrameCause.REPAIR, losses)):
+            if chance.random() < often / rate:
+                budget.request(cause)
+        while feeding.rendition.asked:
+            budget.request(feeding.rendition.asked.pop())
+        keyframe = budget.take(now) is not None
+        await feeding.rendition.source.feed(frame(number, keyframe=keyframe, at=now))
+        if keyframe:
+            budget.served()
+        if feeding.taken[-1] == number:
+            gaps.append(now - shown_at)
+            shown_at = now
+    # It is asked for with one picture, and may be the one after the next.
+    assert max(gaps) < STILL_INTERVAL + 3 / rate
+    assert min(gaps) >= STILL_LEAST - 0.001
 
 
 async def test_it_leaves_the_rendition_when_it_is_closed_while_it_enters() -> None:

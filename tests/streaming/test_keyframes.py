@@ -2,7 +2,8 @@ from itertools import pairwise
 
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from openrois_streaming.keyframes import REPAIR_INTERVAL, START_INTERVAL, KeyFrameBudget, KeyFrameCause
+from openrois_streaming.feed import STILL_INTERVAL, STILL_LEAST
+from openrois_streaming.keyframes import REPAIR_INTERVAL, START_INTERVAL, STILL_SPACING, KeyFrameBudget, KeyFrameCause
 
 START, REPAIR = KeyFrameCause.START, KeyFrameCause.REPAIR
 
@@ -72,6 +73,18 @@ def test_a_repair_serves_a_start_that_must_wait() -> None:
     budget.request(REPAIR)
     assert budget.take(1.05) is REPAIR
     assert budget.take(5.0) is None
+
+
+def test_single_pictures_wait_for_no_repair_and_not_for_each_other() -> None:
+    assert STILL_SPACING <= STILL_INTERVAL - STILL_LEAST
+    budget = KeyFrameBudget()
+    budget.request(REPAIR)
+    assert budget.take(1.0) is REPAIR
+    budget.request(KeyFrameCause.STILL)
+    assert budget.take(1.05) is KeyFrameCause.STILL
+    budget.request(KeyFrameCause.STILL)
+    assert budget.take(1.05 + 0.9 * STILL_SPACING) is None
+    assert budget.take(1.06 + STILL_SPACING) is KeyFrameCause.STILL
 
 
 def test_a_key_frame_that_comes_by_itself_serves_all() -> None:
