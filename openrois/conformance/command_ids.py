@@ -10,7 +10,7 @@ class CommandIds:
     """The ids of one check: a gateway may remember those of earlier ones, of other applications, too."""
 
     def __init__(self) -> None:
-        self._suffix = secrets.token_hex(4)
+        self._suffix = secrets.token_hex(16)
         self._sent: dict[str, str] = {}
         self._written: dict[str, str] = {}
 

@@ -100,7 +100,9 @@ def plain(profiles: Profiles) -> Any:
         return single[0].model_dump(mode="json")
     if profiles.types:
         return [each.model_dump(mode="json") for each in profiles.types]
-    result = ProfileResult(profile=profiles.engine, component_profiles=dict(profiles.components))
+    # A document has each component once, with the engine nearest to it; on the wire every level lists it.
+    engine = None if profiles.engine is None else profiles.engine.completed()
+    result = ProfileResult(profile=engine, component_profiles=dict(profiles.components))
     return result.model_dump(mode="json", exclude={"return_code"})
 
 
