@@ -184,7 +184,7 @@ class Link(Protocol):
         """The operator's sound that has arrived."""
 
     def send_video(
-        self, pixels: bytes, width: int, height: int, stride: int, format: PixelFormat, timestamp_ns: int
+        self, pixels: memoryview, width: int, height: int, stride: int, format: PixelFormat, timestamp_ns: int
     ) -> None:
         """Send a picture."""
 
@@ -300,7 +300,7 @@ class Runner:
 
     def _send_picture(self, pixels: Pixels, due: float) -> None:
         width, height = self._picture.width, self._picture.height
-        self._link.send_video(i420(pixels).tobytes(), width, height, width, PixelFormat.I420, round(due * 1e9))
+        self._link.send_video(i420(pixels).data.cast("B"), width, height, width, PixelFormat.I420, round(due * 1e9))
 
     def _obey(self, command: Command, now: float) -> None:
         match command:

@@ -72,7 +72,7 @@ class Link:
     def __init__(self, clock: Clock, end: float, script: dict[float, Command] | None = None) -> None:
         self.clock, self.end = clock, clock.time + end
         self.script = {clock.time + time: command for time, command in (script or {}).items()}
-        self.pictures: list[tuple[int, bytes, PixelFormat]] = []
+        self.pictures: list[tuple[int, memoryview, PixelFormat]] = []
         self.blocks: list[tuple[int, Samples]] = []
         self.left: list[int] = []
         """When each block left, in nanoseconds."""
@@ -96,7 +96,7 @@ class Link:
         return [self.voice.pop(time) for time in sorted(due)]
 
     def send_video(
-        self, pixels: bytes, width: int, height: int, stride: int, format: PixelFormat, timestamp_ns: int
+        self, pixels: memoryview, width: int, height: int, stride: int, format: PixelFormat, timestamp_ns: int
     ) -> None:
         assert (width, height, stride) == (SIZE.width, SIZE.height, SIZE.width)
         assert timestamp_ns <= self.clock.time * 1e9

@@ -7,24 +7,25 @@ from openrois_avatar.engines.settings import Pixels
 
 
 class Backdrop:
-    """A picture of the room without the figure, BGRA."""
+    """Some columns of a picture of the room without the figure, BGRA."""
 
-    def __init__(self, pixels: Pixels) -> None:
-        self._pixels = pixels.copy()
-        self._room = np.empty_like(self._pixels)
-        self._uncovered = np.empty(pixels.shape[:2], np.uint8)
+    def __init__(self, room: Pixels, columns: slice) -> None:
+        self.columns = columns
+        # Arrays of their own: OpenCV is several times slower with a part of a wider one.
+        self._room = np.ascontiguousarray(room[:, columns])
+        self._shown = np.empty_like(self._room)
+        self._uncovered = np.empty(self._room.shape[:2], np.uint8)
 
-    def lay_under(self, figure: Pixels, columns: slice, picture: Pixels) -> None:
-        """Fill `picture` with the backdrop and, in these columns, with a figure on nothing before it.
+    def lay_under(self, figure: Pixels, picture: Pixels) -> None:
+        """Fill these columns of `picture` with the room and, before it, a figure that was drawn on nothing.
 
-        `figure` is BGRA, and where it covers a share of a pixel all four are that share of it. Its array is used.
+        `figure` is BGRA, and where it covers a share of a pixel all four are that share of it.
         """
-        uncovered, room = self._uncovered[:, columns], self._room[:, columns]
-        cv2.bitwise_not(cv2.extractChannel(figure, 3, dst=uncovered), dst=uncovered)
-        cv2.cvtColor(uncovered, cv2.COLOR_GRAY2BGRA, dst=room)
-        cv2.multiply(self._pixels[:, columns], room, dst=room, scale=1 / 255)
-        cv2.add(figure, room, dst=picture[:, columns])
+        cv2.bitwise_not(cv2.extractChannel(figure, 3, dst=self._uncovered), dst=self._uncovered)
+        cv2.cvtColor(self._uncovered, cv2.COLOR_GRAY2BGRA, dst=self._shown)
+        cv2.multiply(self._room, self._shown, dst=self._shown, scale=1 / 255)
+        cv2.add(figure, self._shown, dst=picture[:, self.columns])
 
     def fill(self, picture: Pixels) -> None:
-        """Let a picture show nothing else."""
-        np.copyto(picture, self._pixels)
+        """Let these columns show nothing else."""
+        np.copyto(picture[:, self.columns], self._room)

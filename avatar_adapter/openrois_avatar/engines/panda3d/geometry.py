@@ -65,19 +65,25 @@ class Solid:
 
     def show(self, visible: bool) -> None:
         """Draw it from now on, or do not."""
-        if visible == self.path.is_stashed():
-            if visible:
-                self.path.unstash()
-            else:
-                self.path.stash()
+        show(self.path, visible)
 
     def _write(self, array: int, values: Floats | Bytes) -> None:
         buffer = self._geometry.modify_vertex_data().modify_array(array)
         memoryview(buffer).cast("B")[:] = values.data.cast("B")
 
 
+def show(node: NodePath, visible: bool) -> None:
+    """Draw what is under a node from now on, or do not."""
+    if visible == node.is_stashed():
+        if visible:
+            node.unstash()
+        else:
+            node.stash()
+
+
 def matrix(frame: Frame) -> LMatrix4f:
     """A frame as Panda has it, whose matrices multiply rows from the left."""
-    (a, b, c), (d, e, f), (g, h, i) = frame.rotation
-    x, y, z = frame.origin
+    # As Python's own numbers: NumPy's are slow one by one.
+    (a, b, c), (d, e, f), (g, h, i) = frame.rotation.tolist()
+    x, y, z = frame.origin.tolist()
     return LMatrix4f(a, d, g, 0, b, e, h, 0, c, f, i, 0, x, y, z, 1)

@@ -6,7 +6,7 @@ import numpy as np
 from panda3d.core import NodePath, TransparencyAttrib
 
 from openrois_avatar.engines import palette
-from openrois_avatar.engines.panda3d.geometry import Solid, matrix
+from openrois_avatar.engines.panda3d.geometry import Solid, matrix, show
 from openrois_avatar.engines.room.scene import Scene, Somebody
 from openrois_avatar.engines.room.shot import EYE_LEVEL, GROUND, HOME_SHOT, METRE
 from openrois_avatar.engines.sculpt import furniture, visitor
@@ -41,10 +41,7 @@ class Room:
 
     def show(self, visible: bool) -> None:
         """Draw the room from now on, or do not."""
-        if visible:
-            self._all.unstash()
-        else:
-            self._all.stash()
+        show(self._all, visible)
 
     def update(self, scene: Scene) -> None:
         """Bring up to date who is where. Close views see no floor, that of home no furniture."""

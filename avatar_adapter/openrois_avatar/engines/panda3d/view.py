@@ -56,7 +56,13 @@ class View:
         self._far, self._own = (_fields(tangent, columns / height) for tangent in (SPAN / 2 / DISTANCE, _OWN))
         self._camera: NodePath = scene.attach_new_node(Camera("camera", self._lens))
         self._buffer.make_display_region().set_camera(self._camera)
+        self._shot: Shot | None = None
         self._small = np.empty((height, columns, 4), np.uint8)
+
+    def middle(self, width: int) -> slice:
+        """The columns that it draws of a picture of this width."""
+        first = (width - self._small.shape[1]) // 2
+        return slice(first, first + self._small.shape[1])
 
     def turn(self, on: bool) -> None:
         """Let Panda3D draw this view with every frame from now on, or not."""
@@ -64,18 +70,24 @@ class View:
 
     def aim(self, shot: Shot) -> None:
         """Look from there."""
+        if shot == self._shot:
+            return
+        self._shot = shot
         self._lens.set_fov(*(self._own if shot.own else self._far))
         self._lens.set_far(_NEAR_WALL if shot.is_close else _FAR_WALL)
         self._camera.set_pos_hpr(shot.x, shot.y, shot.z, *np.degrees((shot.heading, -shot.tilt)).tolist(), 0.0)
 
     def read(self) -> Pixels:
         """What was drawn last as BGRA, (height, columns, 4), top row first; a view of an array that is used again."""
-        width, height = self._buffer.get_x_size(), self._buffer.get_y_size()
-        large = np.frombuffer(self._texture.get_ram_image(), np.uint8).reshape(height, width, 4)
         size = (self._small.shape[1], self._small.shape[0])
-        cv2.resize(large, size, dst=self._small, interpolation=cv2.INTER_LINEAR)
+        cv2.resize(self.read_large(), size, dst=self._small, interpolation=cv2.INTER_LINEAR)
         # Panda3D's rows run from the bottom up.
         return self._small[::-1]
+
+    def read_large(self) -> Pixels:
+        """What was drawn last in all its pixels, bottom row first; the next picture changes them."""
+        width, height = self._buffer.get_x_size(), self._buffer.get_y_size()
+        return np.frombuffer(self._texture.get_ram_image(), np.uint8).reshape(height, width, 4)
 
 
 def _opened(width: int, height: int) -> GraphicsOutput:

@@ -101,7 +101,7 @@ class View:
             pose, head_yaw=pose.head_yaw * _CALM, head_pitch=_CALM * (pose.head_pitch - pose.lean) + pose.lean
         )
         turned_head = replace(calm, head_yaw=calm.head_yaw + _HEAD_ASIDE * aside)
-        lower, rise = leg_frames(pose)
+        lower, rise = leg_frames(pose.left_leg, pose.right_leg)
         there = Frame(np.eye(3), np.asarray((place.x * METRE, place.y * METRE, rise)))
         world = standing(place.x * METRE, place.y * METRE, place.th).raised(rise)
         body = body_frame(replace(pose, twist=pose.twist + _BODY_ASIDE * aside)).within(there)

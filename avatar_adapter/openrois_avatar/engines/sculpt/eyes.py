@@ -89,7 +89,7 @@ def _brow(depth: DepthMap, side: int) -> Part:
     return Part("brow", "head", faces, plain(palette.BROW, rows * columns, CLOTH), shape, state)
 
 
-_BALL_RINGS = np.radians([0, 5, 9, 12, 13.5, 16, 20, 25, 29, 31, 32.5, 37, 46, 58, 72])
+_BALL_RINGS = np.radians([0, 5, 9, 12, 13.5, 16, 20, 25, 29, 31, 32.5, 37, 46, 58, 72, 86, 98, 108])
 _BALL_SPOKES = 36
 
 

@@ -35,7 +35,7 @@ def parts(depth: head.DepthMap, shadow: paint.Shadow) -> list[Part]:
         _skull(shadow),
         *_ear(),
         _lips(depth, shadow),
-        *_inside_mouth(),
+        *_inside_mouth(depth),
         *(_lid(depth, shadow, side) for side in (1, -1)),
     ]
 
@@ -139,7 +139,7 @@ def _lips(depth: head.DepthMap, shadow: paint.Shadow) -> Part:
     )
 
 
-def _inside_mouth() -> list[Part]:
+def _inside_mouth(depth: head.DepthMap) -> list[Part]:
     def raised(pose: Pose) -> Array:
         return np.asarray(mouth.TONGUE_LIFT) * pose.mouth.tongue
 
@@ -153,8 +153,19 @@ def _inside_mouth() -> list[Part]:
         _jawed("upper teeth", mouth.teeth(upper=True), palette.TEETH, 0.0, mouth.teeth_openness(0.65), hidden),
         _jawed("lower teeth", mouth.teeth(upper=False), palette.TEETH, 1.0, mouth.teeth_openness(0.32), staying),
         _jawed("tongue", mouth.tongue(), palette.TONGUE, 0.9, 0.60, raised),
-        _jawed("cavity", mouth.cavity(), palette.MOUTH_INSIDE, 0.3, 0.0, staying, closed=True),
+        _cavity(mouth.Lips(depth)),
     ]
+
+
+def _cavity(lips: mouth.Lips) -> Part:
+    rest = mouth.cavity(lips.grid(Mouth())[0])
+    normals = np.tile(np.asarray((0.0, -1.0, 0.0)), (rest.size // 3, 1))
+
+    def shape(pose: Pose) -> Shape:
+        return Shape(mouth.cavity(lips.grid(pose.mouth)[0]).reshape(-1, 3), normals)
+
+    faces = both_ways(grid_faces(rest.shape[0], rest.shape[1], closed=True))
+    return Part("cavity", "head", faces, plain(palette.MOUTH_INSIDE, len(normals), PLAIN, 0.0), shape, _mouth_state)
 
 
 def _jawed(

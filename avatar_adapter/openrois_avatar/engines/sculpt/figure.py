@@ -1,5 +1,6 @@
 """The whole avatar: its parts, and where they are for a pose."""
 
+from collections.abc import Collection
 from typing import Final
 
 import numpy as np
@@ -47,14 +48,14 @@ def visible(pose: Pose, whole: bool = False) -> dict[Space, bool]:
     return {space: whole or space in ("body", "head") or raised.get(space, False) for space in SPACES}
 
 
-def frames(pose: Pose, world: Frame = AT_ORIGIN) -> dict[Space, Frame]:
-    """Every space's place in the world, for a figure that stands at `world`."""
-    lower, rise = leg_frames(pose)
+def frames(pose: Pose, world: Frame = AT_ORIGIN, spaces: Collection[Space] = SPACES) -> dict[Space, Frame]:
+    """The place of each of these spaces in the world, for a figure that stands at `world`."""
+    lower, rise = leg_frames(pose.left_leg, pose.right_leg)
     world = world.raised(rise)
     placed = _upper(pose)
     for leg, frame in lower.items():
         placed[leg] = frame
-    return {space: frame.within(world) for space, frame in placed.items()}
+    return {space: placed[space].within(world) for space in spaces}
 
 
 def _upper(pose: Pose) -> dict[Space, Frame]:

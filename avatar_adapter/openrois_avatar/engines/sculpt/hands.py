@@ -13,11 +13,13 @@ from openrois_avatar.engines.sculpt.shading import CLOTH, SKIN, Surface, linear
 
 _FINGERS = (
     # across, length, radius, knuckle: from the little finger to the index finger
-    (-0.215, 0.36, 0.066, 0.66),
-    (-0.075, 0.47, 0.072, 0.72),
-    (0.070, 0.51, 0.074, 0.74),
-    (0.210, 0.45, 0.072, 0.71),
+    (-0.232, 0.36, 0.062, 0.66),
+    (-0.079, 0.47, 0.067, 0.72),
+    (0.077, 0.51, 0.069, 0.74),
+    (0.230, 0.45, 0.067, 0.71),
 )
+_FAN = 1.20
+"""How much farther apart the tips are than the knuckles."""
 _THUMB = ((0.16, -0.05, 0.20), (0.37, -0.10, 0.46), (0.45, -0.13, 0.69))
 _OUT_OF_SIGHT = -3.75
 """A wrist below this height (dm) is under the picture."""
@@ -38,9 +40,13 @@ def hand_field(points: Array) -> Array:
     """The right hand, flat: wrist at the origin, fingers along z, palm towards -y, thumb towards +x."""
     hand = ellipsoid(points, (0.0, 0.0, 0.42), (0.315, 0.125, 0.40))
     hand = join(hand, cone(points, (0, 0, -0.25), (0, 0, 0.20), 0.165, 0.17), 0.15)
+    fingers = np.full(len(points), np.inf)
     for across, length, radius, knuckle in _FINGERS:
-        end = (across * 1.10, -0.01, knuckle + length)
-        hand = join(hand, cone(points, (across, 0.0, knuckle - 0.15), end, radius, radius * 0.82), 0.045)
+        end = (across * _FAN, -0.01, knuckle + length)
+        finger = cone(points, (across, 0.0, knuckle - 0.15), end, radius, radius * 0.82)
+        # Neighbours do not flow into each other: there is air between two fingers.
+        fingers = np.minimum(fingers, finger)
+    hand = join(hand, fingers, 0.045)
     thumb = join(
         cone(points, _THUMB[0], _THUMB[1], 0.10, 0.085), cone(points, _THUMB[1], _THUMB[2], 0.085, 0.068), 0.04
     )
@@ -52,7 +58,7 @@ class _Hand:
 
     def __init__(self) -> None:
         self._rest, self._normals, self._faces = polygonised(
-            hand_field, (-0.48, -0.32, -0.30), (0.62, 0.26, 1.42), 0.045
+            hand_field, (-0.48, -0.32, -0.30), (0.62, 0.26, 1.42), 0.034
         )
         self._albedo = paint.hand(self._rest)
         self._openness = paint.veil(occlusion(hand_field, self._rest, self._normals, 0.25))
@@ -88,7 +94,7 @@ def _bound(points: Array) -> Array:
     """Weights (n, 5) of little, ring, middle, index finger and thumb; what is left over belongs to the palm."""
     columns = []
     for across, length, _, knuckle in _FINGERS:
-        beside = np.abs(points[:, 0] - across * (1 + 0.10 * (points[:, 2] - knuckle) / length)) / 0.145
+        beside = np.abs(points[:, 0] - across * (1 + (_FAN - 1) * (points[:, 2] - knuckle) / length)) / 0.145
         columns.append(np.clip(1.5 - beside * 2, 0, 1) * np.clip((points[:, 2] - knuckle + 0.06) / 0.16, 0, 1))
     fingers = np.stack(columns, axis=1)
     fingers /= np.maximum(fingers.sum(axis=1, keepdims=True), 1.0)

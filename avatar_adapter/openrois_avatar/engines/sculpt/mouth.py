@@ -136,11 +136,10 @@ def tongue() -> Array:
     return np.stack([x + 0 * along, y, z], axis=2)
 
 
-def cavity() -> Array:
-    """The dark bowl behind the lips (5, 24, 3), opening towards the viewer."""
-    angle = np.arange(24) * 2 * np.pi / 24
+def cavity(rim: Array) -> Array:
+    """The dark bowl behind the lips (5, n, 3): it begins where their innermost ring, (n, 3), ends."""
+    middle = rim.mean(axis=0)
     rows = []
-    for size, depth in ((1.0, 0.12), (0.95, 0.28), (0.8, 0.42), (0.5, 0.50), (0.01, 0.52)):
-        x, z = 0.29 * size * np.cos(angle), MOUTH[2] - 0.06 + 0.19 * size * np.sin(angle)
-        rows.append(np.stack([x, np.full_like(x, MOUTH[1] + depth), z], axis=1))
+    for size, depth in ((1.0, 0.0), (1.06, 0.08), (1.05, 0.18), (0.7, 0.27), (0.01, 0.30)):
+        rows.append(middle + (rim - middle) * size + np.asarray((0.0, depth, 0.0)))
     return np.stack(rows)

@@ -61,6 +61,28 @@ def sided(faces: Faces, side: int) -> Faces:
     return faces if side > 0 else faces[:, ::-1]
 
 
+def cut(part: Part, kept: npt.NDArray[np.bool_]) -> Part:
+    """What is left of a part with only these of its faces, (m,)."""
+    used, faces = np.unique(part.faces[kept], return_inverse=True)
+    whole = part.surface
+    count = len(whole.albedo)
+
+    def of(value: npt.ArrayLike) -> Array:
+        return np.asarray(np.broadcast_to(np.asarray(value, float), (count,))[used])
+
+    last: tuple[Array, Array] | None = None
+
+    def shape(pose: Pose) -> Shape:
+        nonlocal last
+        full = part.shape(pose)
+        if last is None or last[0] is not full.normals:
+            last = full.normals, full.normals[used]
+        return Shape(full.vertices[used], last[1], None if full.openness is None else full.openness[used])
+
+    surface = Surface(whole.albedo[used], of(whole.openness), whole.finish, of(whole.gloss))
+    return Part(part.name, part.space, faces.reshape(-1, 3).astype(np.int32), surface, shape, part.state)
+
+
 def both_ways(faces: Faces) -> Faces:
     """Faces that are seen from both sides."""
     return np.concatenate([faces, faces[:, ::-1]])

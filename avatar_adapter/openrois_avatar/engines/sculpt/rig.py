@@ -2,11 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from math import pi
 from typing import Final, Literal
 
 import numpy as np
 
+from openrois_avatar.engines.animation.pose import Leg as LegPose
 from openrois_avatar.engines.animation.pose import Pose
 from openrois_avatar.engines.sculpt.distance import Array
 
@@ -68,11 +70,12 @@ AT_ORIGIN = Frame(np.eye(3), np.zeros(3))
 """The world itself."""
 
 
-def leg_frames(pose: Pose) -> tuple[dict[Leg, Frame], float]:
+@lru_cache(maxsize=8)
+def leg_frames(left: LegPose, right: LegPose) -> tuple[dict[Leg, Frame], float]:
     """Thighs, shins and feet by name, in body space, and how far (dm) the body rises on its legs: down, if below 0."""
     frames: dict[Leg, Frame] = {}
     soles = []
-    for side, spaces, leg in ((1, _LEFT, pose.left_leg), (-1, _RIGHT, pose.right_leg)):
+    for side, spaces, leg in ((1, _LEFT, left), (-1, _RIGHT, right)):
         hip, knee, ankle = (np.asarray((side, 1.0, 1.0)) * joint for joint in (HIP, KNEE, ANKLE))
         thigh = _around(turned(0.0, leg.hip, 0.0), hip)
         bent = turned(0.0, leg.hip - leg.knee, 0.0)

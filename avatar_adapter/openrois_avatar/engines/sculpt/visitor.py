@@ -55,7 +55,7 @@ def build() -> dict[Limb, Mesh]:
 def frames(somebody: Somebody) -> dict[Limb, Frame]:
     """Where every limb is in the world."""
     pose = from_channels({name: value + somebody.steps.get(name, 0.0) for name, value in _REST.items()})
-    lower, rise = leg_frames(pose)
+    lower, rise = leg_frames(pose.left_leg, pose.right_leg)
     place = somebody.place
     world = standing(place.x * METRE, place.y * METRE, place.th).raised(rise)
     trunk = body_frame(pose)
