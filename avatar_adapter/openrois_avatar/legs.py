@@ -220,6 +220,12 @@ class Legs:
         with suppress(ComponentFailed):
             self.send(Halt())
 
+    def stand(self) -> None:
+        """Let a figure that no motion has stand still now: it may move by itself, to face a viewer. Never raises."""
+        if self._motion is None:
+            with suppress(ComponentFailed):
+                self.send(Halt())
+
     def take(self, event: Event) -> None:
         """Take an event of the game engine."""
         if self._motion is not None:

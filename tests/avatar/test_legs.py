@@ -138,6 +138,19 @@ async def test_halting_says_why(stage: Stage) -> None:
     assert stage.kinds()[-1] == "Halt"
 
 
+async def test_a_figure_that_has_no_motion_is_told_to_stand(stage: Stage) -> None:
+    stage.legs.stand()
+    assert stage.told == [Halt()]
+    walking = stage.run("Move")
+    await settle()
+    stage.legs.stand()
+    assert stage.kinds() == ["Halt", "Walk"]
+    stage.legs.take(Completed(stage.walk_id, "OK"))
+    assert await walking == "OK"
+    stage.gone = True
+    stage.legs.stand()
+
+
 async def test_a_lost_engine_fails_a_motion_also_while_it_waits(stage: Stage) -> None:
     stage.legs.lost()
 

@@ -78,7 +78,8 @@ class Moving:
         return self.figure.status()
 
     async def stop(self) -> None:
-        """Let the figure stand still; `start` ends with ABORT."""
+        """Let the figure stand still; `start` ends with ABORT. A motion of another component goes on."""
+        self.figure.legs.stand()
 
     async def suspend(self) -> None:
         """Let the figure stand still until `resume`; the time limit waits. What does not run cannot be suspended."""

@@ -313,6 +313,7 @@ class Runner:
                 self._animator.speak(now, Track(command.start_ns / 1e9, visemes, command.duration_ms / 1e3))
             case Silence():
                 self._animator.silence(now)
+                self._stay_unless_expressive(now)
             case Look():
                 self._animator.look(now, command.x, command.y)
             case Stop():
@@ -335,6 +336,12 @@ class Runner:
                 self._animator.react(moment, command.id, command.reaction)
             else:
                 self._animator.stop(moment, command.id)
+                self._stay_unless_expressive(now)
+
+    def _stay_unless_expressive(self, now: float) -> None:
+        """After something was broken off: it turns to the viewer only for what it still says with face or hands."""
+        if not self._animator.is_expressive(now):
+            self._life.stay()
 
     def _report(self) -> None:
         if self._skips.pictures or self._skips.blocks:

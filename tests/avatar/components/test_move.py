@@ -5,7 +5,7 @@ from math import dist, pi, radians
 from typing import Any
 
 import pytest
-from openrois_avatar.link.messages import Floor, Place, Walk, Waypoint
+from openrois_avatar.link.messages import Floor, Halt, Place, Walk, Waypoint
 
 from openrois.errors import Aborted, BadParameter, ComponentFailed
 from openrois.registry import LocalRegistry
@@ -192,6 +192,11 @@ async def test_stop_halts_it(stage: Stage) -> None:
     with pytest.raises(Aborted):
         await running
     assert not stage.engine.moves
+
+
+async def test_stop_halts_a_figure_that_turns_by_itself(stage: Stage) -> None:
+    await stage.registry.invoke(REF, "stop")
+    assert stage.engine.heard == [Halt()]
 
 
 async def test_one_that_the_engine_breaks_off_is_aborted(stage: Stage) -> None:

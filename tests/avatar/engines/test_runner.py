@@ -317,6 +317,27 @@ def test_halt_ends_a_walk() -> None:
     assert -0.5 < drawing.scenes[-1].place.y < -0.05
 
 
+@pytest.mark.parametrize(
+    ("begun", "stopped"),
+    [
+        (Speak("s", 102_000_000_000, (), 5000), Silence()),
+        (React("r", "bow"), Stop("r")),
+        (React("r", "bow"), Stop(None)),
+    ],
+    ids=["speech", "reaction", "all reactions"],
+)
+def test_what_is_stopped_does_not_turn_it_to_the_viewer(begun: Command, stopped: Command) -> None:
+    away = Walk("a", (Waypoint(0.0, 0.0, pi / 2),), 0.5)
+    link, drawing = played(4.0, {0.0: away, 1.95: begun, 2.3: stopped})
+    places = {stamp: scene.place for (stamp, _, _), scene in zip(link.pictures, drawing.scenes, strict=True)}
+    before = [place for stamp, place in places.items() if 101.8e9 < stamp < 101.94e9]
+    after = [place for stamp, place in places.items() if stamp > 102.43e9]
+    assert before[-1].th == pi / 2
+    assert after[0] != before[-1], "it has begun to turn"
+    assert set(after) == {after[0]}
+    assert abs(after[0].th + pi / 2) > 0.5, "and not come to the end of it"
+
+
 def test_bgra_becomes_limited_range_planes() -> None:
     white = np.full((4, 4, 4), 255, np.uint8)
     planes = i420(white)

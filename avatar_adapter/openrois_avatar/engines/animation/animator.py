@@ -113,7 +113,7 @@ class Animator:
 
     def is_expressive(self, time: float) -> bool:
         """Whether it speaks or reacts: whether there is something in its face or hands to be seen."""
-        return self._playing is not None or any(track.start <= time < track.end for track in self._tracks)
+        return self._playing is not None or any(track.is_spoken(time) for track in self._tracks)
 
     def pose(self, time: float, walking: Mapping[str, float] = MappingProxyType({})) -> Pose:
         """The body at a time; `walking` is what its steps add by channel."""

@@ -98,6 +98,10 @@ class Track:
         if self._cut is None and time < self.end:
             self._cut = time
 
+    def is_spoken(self, time: float) -> bool:
+        """Whether it is being said at a time: it has begun, and is neither at its end nor cut."""
+        return self.start <= time < (self.end if self._cut is None else self._cut)
+
     def over(self, time: float) -> bool:
         """Whether the track moves nothing any more."""
         last = self.end + _ACCENT_LENGTH if self._cut is None else self._cut + CUT

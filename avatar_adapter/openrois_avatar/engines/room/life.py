@@ -56,6 +56,11 @@ class Life:
         else:
             self._walker.halt()
 
+    def stay(self) -> None:
+        """Turn to the viewer no more, for what it said was broken off; a walk and a drive go on."""
+        self._addressing = False
+        self._walker.stay()
+
     def show_from(self, viewpoint: str) -> None:
         """Show the room from one of `VIEWPOINTS`; another name changes nothing."""
         if viewpoint in VIEWPOINTS:
@@ -77,7 +82,10 @@ class Life:
         """Turn to the viewer when it begins to say something with its back or its side to that viewer."""
         self._addressing = expressive and (self._addressing or not self._expressive)
         self._expressive = expressive
-        if self._addressing and not (self._walker.is_walking or self._walker.is_driven):
+        if self._walker.is_driven:
+            # Where the hand is lost it stands, and does not begin to turn by itself.
+            self._addressing = False
+        if self._addressing and not self._walker.is_walking:
             self._addressing = False
             if abs(turned(self._walker.place.th - HOME.th)) > _ASIDE:
                 self._walker.turn(HOME.th)

@@ -128,6 +128,10 @@ class Walker:
         """Turn on the spot to a bearing, in radians, unless a command comes before."""
         self._bearing = bearing
 
+    def stay(self) -> None:
+        """Turn on the spot no more; a walk and a drive go on."""
+        self._bearing = None
+
     def halt(self) -> None:
         """Stand still at once."""
         self._give_up()

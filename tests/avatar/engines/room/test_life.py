@@ -145,6 +145,15 @@ def test_what_is_commanded_comes_before_turning(command: Halt | Drive | Walk) ->
     assert abs(turned(later.th - HOME.th)) > 1.0
 
 
+def test_one_whose_driver_is_lost_stands_though_it_speaks() -> None:
+    life, now = away()
+    life.obey(now, Drive(0.1, 0.0, 0.0))
+    lived(life, 0.2, now)
+    stood = lived(life, 1.0, now + 0.2, expressive=True)[0][-1].place
+    assert stood.th == pi / 2
+    assert lived(life, 2.0, now + 1.2, expressive=True)[0][-1].place == stood
+
+
 def test_one_that_was_halted_turns_with_its_next_sentence() -> None:
     life, now = away()
     lived(life, 0.3, now, expressive=True)
