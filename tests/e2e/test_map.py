@@ -151,7 +151,7 @@ async def test_a_map_that_is_closed_asks_nothing(guest: Visit) -> None:
     await _figure(guest)
     await guest.press("map-open")
     await expect(guest.item("map")).to_be_hidden()
-    mine = {"figure_moved", "floor_changed", "things_changed"}
+    mine = {"figure_moved", "floor_changed", "things_changed", "viewpoint_changed"}
     await guest.until("document.querySelector('[data-method=\"rois.event.unsubscribe\"]')")
     subscribed = [m for m in guest.sent if m["method"] == "rois.event.subscribe"]
     assert mine <= {m["params"]["event_type"] for m in subscribed}

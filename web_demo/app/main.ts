@@ -142,6 +142,7 @@ function avatarChanged(): void {
   say.setComponents(present?.speech ?? null, present?.progress ?? null);
   captions.setComponent(present?.progress ?? null);
   reactions.setComponent(present?.reaction ?? null);
+  map.setAvatar(present);
   control.setComponent(present?.teleoperation ?? null);
   const moving = present && bodyOf(present);
   body.setComponents(moving);
@@ -173,7 +174,6 @@ function standingChanged(): void {
   operator.barred = present === null ? AWAY : token.counts ? why(seat) : watching;
   for (const card of [videoCard, audioCard]) card.present = present !== null;
   gaze.setComponent(why(seat) === "" ? (present?.gaze ?? null) : null);
-  map.setAvatar(present);
   map.watching = watching !== "";
   map.barred = why(present?.navigation ?? null);
   handover.watching = watching !== "";
