@@ -15,7 +15,7 @@ from tests.support.seeds import SOME
 from tests.support.spectator import AUDIO, VIDEO, Spectator
 from tests.support.stage import SMALL_GAME, Stage, stage
 
-pytestmark = pytest.mark.media
+pytestmark = [pytest.mark.media, pytest.mark.timeout(400)]
 
 ROUNDS: Final = 3
 

@@ -9,7 +9,7 @@ from tests.support.seeds import SOME
 from tests.support.spectator import AUDIO, VIDEO, Spectator
 from tests.support.stage import SMALL_GAME, Stage, stage
 
-pytestmark = pytest.mark.media
+pytestmark = [pytest.mark.media, pytest.mark.timeout(400)]
 
 
 async def watching(on: Stage) -> tuple[Spectator, str, str]:

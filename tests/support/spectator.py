@@ -28,7 +28,7 @@ __all__ = ["AUDIO", "VIDEO", "Spectator"]
 
 VIDEO: Final = "avatar/VideoStreaming"
 AUDIO: Final = "avatar/AudioStreaming"
-MEDIA_PATIENCE: Final = 40.0
+MEDIA_PATIENCE: Final = 80.0
 """Seconds that anything of media may take on a busy machine."""
 
 
