@@ -4,7 +4,7 @@ import asyncio
 import logging
 import secrets
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Final
 
 from openrois.errors import Aborted, ComponentFailed
@@ -94,9 +94,13 @@ class Body:
         self._movements.clear()
         self._tell_if_there(Silence())
 
-    def back(self) -> None:
-        """A game engine is there again: its mouth goes on with what is being said, and its camera where it was."""
-        if self.viewpoint:
+    def back(self, viewpoints: Sequence[str]) -> None:
+        """A game engine is there again: its mouth goes on with what is being said, and its camera where it was.
+
+        Args:
+            viewpoints: the names that it offers; it may be another engine, which knows others or none.
+        """
+        if self.viewpoint in viewpoints:
             self._tell_if_there(Viewpoint(self.viewpoint))
         for movements in tuple(self._movements.values()):
             for movement in movements:

@@ -186,7 +186,7 @@ async def _engine_scene(
             pauses.clear()
 
         def back(hello: Hello) -> None:
-            body.back()
+            body.back(hello.viewpoints)
             announced.tell(hello.video)
 
         engine = make(on_audio=sound.feed, on_event=told, on_lost=lost, on_back=back, clock=clock)

@@ -110,22 +110,32 @@ def test_an_engine_that_is_there_again_is_told_what_is_being_said(body: Body, en
     body.speak("b", [Speak("b", 900, (), 250)])
     body.spoken("b")
     engine.told.clear()
-    body.back()
+    body.back(())
     assert engine.told == said
     body.silence()
-    body.back()
+    body.back(())
     assert engine.told == [*said, Silence()]
 
 
 def test_an_engine_that_comes_later_shows_the_figure_from_where_the_one_before_did(body: Body, engine: Engine) -> None:
-    body.back()
+    body.back(("automatic", "face"))
     body.show_from("face")
-    body.back()
+    body.back(("automatic", "face"))
     assert engine.told == [Viewpoint("face"), Viewpoint("face")]
     engine.gone = True
     with pytest.raises(ComponentFailed, match="gone"):
         body.show_from("room")
     assert body.viewpoint == "face"
+
+
+def test_an_engine_that_comes_later_is_told_of_no_viewpoint_that_it_does_not_have(body: Body, engine: Engine) -> None:
+    body.show_from("face")
+    engine.told.clear()
+    body.back(())  # an engine that has none does not know the command, and ends its link
+    body.back(("automatic", "room"))
+    assert engine.told == []
+    body.back(("automatic", "face"))
+    assert engine.told == [Viewpoint("face")]
 
 
 def test_a_flood_of_lines_is_cut_and_no_line_is_several(engine: Engine, caplog: pytest.LogCaptureFixture) -> None:

@@ -225,11 +225,11 @@ async def test_a_paused_text_can_be_interrupted(speaker: Speaker) -> None:
 async def test_a_game_engine_that_comes_back_moves_the_mouth_of_what_is_said(speaker: Speaker) -> None:
     saying = speaker.say()
     await speaker.clock.advance(0.5)
-    speaker.body.back()
+    speaker.body.back(())
     assert speaker.told == [speaker.speaks()[0]] * 2
     await speaker.clock.advance(1.0)
     await saying
-    speaker.body.back()
+    speaker.body.back(())
     assert len(speaker.told) == 2
 
 

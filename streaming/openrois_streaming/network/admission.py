@@ -23,7 +23,10 @@ BURST: Final = 0.5
 """Seconds' worth of packets and bytes that may come at once, of one peer connection and of all; of a kind it is 1 s."""
 
 SHARE: Final = 125
-"""Packets a second that one peer connection may send whatever the others do: reports and sound, but no pictures."""
+"""Packets a second that one peer connection may send whatever the others do."""
+
+CONTROL_SHARE: Final = 75
+"""Packets of it that RTP leaves: a camera's would take all, and reports, connectivity checks and input be lost."""
 
 PERSISTENCE: Final = 3.0
 """Seconds for which a peer connection may send too much; then it ends."""
@@ -93,11 +96,11 @@ class _Bucket:
         self._per_second = per_second
         self._filled = now
 
-    def admits(self, cost: float, now: float) -> bool:
-        """Tell whether `cost` fits, and take it if so."""
+    def admits(self, cost: float, now: float, kept: float = 0.0) -> bool:
+        """Tell whether `cost` fits, with so much `kept` for others, and take it if so."""
         left = min(self._size, self._left + (now - self._filled) * self._per_second)
         self._filled = now
-        if left < cost:
+        if left < cost + kept:
             self._left = left
             return False
         self._left = left - cost
@@ -154,7 +157,8 @@ class Admission:
                 self._excess_since = now
             self._excess_at = now
             return Verdict.PEER_LIMIT
-        if self._total.admits(octets, now) or self._share.admits(1, now):
+        kept = CONTROL_SHARE if traffic is Traffic.RTP else 0.0
+        if self._total.admits(octets, now) or self._share.admits(1, now, kept):
             return Verdict.ADMITTED
         return Verdict.TOTAL_LIMIT
 

@@ -4,6 +4,7 @@ import pytest
 from openrois_streaming.network.admission import (
     BURST,
     CHECKS_PER_SECOND,
+    CONTROL_SHARE,
     DTLS_PER_SECOND,
     PERSISTENCE,
     RESPITE,
@@ -56,14 +57,27 @@ def test_a_peer_may_send_so_many_bytes() -> None:
 
 def test_all_together_may_send_so_much_and_each_has_a_share_of_it() -> None:
     packets = Ingoing(peers=3, total_packets=1000)
-    assert packets.admitted(Traffic.RTP, 700) == 500 + SHARE
-    assert packets.admitted(Traffic.RTP, 700, peer=1) == SHARE
+    assert packets.admitted(Traffic.RTCP, 500, peer=2) == RTCP_PER_SECOND
+    assert packets.admitted(Traffic.RTP, 700) == 500 - RTCP_PER_SECOND + SHARE - CONTROL_SHARE
+    assert packets.admitted(Traffic.RTP, 700, peer=1) == SHARE - CONTROL_SHARE
     assert packets.peers[2].judge(Traffic.RTP, 100) is Verdict.ADMITTED
     assert packets.peers[1].judge(Traffic.RTP, 100) is Verdict.TOTAL_LIMIT
     octets = Ingoing(peers=2, total_bytes=100_000)
-    assert octets.admitted(Traffic.RTP, 700, octets=1000) == 50 + SHARE
+    assert octets.admitted(Traffic.RTP, 700, octets=1000) == 50 + SHARE - CONTROL_SHARE
     assert octets.peers[0].judge(Traffic.RTP, 1000) is Verdict.TOTAL_LIMIT
     assert not octets.peers[0].persists, "what others take is nothing to end a peer connection for"
+
+
+def test_pictures_leave_a_part_of_the_share_to_reports_checks_and_input() -> None:
+    ingoing = Ingoing(peers=2, total_packets=1000)
+    ingoing.admitted(Traffic.RTP, 700)
+    for _ in range(100):
+        # A camera goes on while others take all there is; what keeps its peer connection alive, and is held, arrives.
+        ingoing.admitted(Traffic.RTP, 500)
+        ingoing.admitted(Traffic.RTP, 45, peer=1)
+        for traffic in (Traffic.CHECK, Traffic.DTLS, Traffic.RTCP):
+            assert ingoing.admitted(traffic, 2, peer=1) == 2
+        ingoing.now += 0.1
 
 
 def sends(ingoing: Ingoing, seconds: float, per_tenth: int) -> None:
