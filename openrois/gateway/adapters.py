@@ -103,10 +103,13 @@ async def _keep_attached(
     try:
         await host.engine.attach(proxy, own=False)
         session.peer = ", ".join(proxy.engine_ids)
-        if proxy.speaks_extensions:
-            session.notify(ATTACHED, {})
         _log.info("attached %s", session.peer)
+        is_told = False
         while True:
+            # One that has answered the hello late has learnt from it that it will be told.
+            if proxy.speaks_extensions and not is_told:
+                session.notify(ATTACHED, {})
+                is_told = True
             await changed.wait()
             changed.clear()
             await host.engine.refresh(proxy)
