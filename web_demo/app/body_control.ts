@@ -209,20 +209,32 @@ export class BodyControl {
   }
 
   async #takeAll(): Promise<Holding> {
+    const refs = this.#refs;
     const parts: Part[] = [];
-    for (const componentRef of this.#refs) {
+    for (const componentRef of refs) {
       try {
         parts.push(await this.#hold(componentRef));
+        // A gateway tells an application nothing of what it has bound itself.
+        this.#leases.delete(componentRef);
+        this.#requireUnchanged(refs, parts);
       } catch (error) {
         for (const part of parts.reverse()) await part.release();
         await this.#look();
+        if (error instanceof BodyTaken) throw error;
         const isBusy = error instanceof RoISError && error.returnCode === "OUT_OF_RESOURCES";
         throw isBusy ? new BodyTaken(componentRef, this.#leases.get(componentRef)?.holder ?? "") : error;
       }
     }
-    // A gateway tells an application nothing of what it has bound itself.
-    for (const ref of this.#refs) this.#leases.delete(ref);
     return { uses: 0, parts };
+  }
+
+  /** Of what is bound one after the other, a part may be another's by now, and the avatar another one. */
+  #requireUnchanged(refs: readonly string[], parts: readonly Part[]): void {
+    if (refs !== this.#refs) throw new Error("Another avatar was chosen.");
+    for (const { componentRef } of parts) {
+      const { state, holder = "" } = this.#leases.get(componentRef) ?? {};
+      if (state === "HELD" || state === "ABSENT") throw new BodyTaken(componentRef, holder);
+    }
   }
 
   #hold(componentRef: string): Promise<Part> {

@@ -92,7 +92,7 @@ export class Control {
     const teleoperation = this.#teleoperation;
     if (!teleoperation || this.#button.getAttribute("aria-busy") === "true") return;
     try {
-      if (!this.#detach) return await this.#start(teleoperation, await this.#body.take());
+      if (!this.#detach) return await this.#start(teleoperation, await this.#take());
       const giveBack = this.#giveBack;
       this.#giveBack = null;
       this.#show(false);
@@ -110,6 +110,16 @@ export class Control {
       this.#say(sentence(describeFailure(error).text)),
     );
     return true;
+  }
+
+  /** Takes the body once, however often that is asked for meanwhile. */
+  async #take(): Promise<GiveBack> {
+    this.#button.setAttribute("aria-busy", "true");
+    try {
+      return await this.#body.take();
+    } finally {
+      this.#button.removeAttribute("aria-busy");
+    }
   }
 
   /** The avatar is not driven any more, though this page did not end it. @param why in a sentence */
@@ -132,6 +142,8 @@ export class Control {
     } finally {
       this.#button.removeAttribute("aria-busy");
     }
+    // It may have been granted while it was being taken.
+    if (this.#giveBack !== null) return giveBack();
     if (!teleoperation.operating || this.#body.standing.kind !== "mine") return giveBack();
     this.#giveBack = giveBack;
     this.#show(true);

@@ -79,7 +79,7 @@ const operator = new OperatorCard(client, receiver, () =>
 const map = new MapCard(client);
 const control = new Control(client, receiver, body, stage.video);
 const handover = new Handover(body, (giveBack) => control.drive(giveBack));
-const stopButton = new StopButton(client);
+const stopButton = new StopButton(client, () => say.stop());
 body.onLost = (why) => {
   control.ended(why);
   if (token.counts) operator.off(why);

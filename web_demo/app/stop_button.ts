@@ -14,6 +14,7 @@ const READABLE = 4000;
 
 export class StopButton {
   readonly #client: Client;
+  readonly #onPress: () => void;
   readonly #button = byTestId("stop-all", HTMLButtonElement);
   readonly #title = this.#button.title;
   #engineId: string | null = null;
@@ -21,8 +22,10 @@ export class StopButton {
   #barred = "";
   #fading: ReturnType<typeof setTimeout> | undefined;
 
-  constructor(client: Client) {
+  /** @param onPress forgets what this page would let the avatar do next */
+  constructor(client: Client, onPress: () => void) {
     this.#client = client;
+    this.#onPress = onPress;
     this.#button.addEventListener("click", () => void this.press());
     // Before anything else on the page can keep the key to itself.
     document.addEventListener("keydown", (event) => this.#keyDown(event), { capture: true });
@@ -55,8 +58,10 @@ export class StopButton {
   async press(): Promise<void> {
     if (this.#engineId === null || this.#button.disabled) return;
     this.#say(LABEL);
+    const stopping = this.#stop(this.#engineId);
+    this.#onPress();
     try {
-      await this.#stop(this.#engineId);
+      await stopping;
       this.#say("Stopped");
       this.#fading = setTimeout(() => this.#say(LABEL), READABLE);
     } catch (error) {

@@ -154,3 +154,26 @@ it("forgets a request when its time is over", async () => {
   await vi.advanceTimersByTimeAsync(1000);
   expect(body.asked).toBeNull();
 });
+
+it("takes nothing of an avatar that is not chosen any more", async () => {
+  const taken = body.take();
+  body.setComponents(["b/Teleoperation", "b/Navigation"]);
+  await expect(taken).rejects.toThrow("Another avatar was chosen.");
+  await settle();
+  expect(verbs()).toEqual([`bind ${SEAT}`, `release ${SEAT}`]);
+  expect(body.standing).toEqual({ kind: "free" });
+  const giveBack = await body.take();
+  expect(verbs().slice(2)).toEqual(["bind b/Teleoperation", "bind b/Navigation"]);
+  giveBack();
+});
+
+it("takes nothing where a part is another's by the time that the rest is bound", async () => {
+  gateway.on("rois.command.bind", (params) => {
+    if (refOf(params) === "a/Reaction")
+      tell("changed", { component_ref: SEAT, state: "HELD", holder: "root", reason: "" });
+    return {};
+  });
+  await expect(body.take()).rejects.toThrow("root has control. Ask for it first.");
+  await settle();
+  expect(verbs().slice(3)).toEqual([...BODY].reverse().map((ref) => `release ${ref}`));
+});

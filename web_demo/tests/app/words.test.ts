@@ -153,6 +153,7 @@ describe("findAvatars", () => {
       gaze: null,
       teleoperation: null,
       surroundings: null,
+      viewpoint: null,
       navigation: null,
       move: null,
       follow: null,
