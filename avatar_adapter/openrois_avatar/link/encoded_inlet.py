@@ -78,9 +78,14 @@ class EngineEncoded:
         sequence = self._first_sequence + picture.sequence
         self._next_sequence = sequence + 1
         moment = self._timestamps.captured_at(picture.timestamp_ns)
-        if self._open and not self._demand.is_stale(moment):
+        if not self._open:
+            return
+        if not self._demand.is_stale(moment):
             size = picture.width, picture.height
             self._queue(EncodedVideo(data, picture.keyframe, *size, sequence, moment))
+        elif picture.keyframe:
+            # It may be the one that was asked for, and nothing that follows could be decoded.
+            self.request_key_frame()
 
     def _queue(self, picture: EncodedVideo) -> None:
         if len(self._waiting) >= MAX_WAITING:

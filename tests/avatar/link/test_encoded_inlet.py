@@ -148,3 +148,22 @@ async def test_an_engine_that_sleeps_is_told_first_and_gives_nothing_old(made: l
         encoded.put(replace(made[0], timestamp_ns=round(999.99e9)))
         encoded.put(replace(made[0], sequence=1, timestamp_ns=round(1000e9)))
         assert (await anext(pictures)).captured_at == 1000.0
+
+
+async def test_a_key_frame_that_is_too_old_to_be_shown_is_asked_for_anew(made: list[Encoded]) -> None:
+    clock, asked = VirtualClock(now=1000), Asked()
+    demand = PictureDemand(clock)
+    encoded = EngineEncoded(clock, demand)
+    demand.begin(asked)
+    encoded.begin(SHAPE, asked)
+    async with encoded.open():
+        encoded.request_key_frame()
+        asked.commands.clear()
+        # Drawn for a moment just before it was asked for: what follows could not be decoded without another one.
+        encoded.put(replace(made[0], timestamp_ns=round(999.99e9)))
+        assert asked.commands == [KeyFrame()]
+        encoded.put(replace(made[1], timestamp_ns=round(999.995e9)))
+        encoded.put(replace(made[0], sequence=2, timestamp_ns=round(1000e9)))
+        assert asked.commands == [KeyFrame()]
+    encoded.put(replace(made[0], sequence=3, timestamp_ns=round(999.999e9)))
+    assert asked.commands == [KeyFrame(), Demand(0)]
