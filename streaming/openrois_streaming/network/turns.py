@@ -111,6 +111,8 @@ class TurnTaking:
         self._turn = -1
         self._worked_off = 0
         self._handed_out_at: float | None = None
+        self._kept: bytes | None = None
+        """What has come and waits for a turn, though its reader may give up: DTLS does when it is to repeat itself."""
 
     async def receive(self) -> bytes:
         """Wait for the next datagram; the one before is worked off now."""
@@ -121,9 +123,11 @@ class TurnTaking:
             self._handed_out_at = None
         if self._turn == turns.number and self._worked_off >= DATAGRAMS_PER_TURN:
             await turns.next()
-        data = await self._receive()
+        if self._kept is None:
+            self._kept = await self._receive()
         if turns.is_spent:
             await turns.next()
+        data, self._kept = self._kept, None
         turns.begin()
         if self._turn != turns.number:
             self._turn, self._worked_off = turns.number, 0

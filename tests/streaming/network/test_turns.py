@@ -102,3 +102,20 @@ async def test_a_reader_that_is_cancelled_while_it_waits_for_a_turn_is_forgotten
     waiting.cancel()  # type: ignore[attr-defined]
     await settle()
     await turns.next()
+
+
+async def test_a_datagram_is_not_lost_with_a_reader_that_gives_up_while_it_waits_for_a_turn() -> None:
+    turns = Turns(lambda: 0.0)
+    arrived: asyncio.Queue[bytes] = asyncio.Queue()
+    taking = TurnTaking(turns, arrived.get)
+    arrived.put_nowait(b"first")
+    arrived.put_nowait(b"second")
+    waiting = asyncio.ensure_future(taking.receive())
+    turns.spend(TIME_PER_TURN)
+    await asyncio.sleep(0)
+    assert arrived.qsize() == 1, "it has the first one, and waits for a turn"
+    # As DTLS does when it is time to repeat its last flight.
+    waiting.cancel()
+    await asyncio.wait({waiting})
+    assert waiting.cancelled()
+    assert [await taking.receive(), await taking.receive()] == [b"first", b"second"]
