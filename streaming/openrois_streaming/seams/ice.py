@@ -24,7 +24,7 @@ from typing import Any, Final
 
 from aioice import Candidate, ice, stun
 from aioice.candidate import candidate_foundation, candidate_priority
-from aioice.turn import UDP_SOCKET_BUFFER_SIZE
+from aioice.turn import UDP_SOCKET_BUFFER_SIZE, TurnTransport
 from aiortc.rtcicetransport import RTCIceTransport
 
 from openrois_streaming.network.admission import Admission, Traffic, Verdict, media_traffic
@@ -92,12 +92,14 @@ class GuardedProtocol(ice.StunProtocol):
             async with asyncio.timeout(RELEASE_TIMEOUT):
                 await super().close()
         except TimeoutError:
-            _log.info("a TURN server does not answer to the end of a relay")
-            await self._drop_relay()
+            relay: Any = self.transport
+            # A socket of this machine was closed at once: this process itself stood still.
+            if isinstance(relay, TurnTransport):
+                _log.info("a TURN server does not answer to the end of a relay")
+                await self._drop(relay)
 
-    async def _drop_relay(self) -> None:
+    async def _drop(self, relay: Any) -> None:
         """Ask no more: aioice would do so for half a minute, with the socket open."""
-        relay: Any = self.transport
         relay._TurnTransport__close_task.cancel()
         await asyncio.wait({relay._TurnTransport__close_task})
         relay._TurnTransport__inner_protocol.transport.close()

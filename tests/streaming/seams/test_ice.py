@@ -47,6 +47,25 @@ async def test_a_socket_that_is_given_up_while_it_is_opened_is_closed(
     assert transports[0].is_closing()
 
 
+async def test_sockets_are_closed_by_a_process_that_stands_still_meanwhile(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    connection = RTCPeerConnection()
+    transport = connection.addTransceiver("video").sender.transport.transport
+    agent = IceAgent(
+        transport, gather=NotImplemented, permits=lambda *_: True, figures=GuardFigures(), ingress=Ingress()
+    )
+    for host in range(1, 4):
+        await agent.open_host(f"127.0.0.{host}", [0])
+    sockets = [protocol.transport for protocol in agent.connection._protocols]
+    # As where it was stopped for longer than that: the time is over before it can learn that a socket is closed.
+    monkeypatch.setattr("openrois_streaming.seams.ice.RELEASE_TIMEOUT", 0.0)
+    with caplog.at_level(logging.INFO):
+        await connection.close()
+    assert [each.is_closing() for each in sockets] == [True] * 3
+    assert "TURN" not in caplog.text
+
+
 async def test_a_peer_connection_checks_so_many_pairs_and_the_best_of_them(caplog: pytest.LogCaptureFixture) -> None:
     connection = RTCPeerConnection()
     transport = connection.addTransceiver("video").sender.transport.transport
