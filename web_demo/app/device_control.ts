@@ -106,7 +106,8 @@ export class DeviceControl {
     this.#render();
     try {
       const giveBack = await this.#take();
-      if (this.#isUnwanted(stream)) return giveBack();
+      // Turned off and on again meanwhile, it was asked for twice.
+      if (this.#isUnwanted(stream) || this.#giveBack !== null) return giveBack();
       this.#giveBack = giveBack;
       await stream.connect();
     } catch (error) {

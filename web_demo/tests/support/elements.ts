@@ -52,6 +52,7 @@ export function stubPage(): (testId: string) => FakeElement {
   const page = Object.assign(new EventTarget(), {
     querySelector: find,
     createElement: () => new FakeElement(),
+    createElementNS: () => new FakeElement(),
   });
   vi.stubGlobal("document", page);
   return (testId) => find(`[data-testid="${testId}"]`);
