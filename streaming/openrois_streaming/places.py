@@ -32,14 +32,14 @@ class PlaceRules:
 
     def __post_init__(self) -> None:
         if not 1 <= self.applications <= 4096:
-            raise ValueError(f"{self.applications} is no number of applications: 1 to 4096")
+            raise ValueError(f"--applications must be 1 to 4096, not {self.applications}")
         if not 0 <= self.kept_for_operators < self.applications:
             raise ValueError(
-                f"{self.kept_for_operators} places cannot be kept for operators: 0 to {self.applications - 1}, "
-                "fewer than there are applications"
+                f"--kept-for-operators must be 0 to {self.applications - 1}, fewer than --applications, "
+                f"not {self.kept_for_operators}"
             )
         if not 0 <= self.answer_time <= 60:
-            raise ValueError(f"{self.answer_time} is no time for an answer: 0 to 60 seconds")
+            raise ValueError(f"--answer-time must be 0 to 60 seconds, not {self.answer_time}")
 
     def has_room(self, taken: Collection[bool], may_bind: bool) -> bool:
         """Tell whether one more application has a place.

@@ -46,6 +46,7 @@ def test_what_cannot_be_read_is_said(arguments: tuple[str, ...], told: str, caps
         (("--interface", "nowhere0"), "no interface has the name or the address nowhere0; there are: .*lo"),
         (("--relay-only", "--interface", "lo"), "with a relay alone"),
         (("--peer-packets", "0"), "--peer-packets must be 1 or more, not 0"),
+        (("--applications", "8"), "--kept-for-operators must be 0 to 7, fewer than --applications, not 16"),
     ],
 )
 def test_what_cannot_be_used_is_said(arguments: tuple[str, ...], told: str) -> None:

@@ -47,12 +47,12 @@ def test_whose_offer_is_unanswered_for_longest_gives_up_its_place(
 @pytest.mark.parametrize(
     ("wrong", "said"),
     [
-        ({"applications": 0, "kept_for_operators": 0}, "0 is no number of applications"),
+        ({"applications": 0, "kept_for_operators": 0}, "--applications must be 1 to 4096, not 0"),
         ({"applications": 5000}, "5000 is no number"),
-        ({"applications": 16}, "16 places cannot be kept"),
-        ({"kept_for_operators": -1}, "-1 places cannot be kept"),
-        ({"answer_time": -1.0}, "no time for an answer"),
-        ({"answer_time": 61.0}, "no time for an answer"),
+        ({"applications": 16}, "--kept-for-operators must be 0 to 15, fewer than --applications, not 16"),
+        ({"kept_for_operators": -1}, "--kept-for-operators must be 0 to 63, fewer than --applications, not -1"),
+        ({"answer_time": -1.0}, "--answer-time must be 0 to 60 seconds, not -1.0"),
+        ({"answer_time": 61.0}, "--answer-time must be 0 to 60 seconds, not 61.0"),
     ],
 )
 def test_rules_that_cannot_be(wrong: dict[str, Any], said: str) -> None:
