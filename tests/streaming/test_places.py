@@ -48,7 +48,7 @@ def test_whose_offer_is_unanswered_for_longest_gives_up_its_place(
     ("wrong", "said"),
     [
         ({"applications": 0, "kept_for_operators": 0}, "--applications must be 1 to 4096, not 0"),
-        ({"applications": 5000}, "5000 is no number"),
+        ({"applications": 5000}, "--applications must be 1 to 4096, not 5000"),
         ({"applications": 16}, "--kept-for-operators must be 0 to 15, fewer than --applications, not 16"),
         ({"kept_for_operators": -1}, "--kept-for-operators must be 0 to 63, fewer than --applications, not -1"),
         ({"answer_time": -1.0}, "--answer-time must be 0 to 60 seconds, not -1.0"),
