@@ -37,7 +37,9 @@ class Writer:
         Raises:
             OutboxOverflow: a control message no longer fits.
         """
-        if self._is_busy or self._batches is None or len(self._outbox) or not self._batches.send_now(text):
+        # What is long may wait in the stream for as long as the other side likes: it counts meanwhile.
+        is_long = len(text) > BATCH_TEXT
+        if is_long or self._is_busy or self._batches is None or len(self._outbox) or not self._batches.send_now(text):
             self._outbox.put(text, droppable=droppable)
         else:
             self._is_busy = True

@@ -6,7 +6,8 @@ import random
 import pytest
 
 from openrois.jsonrpc.outbox import Outbox, OutboxOverflow
-from openrois.jsonrpc.writing import Writer
+from openrois.jsonrpc.unread import UnreadBudget
+from openrois.jsonrpc.writing import BATCH_TEXT, Writer
 from openrois.transport.stream import StreamClosed
 from tests.support.session import settle
 
@@ -97,6 +98,34 @@ async def test_while_half_of_a_batch_waits_nothing_passes() -> None:
     line.closed = True
     line.free.set()
     await running
+
+
+class Slow(Line):
+    """A line that takes one message at any time, and sends it when it is free."""
+
+    def send_now(self, text: str) -> bool:
+        self.writes.append([text])
+        return True
+
+
+async def test_a_long_message_counts_until_the_stream_has_taken_it() -> None:
+    line, outbox, budget = Slow(), Outbox(), UnreadBudget()
+    writer = Writer(line, outbox)
+    with budget.account("ann", lambda: None) as outbox.account:
+        running = asyncio.ensure_future(writer.run())
+        await settle()
+        line.free.clear()
+        long = "a" * (BATCH_TEXT + 1)
+        writer.put(long)
+        await settle()
+        assert budget.total == len(long)
+        writer.put("b")
+        line.free.set()
+        await settle()
+        assert (line.texts, budget.total) == ([long, "b"], 0)
+        writer.put("c" * BATCH_TEXT)
+        assert line.texts[-1][0] == "c"
+        running.cancel()
 
 
 @pytest.mark.parametrize("seed", range(20))
