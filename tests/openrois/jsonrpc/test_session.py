@@ -48,7 +48,8 @@ class TestServing:
             unusable: tuple[Any, ...] = ({}, [], 5)
             for params in unusable:
                 await other.say(id=1, method="__class__", params=params)
-                assert await other.hear() == {"id": 1, "error": {"code": -32601, "message": "Method not found"}}
+                error = {"code": -32601, "message": "Method not found: __class__"}
+                assert await other.hear() == {"id": 1, "error": error}
 
     async def test_params_that_are_no_object(self) -> None:
         async with connected({"echo": echo}) as other:
