@@ -63,5 +63,8 @@ function endOfPiece(text: string, start: number): number {
   );
   if (sentence > 0) return start + sentence;
   const space = window.search(/\s\S*$/);
-  return start + (space > 0 ? space + 1 : LONGEST);
+  if (space > 0) return start + space + 1;
+  const end = start + LONGEST;
+  // A character of two code units stays whole.
+  return /[\uDC00-\uDFFF]/.test(text.charAt(end)) ? end - 1 : end;
 }

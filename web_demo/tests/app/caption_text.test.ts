@@ -49,3 +49,8 @@ it("shows the last words of a text whose beginning was missed", () => {
   for (let count = 1; count <= 10; count += 1) caption.heard(`w${count}`, count, 2);
   expect(caption.shown).toEqual({ before: "w3 w4 w5 w6 w7 w8 w9 ", word: "w10", after: "" });
 });
+
+it("cuts no character in two where there is no better place", () => {
+  const { before, word, after } = new Caption("1", `a${"😀".repeat(60)}`).shown;
+  expect(`${before}${word}${after}`).toBe(`a${"😀".repeat(41)}`);
+});
