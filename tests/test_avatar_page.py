@@ -81,7 +81,7 @@ ENGINE_LINK = (
     f"sends HELLO within {server.GREETING_TIMEOUT:g} s",
     f"more than {server.MAX_STRANGERS} connections have not greeted yet",
     f"leaves {connection.MAX_UNREAD // 1024} KiB of commands unread",
-    f"as soon as its BYE is sent, and cuts {connection.FAREWELL_TIMEOUT} s later",
+    f"until the engine closes, for {connection.FAREWELL_TIMEOUT} s at most; then it cuts",
     f"sends no picture for {HUNG:g} s without a pause",
     f"or none in the {external.FIRST_PICTURE:g} s after its greeting, hangs",
     f"HELLO has to come within {embedded.START_TIMEOUT:g} s of the start",

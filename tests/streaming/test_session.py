@@ -91,7 +91,7 @@ async def test_a_viewer_that_can_have_single_pictures_alone_is_not_told_of_each(
     theatre.session.connect("v", "engine/Video", theatre.publisher, "video", caps=Caps(max_bitrate=40_000))
     connection = await theatre.up()
     for number in range(100):
-        answered = number == 0 or theatre.video.asked[-1] is KeyFrameCause.REPAIR
+        answered = number == 0 or theatre.video.asked[-1] is KeyFrameCause.STILL
         theatre.video.asked.append(KeyFrameCause.START)
         await theatre.video.source.feed(frame(number, keyframe=answered, at=number / 8))
         if number % 10 == 5:

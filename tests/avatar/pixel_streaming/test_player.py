@@ -14,6 +14,7 @@ from openrois_avatar.teleoperation.seat import Seat
 from openrois_avatar.teleoperation.steering import Steering
 from openrois_streaming import peer as peer_module
 from openrois_streaming.announced import AnnouncedChannel
+from openrois_streaming.places import PlaceRules
 from openrois_streaming.state import Party
 
 from openrois.errors import OutOfResources
@@ -139,7 +140,7 @@ async def test_a_peer_connection_that_ends_is_told_once(stage: Stage) -> None:
 
 
 async def test_who_cannot_be_served_is_told_why(stage: Stage, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stage.streams.sessions, "_limit", 0)
+    monkeypatch.setattr(PlaceRules, "has_room", lambda *_: False)
     with pytest.raises(OutOfResources):
         await stage.player.connect(())
     await stage.player.leave()
