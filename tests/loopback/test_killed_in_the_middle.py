@@ -45,7 +45,7 @@ class Stage:
         await self.app.hello()
         await self.attached()
         self.video = await self.app.play(VIDEO, H264)
-        assert await self.app.pictures(self.video, 5)
+        assert await self.app.frames(self.video, 5)
 
     async def attached(self) -> None:
         """Wait until an avatar is there, and usable."""
@@ -67,7 +67,7 @@ class Stage:
                 asked = await self.app.ask("rois.query.query", query_type="component_status", condition=condition)
                 if asked["results"][0]["value"] in {"READY", "BUSY"}:
                     return
-                await self.app.pictures(self.video, 1)
+                await self.app.frames(self.video, 1)
 
     async def start(self, ref: str, name: str, kind: str, value: Any) -> str:
         """Bind a component, set a parameter and start it; returns the id of the command."""
@@ -92,7 +92,7 @@ class Stage:
         walk = await self.start(_WALK, "target_positions", "string[]", targets)
         while await self.place() == before:
             assert not self.ends(walk), "it does not walk at all"
-            await self.app.pictures(self.video, 1)
+            await self.app.frames(self.video, 1)
         return walk
 
     async def place(self) -> str:
@@ -116,7 +116,7 @@ class Stage:
         speech, walk = await self.speak("Hello."), await self.walk(["0,0.5"])
         assert await self.end(speech) == await self.end(walk, 30) == "OK"
         assert await self.place() != "0.000,0.000,-1.5708"
-        assert await self.app.pictures(self.video, 5)
+        assert await self.app.frames(self.video, 5)
 
 
 @asynccontextmanager
@@ -184,7 +184,7 @@ async def test_what_ran_when_the_gateway_was_killed_is_in_the_hands_of_whoever_c
         await orphan.app.news.until(lambda: orphan.app.ended)
         assert orphan.ends(speech) == orphan.ends(walk) == []
         while True:
-            await orphan.app.pictures(orphan.video, 1)  # they come past the gateway
+            await orphan.app.frames(orphan.video, 1)  # they come past the gateway
             with suppress(ConnectionRefusedError):
                 async with stage(demo) as on:
                     await on.works()

@@ -242,6 +242,13 @@ class Application(Wire):
         await self.news.until(lambda: len(media.pictures) >= start + count, within)
         return media.pictures[start : start + count]
 
+    async def frames(self, stream_id: str, count: int, within: float = _PATIENCE) -> int:
+        """Wait for the next `count` pictures of a stream, with a stamp or without; returns how many there were."""
+        media = self.media(stream_id)
+        start = media.arrived
+        await self.news.until(lambda: media.arrived >= start + count, within)
+        return media.arrived
+
     async def negotiate(self) -> None:
         """Answer offers, in order, until the connection ends."""
         with suppress(ConnectionClosed):

@@ -55,6 +55,8 @@ class Media:
     def __init__(self, kind: str) -> None:
         self.kind = kind
         self.pictures: list[Picture] = []
+        self.arrived = 0
+        """Pictures, with a stamp or without."""
         self.unreadable = 0
         self.blocks = 0
         self.ended = False
@@ -70,6 +72,7 @@ class Media:
         plane = frame.planes[0]
         luma = np.frombuffer(bytes(plane), np.uint8).reshape(-1, plane.line_size)[: frame.height, : frame.width]
         self.luma = luma
+        self.arrived += 1
         stamp = read_stamp(luma)
         if stamp is None:
             self.unreadable += 1
