@@ -155,6 +155,10 @@ async (patience) => {
     await gaze.bound(async () => {
       found.Gaze = await ended(gaze.execute("look", sdk.encode({ x: "double", y: "double" }, { x: 0.5, y: -0.5 })));
     });
+    const viewpoint = part("Viewpoint");
+    const choose = (name) =>
+      ended(viewpoint.execute("choose", sdk.encode({ viewpoint: "string" }, { viewpoint: name })));
+    found.Viewpoint = [await choose("face"), await choose("automatic")];
   };
 
   const legs = async () => {

@@ -152,6 +152,7 @@ def _check_acting(found: dict[str, Any]) -> None:
     assert speech["voices"]
     assert {"Hello", "window"} <= set(found["SpeechProgress"]["words"])
     assert found["Reaction"]["status"] == found["Gaze"] == "OK"
+    assert found["Viewpoint"] == ["OK", "OK"]
     assert len(found["Reaction"]["reactions"]) == 12
     assert found["Move"]["status"] == found["Navigation"]["status"] == "OK"
     assert np.allclose(found["Move"]["ended"], (0, -0.4, -1.5708), atol=0.05)
