@@ -6,7 +6,7 @@ import os
 import ssl
 import struct
 from collections.abc import AsyncIterator, Callable, Sequence
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 from typing import Any, Final
 from urllib.parse import urlsplit
@@ -21,12 +21,17 @@ PATIENCE: Final = 240.0
 AT_ONCE: Final = 32
 """Connections that are opened at a time."""
 
+CLOSING: Final = 2.0
+"""Seconds that the gateway has to answer the close frames of all connections; then they are cut."""
+
 _TEXT: Final = 0x81
+_CLOSE: Final = 0x88
 _PING: Final = 0x89
 _PONG: Final = 0x8A
 _MASKED: Final = 0x80
 # A mask of zeros is a mask to the gateway, which removes it like any other, and nothing to us.
 _MASK: Final = bytes(4)
+_NORMAL_CLOSURE: Final = struct.pack("!H", 1000)
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,11 +59,14 @@ class Application(asyncio.Protocol):
 
     Attributes:
         on_message: takes each message as bytes.
+        opened: settled once the upgrade is answered.
+        closed: set once the connection has ended.
     """
 
     def __init__(self) -> None:
         self.on_message: Callable[[bytes], None] = lambda _message: None
         self.opened: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self.closed = asyncio.Event()
         self._buffer = b""
 
     def connection_made(self, transport: Any) -> None:
@@ -66,7 +74,8 @@ class Application(asyncio.Protocol):
         self._transport: asyncio.Transport = transport
 
     def connection_lost(self, error: Exception | None) -> None:
-        """Fail whoever waits for the opening."""
+        """Note the end, and fail whoever waits for the opening."""
+        self.closed.set()
         if not self.opened.done():
             self.opened.set_exception(BenchFailed(f"the gateway ended a connection: {error}"))
 
@@ -95,6 +104,11 @@ class Application(asyncio.Protocol):
         return not self._transport.is_closing()
 
     def close(self) -> None:
+        """Begin the closing handshake; `closed` says when it is over."""
+        if self.is_open:
+            self._transport.write(_frame(_CLOSE, _NORMAL_CLOSURE))
+
+    def abort(self) -> None:
         """Cut the connection."""
         self._transport.abort()
 
@@ -133,6 +147,8 @@ class Application(asyncio.Protocol):
             self.on_message(payload)
         elif kind == _PING:
             self._transport.write(_frame(_PONG, payload))
+        elif kind == _CLOSE:
+            self._transport.close()
 
 
 def _frame(kind: int, payload: bytes) -> bytes:
@@ -169,5 +185,18 @@ async def applications(door: Door, count: int) -> AsyncIterator[Sequence[Applica
                 opening.create_task(enter())
         yield open_ones
     finally:
+        await _close(open_ones)
+
+
+async def _close(open_ones: Sequence[Application]) -> None:
+    """Close connections in good order, and cut those whose close frame is not answered in time."""
+    try:
         for application in open_ones:
             application.close()
+        with suppress(TimeoutError):
+            async with asyncio.timeout(CLOSING):
+                for application in open_ones:
+                    await application.closed.wait()
+    finally:
+        for application in open_ones:
+            application.abort()
