@@ -46,8 +46,8 @@ __all__ = ["AUDIO", "VIDEO", "Avatar", "run_avatar", "serve_scene"]
 
 _log = logging.getLogger(__name__)
 
-VIDEO: Final = "VideoStreaming"
-AUDIO: Final = "AudioStreaming"
+VIDEO: Final = VideoStreaming.component_type.name
+AUDIO: Final = AudioStreaming.component_type.name
 """The names of the streaming components."""
 
 

@@ -213,7 +213,7 @@ async def _engine_scene(
             return engine.hello.viewpoints if engine.hello is not None else ()
 
         voice = Voice(synthesizer, sound, body)
-        seat = Seat(reference(engine_id, "Teleoperation"), clock)
+        seat = Seat(reference(engine_id, Teleoperation.component_type.name), clock)
         figure = Figure(legs, world, Ways(world), status)
         components = (
             SpeechSynthesis(voice),

@@ -14,7 +14,7 @@ from openrois_avatar.bench.application import Playing, application
 
 from openrois.bench.errors import BenchFailed
 
-VIDEO: Final = "avatar/VideoStreaming"
+VIDEO: Final = "avatar/video_streaming"
 CODECS: Final = ("video/H264", "video/VP8")
 VISIT: Final = (1.0, 5.0)
 """Seconds that a visit lasts, from and to."""

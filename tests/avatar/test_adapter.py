@@ -88,4 +88,4 @@ async def test_what_the_engine_pauses_is_held_for_those_who_see_it(monkeypatch: 
     async with stage.served():
         stage.pauses.take(Pause(True))
         stage.pauses.clear()
-    assert calls == [("hold", "avatar/VideoStreaming", "recvonly"), ("release", "avatar/VideoStreaming")]
+    assert calls == [("hold", "avatar/video_streaming", "recvonly"), ("release", "avatar/video_streaming")]

@@ -8,7 +8,7 @@ from openrois_avatar.audience import DEVICE, LONGEST, PLAYOUT, Audience, way
 from openrois_streaming.errors import UnknownStream
 from openrois_streaming.state import StreamStatus
 
-REF = "avatar/AudioStreaming"
+REF = "avatar/audio_streaming"
 
 
 @dataclass
@@ -78,7 +78,7 @@ async def test_it_is_waited_for_the_last_of_those_who_listen() -> None:
     "stream",
     [
         None,
-        Stats(0.2, 0.0, component_ref="avatar/VideoStreaming"),
+        Stats(0.2, 0.0, component_ref="avatar/video_streaming"),
         Stats(0.2, 0.0, status=StreamStatus.SUSPENDED),
         Stats(0.2, 0.0, status=StreamStatus.NOT_RUNNING),
     ],

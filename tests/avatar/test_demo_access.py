@@ -47,7 +47,7 @@ async def test_a_demo_for_other_machines(algorithm: str, tmp_path: Path) -> None
     assert settings.tls_cert == tmp_path / "cert.pem"
     assert settings.auth_keys == (public,)
     viewer = await whose(access.token(Role.VIEWER), public)
-    assert (viewer.roles, viewer.is_application, viewer.sees("avatar/Move")) == ({Role.VIEWER}, True, True)
+    assert (viewer.roles, viewer.is_application, viewer.sees("avatar/move")) == ({Role.VIEWER}, True, True)
 
 
 async def test_the_avatar_gets_a_new_token_in_time(tmp_path: Path) -> None:

@@ -36,7 +36,7 @@ class Stage:
         self.microphone.level_changed.add(self.levels.append)
 
     async def ask(self, query: str) -> dict[str, str]:
-        return {result.name: result.value for result in await self.registry.query("avatar/Operator", query)}
+        return {result.name: result.value for result in await self.registry.query("avatar/operator", query)}
 
     async def speak(self, value: int, seconds: float = LEVEL_INTERVAL) -> None:
         for _ in range(round(seconds * 100)):
@@ -80,7 +80,7 @@ async def test_levels_are_told_when_they_change_and_so_is_the_end(stage: Stage) 
 
 async def test_the_peak_is_not_the_mean(stage: Stage) -> None:
     events: list[Any] = []
-    subscription = await stage.registry.subscribe("avatar/Operator", "microphone_level", events.append)
+    subscription = await stage.registry.subscribe("avatar/operator", "microphone_level", events.append)
     stage.microphone.inlet.plug("s", stage.voice)
     for _ in range(15):
         await stage.speak(2000, 0.01)
@@ -101,7 +101,7 @@ async def test_each_block_is_heard(stage: Stage) -> None:
 
 async def test_levels_are_events_of_the_component(stage: Stage) -> None:
     events: list[Any] = []
-    subscription = await stage.registry.subscribe("avatar/Operator", "microphone_level", events.append)
+    subscription = await stage.registry.subscribe("avatar/operator", "microphone_level", events.append)
     stage.microphone.inlet.plug("s", stage.voice)
     await stage.speak(1000, 0.3)
     assert len(events) == 1

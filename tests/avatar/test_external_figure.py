@@ -39,7 +39,7 @@ async def test_they_follow_what_each_engine_says_of_itself(tmp_path: Path) -> No
         def status() -> ComponentStatus:
             return navigation.status
 
-        application = client.component("avatar/Navigation")
+        application = client.component("avatar/navigation")
         assert status() is ComponentStatus.ERROR
 
         lame = await join(walks=False)

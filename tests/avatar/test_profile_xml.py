@@ -24,9 +24,9 @@ async def test_they_are_read_back_as_they_are() -> None:
 
 def test_a_component_of_our_own() -> None:
     kind = Gaze.component_type
-    for profile in (kind.profile("Gaze"), kind.definition()):
-        text = component_xml(profile, "avatar/Gaze")
+    for profile in (kind.profile("gaze"), kind.definition()):
+        text = component_xml(profile, "avatar/gaze")
         assert structural_errors(text) == []
-        assert read_profile(text) == ComponentDocument(profile, "avatar/Gaze")
+        assert read_profile(text) == ComponentDocument(profile, "avatar/gaze")
     assert kind.definition().sub_component_profiles == (ROIS_COMMON.urn,)
     assert kind.definition().identifier.authority == "OpenRoIS"

@@ -20,7 +20,7 @@ from tests.support.streaming import VirtualClock, settle
 from tests.support.teleoperation import Hand, LoggedControls, text
 from tests.support.viewing import FakeInlet, FedPublisher, WirelessConnection
 
-VIDEO, AUDIO, SCREEN = "avatar/VideoStreaming", "avatar/AudioStreaming", "avatar/Screen"
+VIDEO, AUDIO, SCREEN = "avatar/video_streaming", "avatar/audio_streaming", "avatar/Screen"
 VP8 = json.dumps({"codecs": ["video/VP8"]})
 OK = {"return_code": "OK"}
 
@@ -30,7 +30,7 @@ class Stage:
 
     def __init__(self, cap: Callable[[Client], Caps] | None = None) -> None:
         self.clock = VirtualClock()
-        self.seat = Seat("avatar/Teleoperation", self.clock)
+        self.seat = Seat("avatar/teleoperation", self.clock)
         self.publisher = FedPublisher()
         self.camera, self.microphone = FakeInlet(), FakeInlet()
         self.come_encoded: tuple[str, ...] | None = None
@@ -348,7 +348,7 @@ async def test_only_one_sends_into_a_component_at_a_time(stage: Stage, alice: Ca
 async def test_what_is_not_there_is_not_supported(alice: Caller) -> None:
     await alice.connect()
     for method, params in (
-        ("rois.stream.connect_stream", {"component_ref": "avatar/SpeechSynthesis"}),
+        ("rois.stream.connect_stream", {"component_ref": "avatar/speech_synthesizer"}),
         ("rois.stream.suspend_stream", {"stream_id": "avatar/1"}),
         ("rois.stream.rewind_stream", {"stream_id": "avatar/1"}),
         ("signaling.restart", {"peer_id": "avatar/1"}),
@@ -442,7 +442,7 @@ async def test_what_a_person_does_is_for_the_seat_and_of_who_holds_it(stage: Sta
     channels.are_open = True
     channels.come("input", text(Hand().state()))
     assert json.loads(channels.told[0])["event"] == "refused"
-    holder = {"component_ref": "avatar/Teleoperation", "holds": True, "epoch": 1}
+    holder = {"component_ref": "avatar/teleoperation", "holds": True, "epoch": 1}
     assert await alice.ask("openrois.holder", **holder) == OK
     controls, reasons = LoggedControls(stage.clock), list[str]()
     with stage.seat.operated(Pilot(controls, Steering, stage.clock, reasons.append)) as vacated:

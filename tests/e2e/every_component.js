@@ -16,8 +16,13 @@ async (patience) => {
       await new Promise((resolve) => setTimeout(resolve, 40));
     }
   };
-  // The standard's classes by name, and what is ours by its profile.
-  const part = (name, kind = sdk[name] ?? sdk.ComponentProxy) => new kind(client, `avatar/${name}`);
+  const { component_profiles: profiles } = await client.getProfile();
+  // The standard's classes by type, and what is ours by its profile.
+  const part = (name) => {
+    const ref = `avatar/${name}`;
+    const Part = sdk[sdk.componentType(profiles[ref])] ?? sdk.ComponentProxy;
+    return new Part(client, ref);
+  };
   const subscriptions = [];
   const hear = async (name, event) => {
     const all = (told[`${name}.${event.eventType}`] = []);
@@ -38,11 +43,11 @@ async (patience) => {
     }
   };
 
-  const information = part("SystemInformation");
-  found.SystemInformation = { status: (await information.engineStatus()).status, began: await where() };
+  const information = part("system_info");
+  found.system_info = { status: (await information.engineStatus()).status, began: await where() };
 
   const streams = async () => {
-    for (const [name, stream] of [["VideoStreaming", openrois.video], ["AudioStreaming", openrois.audio]]) {
+    for (const [name, stream] of [["video_streaming", openrois.video], ["audio_streaming", openrois.audio]]) {
       const status = await part(name).componentStatus();
       const parameters = await part(name).getParameter();
       await stream.suspend();
@@ -55,132 +60,132 @@ async (patience) => {
 
   const eyes = async () => {
     const times = { timestamp: "DateTime" };
-    const sight = part("Sight");
-    const seen = await hear("Sight", sight.event("seen", { person_ref: "RoISIdentifier[]", box: "string[]", name: "string[]", gesture_ref: "RoISIdentifier[]", ...times }));
-    const numbers = { PersonDetection: "personDetected", FaceDetection: "faceDetected" };
+    const sight = part("sight");
+    const seen = await hear("sight", sight.event("seen", { person_ref: "RoISIdentifier[]", box: "string[]", name: "string[]", gesture_ref: "RoISIdentifier[]", ...times }));
+    const numbers = { person_detecter: "personDetected", face_detecter: "faceDetected" };
     for (const [name, event] of Object.entries(numbers)) {
       const all = await hear(name, part(name)[event]);
       found[name] = await heard(all, `${name} sees one`, ({ number }) => number === 1);
     }
-    const places = { PersonLocalization: "personLocalized", FaceLocalization: "faceLocalized" };
+    const places = { person_localizer: "personLocalized", face_localizer: "faceLocalized" };
     for (const [name, event] of Object.entries(places)) {
       const all = await hear(name, part(name)[event]);
       found[name] = await heard(all, `${name} tells a place`, ({ position_data }) => position_data.length === 1);
     }
-    found.Sight = await heard(seen, "a face is to be drawn", ({ person_ref }) => person_ref.length === 1);
+    found.sight = await heard(seen, "a face is to be drawn", ({ person_ref }) => person_ref.length === 1);
 
-    const known = await hear("PersonIdentification", part("PersonIdentification").personIdentified);
-    const enrolment = part("Enrolment");
+    const known = await hear("person_identifier", part("person_identifier").personIdentified);
+    const enrolment = part("enrolment");
     await enrolment.bound(async () => {
       // Who is hardly seen, because the machine is busy, tries again.
       const enrol = () => enrolment.obtain("enrol", { person_ref: "RoISIdentifier" }, sdk.encode({ name: "string" }, { name: "Ann" }));
       const person = await until("Ann is enrolled", () => enrol().catch((error) => void (told.enrol = String(error))));
-      found.PersonIdentification = await heard(known, "Ann is recognised", ({ person_ref }) => person_ref.length === 1);
+      found.person_identifier = await heard(known, "Ann is recognised", ({ person_ref }) => person_ref.length === 1);
       const { names } = await enrolment.query("enrolled", { names: "string[]" });
       await enrolment.execute("forget", sdk.encode({ name: "string" }, { name: "Ann" }));
       const { names: left } = await enrolment.query("enrolled", { names: "string[]" });
-      found.Enrolment = { ...person, names, left };
+      found.enrolment = { ...person, names, left };
     });
-    const gestures = await hear("GestureRecognition", part("GestureRecognition").gestureRecognized);
-    found.GestureRecognition = await heard(gestures, "a nod", () => true);
+    const gestures = await hear("gesture_recognizer", part("gesture_recognizer").gestureRecognized);
+    found.gesture_recognizer = await heard(gestures, "a nod", () => true);
   };
 
   const ears = async () => {
-    const recognition = part("SpeechRecognition");
+    const recognition = part("speech_recognizer");
     const { languages } = await recognition.recognizableLanguages();
     await recognition.setParameter({
       grammar: "#JSGF V1.0;\ngrammar g;\npublic <command> = go to the (window | door) | turn (left | right);\n",
     });
-    const hearing = part("Hearing");
-    const words = await hear("Hearing", hearing.event("heard", { text: "string", final: "bool", timestamp: "DateTime" }));
-    const began = await hear("SpeechRecognition", recognition.speechInputStarted);
-    const stopped = await hear("SpeechRecognition", recognition.speechInputFinished);
-    const said = await hear("SpeechRecognition", recognition.speechRecognized);
-    const sounds = await hear("SoundDetection", part("SoundDetection").soundDetected);
+    const hearing = part("hearing");
+    const words = await hear("hearing", hearing.event("heard", { text: "string", final: "bool", timestamp: "DateTime" }));
+    const began = await hear("speech_recognizer", recognition.speechInputStarted);
+    const stopped = await hear("speech_recognizer", recognition.speechInputFinished);
+    const said = await hear("speech_recognizer", recognition.speechRecognized);
+    const sounds = await hear("sound_detecter", part("sound_detecter").soundDetected);
     const faults = [];
     client.on("fault", ({ error_id }) => faults.push(error_id));
-    await hear("SoundLocalization", part("SoundLocalization").soundLocalized);
+    await hear("sound_localizer", part("sound_localizer").soundLocalized);
     const { recognized_text } = await heard(said, "what is said", () => true);
-    found.SpeechRecognition = { languages, recognized_text, began: began.length, stopped: stopped.length };
+    found.speech_recognizer = { languages, recognized_text, began: began.length, stopped: stopped.length };
     const final = await heard(words, "the last word", ({ final }) => final);
     const { channels } = await hearing.query("microphone", { channels: "int", speaking: "bool" });
-    found.Hearing = { ...final, channels };
+    found.hearing = { ...final, channels };
     await heard(sounds, "silence after the sound", ({ number }) => number === 0);
-    found.SoundDetection = sounds.map(({ number }) => number);
+    found.sound_detecter = sounds.map(({ number }) => number);
     await until("a word on the one channel", () => faults.length > 0);
-    found.SoundLocalization = { fault: (await client.getErrorDetail(faults[0])).map(({ value }) => value) };
-    const operator = part("Operator");
+    found.sound_localizer = { fault: (await client.getErrorDetail(faults[0])).map(({ value }) => value) };
+    const operator = part("operator");
     const level = { rms: "double", peak: "double" };
-    const loud = await hear("Operator", operator.event("microphone_level", level));
+    const loud = await hear("operator", operator.event("microphone_level", level));
     await heard(loud, "a loud microphone", ({ rms }) => rms > -50);
-    found.Operator = {
+    found.operator = {
       ...(await operator.query("microphone", { connected: "bool", ...level })),
       ...(await operator.query("camera", { width: "int", height: "int", brightness: "double" })),
     };
   };
 
   const scene = async () => {
-    const persons = await hear("ScenePersonDetection", part("ScenePersonDetection", sdk.PersonDetection).personDetected);
-    const people = await hear("ScenePersonLocalization", part("ScenePersonLocalization", sdk.PersonLocalization).personLocalized);
-    const sounds = await hear("SceneSoundLocalization", part("SceneSoundLocalization", sdk.SoundLocalization).soundLocalized);
-    found.ScenePersonDetection = await heard(persons, "the visitor is counted", () => true);
-    found.ScenePersonLocalization = await heard(people, "the visitor is somewhere", () => true);
-    found.SceneSoundLocalization = await heard(sounds, "the radio is somewhere", () => true);
-    const surroundings = part("Surroundings");
-    found.Surroundings = {
+    const persons = await hear("scene_person_detecter", part("scene_person_detecter").personDetected);
+    const people = await hear("scene_person_localizer", part("scene_person_localizer").personLocalized);
+    const sounds = await hear("scene_sound_localizer", part("scene_sound_localizer").soundLocalized);
+    found.scene_person_detecter = await heard(persons, "the visitor is counted", () => true);
+    found.scene_person_localizer = await heard(people, "the visitor is somewhere", () => true);
+    found.scene_sound_localizer = await heard(sounds, "the radio is somewhere", () => true);
+    const surroundings = part("surroundings");
+    found.surroundings = {
       ...(await surroundings.query("floor", { outline: "string[]", obstacles: "string[][]" })),
       ...(await surroundings.query("things", { thing_ref: "RoISIdentifier[]", kind: "string[]", name: "string[]", position_data: "string[]" })),
     };
   };
 
   const voice = async () => {
-    const speech = part("SpeechSynthesis");
+    const speech = part("speech_synthesizer");
     const { languages } = await speech.synthesizableLanguages();
     const { characters: voices } = await speech.availableVoices();
-    const progress = part("SpeechProgress");
-    const words = await hear("SpeechProgress", progress.event("word_spoken", { word: "string", position: "int" }));
-    const ends = await hear("SpeechProgress", progress.event("speech_ended", { status: "string" }));
+    const progress = part("speech_progress");
+    const words = await hear("speech_progress", progress.event("word_spoken", { word: "string", position: "int" }));
+    const ends = await hear("speech_progress", progress.event("speech_ended", { status: "string" }));
     const asked = performance.now();
     const status = await ended(speech.perform({ speech_text: "Hello window, here I am.", language: "en" }));
-    found.SpeechSynthesis = { status, languages, voices, lasted: performance.now() - asked };
+    found.speech_synthesizer = { status, languages, voices, lasted: performance.now() - asked };
     const { status: end } = await heard(ends, "the end of the speech", () => true);
-    found.SpeechProgress = { words: words.map(({ word }) => word), end };
+    found.speech_progress = { words: words.map(({ word }) => word), end };
   };
 
   const gestures = async () => {
-    const reaction = part("Reaction");
+    const reaction = part("reaction");
     const { available_reactions: reactions } = await reaction.availableReactions();
-    found.Reaction = { reactions, status: await ended(reaction.perform({ reaction_ref: reactions[0] })) };
-    const gaze = part("Gaze");
+    found.reaction = { reactions, status: await ended(reaction.perform({ reaction_ref: reactions[0] })) };
+    const gaze = part("gaze");
     await gaze.bound(async () => {
-      found.Gaze = await ended(gaze.execute("look", sdk.encode({ x: "double", y: "double" }, { x: 0.5, y: -0.5 })));
+      found.gaze = await ended(gaze.execute("look", sdk.encode({ x: "double", y: "double" }, { x: 0.5, y: -0.5 })));
     });
-    const viewpoint = part("Viewpoint");
+    const viewpoint = part("viewpoint");
     const choose = (name) =>
       ended(viewpoint.execute("choose", sdk.encode({ viewpoint: "string" }, { viewpoint: name })));
-    found.Viewpoint = [await choose("face"), await choose("automatic")];
+    found.viewpoint = [await choose("face"), await choose("automatic")];
   };
 
   const legs = async () => {
-    await hear("Surroundings", part("Surroundings").event("figure_moved", { position_data: "string" }));
+    await hear("surroundings", part("surroundings").event("figure_moved", { position_data: "string" }));
     // A machine that is busy enough stops what moves, for nobody can tell who is in control: then it goes on from there.
     const arriving = async (go) => {
       let status = await go();
       for (let tries = 0; status === "ABORT" && tries < 5; tries += 1) status = await go();
       return status;
     };
-    const navigation = part("Navigation");
+    const navigation = part("navigation");
     await arriving(() => ended(navigation.perform({ target_positions: ["0,0,-1.5708"] }))); // others have used the figure
     const ahead = async () => {
       const [, y] = await where();
-      return ended(part("Move").perform({ line: [Math.round(400 + 1000 * y), 0] }));
+      return ended(part("move").perform({ line: [Math.round(400 + 1000 * y), 0] }));
     };
-    found.Move = { status: await arriving(ahead), ended: await where() };
-    const targets = await hear("Navigation", navigation.reachedTarget);
+    found.move = { status: await arriving(ahead), ended: await where() };
+    const targets = await hear("navigation", navigation.reachedTarget);
     const there = { target_positions: ["-0.5,0,1.5708"], time_limit: 20_000 };
     const status = await arriving(() => ended(navigation.perform(there)));
-    found.Navigation = { status, ended: await where(), targets };
-    const follow = part("Follow");
+    found.navigation = { status, ended: await where(), targets };
+    const follow = part("follower");
     let following, over = true;
     const begin = async () => {
       over = false;
@@ -198,13 +203,13 @@ async (patience) => {
       return (await away()) < 0.71;
     });
     await follow.stop();
-    found.Follow = { status: await following, away: await away() };
+    found.follower = { status: await following, away: await away() };
   };
 
   try {
     await Promise.all([streams().then(voice), eyes(), ears(), scene(), gestures(), legs()]);
-    found.Surroundings.moved = told["Surroundings.figure_moved"].length;
-    return { found, components: Object.keys((await client.getProfile()).component_profiles) };
+    found.surroundings.moved = told["surroundings.figure_moved"].length;
+    return { found, components: Object.keys(profiles) };
   } finally {
     await Promise.all(subscriptions.map((each) => each.cancel()));
   }

@@ -71,7 +71,7 @@ async def test_axe_finds_nothing_in_any_state(
     assert await found_by_axe(guest.page) == []
     await guest.page.evaluate("document.exitFullscreen()")
     await guest.until("!document.fullscreenElement")
-    await guest.page.evaluate("location.hash = '#inspector/avatar/SpeechSynthesis'")
+    await guest.page.evaluate("location.hash = '#inspector/avatar/speech_synthesizer'")
     await expect(guest.item("bind")).to_be_visible()
     await _faultless(guest, "inspector", looks)
 
@@ -87,7 +87,7 @@ async def test_what_a_finger_presses_is_as_large_as_a_finger(browser: Browser, a
     async with visiting(browser, avatar.page, viewport=phone, has_touch=True, is_mobile=True) as visit:
         await meet(visit)
         assert await too_small(visit.page, 44) == []
-        await visit.page.evaluate("location.hash = '#inspector/avatar/SpeechSynthesis'")
+        await visit.page.evaluate("location.hash = '#inspector/avatar/speech_synthesizer'")
         await expect(visit.item("bind")).to_be_visible()
         assert await too_small(visit.page, 44) == []
 

@@ -30,7 +30,7 @@ _MOVED: Final = 2.0
 """... when somebody makes a gesture in it."""
 
 _DOCS: Final = Path(__file__).parents[2] / "docs"
-_VOICE: Final = "avatar/SpeechSynthesis"
+_VOICE: Final = "avatar/speech_synthesizer"
 _STORY: Final = "Once upon a time there was an avatar that told long stories to whoever would listen. " * 11
 """Takes longer to tell than anything here may take."""
 _IN_TIME: Final = 400
@@ -87,7 +87,7 @@ async def test_a_reaction_is_seen_and_ends_by_itself_or_by_the_next_one(guest: V
             name = await buttons.nth(number).locator("span").inner_text()
             ended = re.compile(rf"^{name}: done after \d\.\d s$")
             await expect(guest.item("reaction-state")).to_have_text(ended)
-            assert await outcome(guest, "avatar/Reaction", "start") == "OK"
+            assert await outcome(guest, "avatar/reaction", "start") == "OK"
     set_and_start = [each["status"] for each in guest.told("rois.command.completed")]
     assert Counter(set_and_start) == {"OK": 4 + 2, "ABORT": 2}
 
@@ -98,7 +98,7 @@ async def test_it_looks_where_the_picture_is_clicked(guest: Visit) -> None:
     assert box is not None
     await guest.watch("eyes", *_EYES)
     await stage.click(position={"x": box["width"] * 0.9, "y": box["height"] * 0.5})
-    assert await outcome(guest, "avatar/Gaze", "look") == "OK"
+    assert await outcome(guest, "avatar/gaze", "look") == "OK"
     assert await guest.until(f"probe.watched.eyes.filter(({{ away }}) => away > {_MOVED}).length > 10")
 
 

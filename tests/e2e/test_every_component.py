@@ -26,7 +26,7 @@ PATIENCE: Final = 60_000
 """Milliseconds for each thing that is waited for; an idle machine needs 8 s for all of them."""
 
 _ALL: Final = (Path(__file__).parent / "every_component.js").read_text(encoding="utf-8")
-_BY_HAND: Final = {"avatar/Teleoperation"}
+_BY_HAND: Final = {"avatar/teleoperation"}
 """What a script in the page cannot use as a person does."""
 _STORY: Final = "Once upon a time there was an avatar that told long stories to whoever would listen. " * 6
 _ANN: Final = "urn:x-rois:def:person:OpenRoIS::avatar/enrolled/Ann"
@@ -68,8 +68,8 @@ async def test_a_page_that_is_reloaded_in_the_middle_goes_on_with_a_new_life(bro
             const { client } = openrois;
             const perform = (Part, name, values) =>
                 new Promise((resolve) => new Part(client, `avatar/${name}`).perform(values, resolve).catch(() => {}));
-            await perform(SpeechSynthesis, "SpeechSynthesis", { speech_text: story });
-            await perform(Navigation, "Navigation", { target_positions: ["-2.5,2.5", "2.5,0", "-2.5,2.5"] });
+            await perform(SpeechSynthesis, "speech_synthesizer", { speech_text: story });
+            await perform(Navigation, "navigation", { target_positions: ["-2.5,2.5", "2.5,0", "-2.5,2.5"] });
         }"""
         await visit.page.evaluate(begun, _STORY)
         await visit.listen()
@@ -80,8 +80,8 @@ async def test_a_page_that_is_reloaded_in_the_middle_goes_on_with_a_new_life(bro
         assert await visit.stream_id("video") != before
         again = """async () => {
             const { Navigation, SpeechSynthesis } = await import("/openrois.js");
-            const speech = new SpeechSynthesis(openrois.client, "avatar/SpeechSynthesis");
-            const navigation = new Navigation(openrois.client, "avatar/Navigation");
+            const speech = new SpeechSynthesis(openrois.client, "avatar/speech_synthesizer");
+            const navigation = new Navigation(openrois.client, "avatar/navigation");
             await Promise.all([
                 speech.perform({ speech_text: "Here I am." }),
                 navigation.perform({ target_positions: ["0,0.5"] }),
@@ -89,55 +89,55 @@ async def test_a_page_that_is_reloaded_in_the_middle_goes_on_with_a_new_life(bro
         }"""
         await visit.page.evaluate(again)
         await visit.plays()
-        status = "openrois.client.query('component_status', \"component_ref = 'avatar/Navigation'\")"
+        status = "openrois.client.query('component_status', \"component_ref = 'avatar/navigation'\")"
         assert (await visit.page.evaluate(status))[0]["value"] == "READY"
 
 
 def _check_streams_and_system(found: dict[str, Any]) -> None:
-    assert found["SystemInformation"]["status"] == "READY"
-    assert len(found["SystemInformation"]["began"]) == 3
-    for name in ("VideoStreaming", "AudioStreaming"):
+    assert found["system_info"]["status"] == "READY"
+    assert len(found["system_info"]["began"]) == 3
+    for name in ("video_streaming", "audio_streaming"):
         assert found[name]["status"] in {"READY", "BUSY"}
         assert found[name]["suspended"] == "STREAMING_SUSPENDED"
-    assert "video/H264" in found["VideoStreaming"]["encodings"]
-    assert "audio/opus" in found["AudioStreaming"]["encodings"]
-    operator = found["Operator"]
+    assert "video/H264" in found["video_streaming"]["encodings"]
+    assert "audio/opus" in found["audio_streaming"]["encodings"]
+    operator = found["operator"]
     assert operator["connected"]
     assert operator["width"] * 9 == operator["height"] * 16
     assert 0.1 < operator["brightness"] < 0.9
 
 
 def _check_eyes(found: dict[str, Any]) -> None:
-    assert found["PersonDetection"]["number"] == found["FaceDetection"]["number"] == 1
-    for name, kind, refs in (("PersonLocalization", "person", "person_ref"), ("FaceLocalization", "face", "face_ref")):
+    assert found["person_detecter"]["number"] == found["face_detecter"]["number"] == 1
+    for name, kind, refs in (("person_localizer", "person", "person_ref"), ("face_localizer", "face", "face_ref")):
         (ref,), (place,) = found[name][refs], found[name]["position_data"]
         assert ref.startswith(f"urn:x-rois:def:{kind}:OpenRoIS::avatar/camera/")
         x, y, _ = map(float, place.split(","))
         assert abs(x) < 0.2
         assert 0.3 < y < 1.5  # a face that fills a fifth of the width
-    left, top, width, height = map(float, found["Sight"]["box"][0].split(","))
+    left, top, width, height = map(float, found["sight"]["box"][0].split(","))
     assert left < 0.5 < left + width
     assert top < 0.45 < top + height
-    assert found["Enrolment"] == {"person_ref": _ANN, "names": ["Ann"], "left": []}
-    assert found["PersonIdentification"]["person_ref"] == [_ANN]
-    assert found["GestureRecognition"]["gesture_ref"] == ["urn:x-rois:def:gesture:OMG::1"]
+    assert found["enrolment"] == {"person_ref": _ANN, "names": ["Ann"], "left": []}
+    assert found["person_identifier"]["person_ref"] == [_ANN]
+    assert found["gesture_recognizer"]["gesture_ref"] == ["urn:x-rois:def:gesture:OMG::1"]
 
 
 def _check_ears(found: dict[str, Any]) -> None:
-    speech = found["SpeechRecognition"]
+    speech = found["speech_recognizer"]
     assert speech["languages"] == ["en"]
     assert speech["recognized_text"][0] == "go to the window"
     assert speech["began"] >= speech["stopped"] >= 1
-    assert found["Hearing"]["text"] == "go to the window"
-    assert found["SoundDetection"][:2] == [1, 0]
-    assert "one channel" in str(found["SoundLocalization"]["fault"])
+    assert found["hearing"]["text"] == "go to the window"
+    assert found["sound_detecter"][:2] == [1, 0]
+    assert "one channel" in str(found["sound_localizer"]["fault"])
 
 
 def _check_scene(found: dict[str, Any]) -> None:
-    assert found["ScenePersonDetection"]["number"] == 1
-    assert found["ScenePersonLocalization"]["person_ref"] == ["urn:x-rois:def:person:OpenRoIS::avatar/scene/visitor"]
-    assert found["SceneSoundLocalization"]["position_data"][0].startswith("1.900,2.250")
-    around = found["Surroundings"]
+    assert found["scene_person_detecter"]["number"] == 1
+    assert found["scene_person_localizer"]["person_ref"] == ["urn:x-rois:def:person:OpenRoIS::avatar/scene/visitor"]
+    assert found["scene_sound_localizer"]["position_data"][0].startswith("1.900,2.250")
+    around = found["surroundings"]
     assert len(around["outline"]) == 4
     assert len(around["obstacles"]) >= 4
     assert {"visitor", "radio", "stool"} <= set(around["name"])
@@ -145,27 +145,27 @@ def _check_scene(found: dict[str, Any]) -> None:
 
 
 def _check_acting(found: dict[str, Any]) -> None:
-    speech = found["SpeechSynthesis"]
-    assert speech["status"] == found["SpeechProgress"]["end"] == "OK"
+    speech = found["speech_synthesizer"]
+    assert speech["status"] == found["speech_progress"]["end"] == "OK"
     assert speech["lasted"] > 1000
     assert "en" in speech["languages"]
     assert speech["voices"]
-    assert {"Hello", "window"} <= set(found["SpeechProgress"]["words"])
-    assert found["Reaction"]["status"] == found["Gaze"] == "OK"
-    assert found["Viewpoint"] == ["OK", "OK"]
-    assert len(found["Reaction"]["reactions"]) == 12
-    assert found["Move"]["status"] == found["Navigation"]["status"] == "OK"
-    assert np.allclose(found["Move"]["ended"], (0, -0.4, -1.5708), atol=0.05)
-    assert np.allclose(found["Navigation"]["ended"], (-0.5, 0, 1.5708), atol=0.05)
-    assert found["Navigation"]["targets"] == [{"target": "-0.5,0,1.5708", "is_final_target": True}]
-    assert found["Follow"]["status"] == "ABORT"  # it was stopped: OK is not among its ends
-    assert abs(found["Follow"]["away"] - 0.7) < 0.01
+    assert {"Hello", "window"} <= set(found["speech_progress"]["words"])
+    assert found["reaction"]["status"] == found["gaze"] == "OK"
+    assert found["viewpoint"] == ["OK", "OK"]
+    assert len(found["reaction"]["reactions"]) == 12
+    assert found["move"]["status"] == found["navigation"]["status"] == "OK"
+    assert np.allclose(found["move"]["ended"], (0, -0.4, -1.5708), atol=0.05)
+    assert np.allclose(found["navigation"]["ended"], (-0.5, 0, 1.5708), atol=0.05)
+    assert found["navigation"]["targets"] == [{"target": "-0.5,0,1.5708", "is_final_target": True}]
+    assert found["follower"]["status"] == "ABORT"  # it was stopped: OK is not among its ends
+    assert abs(found["follower"]["away"] - 0.7) < 0.01
 
 
 async def _drive(visit: Visit) -> None:
     """Teleoperation: what the keyboard does moves the figure, and what is let go of does not."""
-    where = "openrois.client.query('robot_position', \"component_ref = 'avatar/SystemInformation'\")"
-    operation = "openrois.client.query('operation', \"component_ref = 'avatar/Teleoperation'\")"
+    where = "openrois.client.query('robot_position', \"component_ref = 'avatar/system_info'\")"
+    operation = "openrois.client.query('operation', \"component_ref = 'avatar/teleoperation'\")"
 
     async def asked(expression: str) -> dict[str, str]:
         return {each["name"]: each["value"] for each in await visit.page.evaluate(expression)}

@@ -18,7 +18,7 @@ from tests.support.demo import Demo, running_demo
 
 pytestmark = [pytest.mark.browser, pytest.mark.engine, pytest.mark.asyncio(loop_scope="session")]
 
-_VOICE: Final = "avatar/SpeechSynthesis"
+_VOICE: Final = "avatar/speech_synthesizer"
 PROCESSES: Final = {
     "gateway": "gateway",
     "adapter": "avatar",

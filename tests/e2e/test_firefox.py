@@ -38,7 +38,7 @@ _ENERGY: Final = """(async () => {
     return Math.max(0, ...sounds.map(({ totalAudioEnergy }) => totalAudioEnergy));
 })()"""
 """What was heard: a machine without a sound device has no running AudioContext in Firefox."""
-_FROM_THE_MIDDLE: Final = """openrois.client.query("robot_position", "component_ref = 'avatar/SystemInformation'")
+_FROM_THE_MIDDLE: Final = """openrois.client.query("robot_position", "component_ref = 'avatar/system_info'")
     .then((results) => JSON.parse(results.find(({ name }) => name === "position_data").value)[0].split(","))
     .then(([x, y]) => Math.hypot(x, y))"""
 """How far the avatar says it is from where it stands at first, in metres."""

@@ -32,7 +32,7 @@ async def test_the_page_shows_godot_and_godot_obeys_the_page(guest: Visit, tmp_p
     await guest.until("probe.sound.some(({ rms }) => rms > 0.01)")
     await guest.page.screenshot(path=tmp_path / "godot.png")
     await expect(guest.item("reaction-state")).to_have_text(re.compile(r"^Wave: done after"))
-    assert await outcome(guest, "avatar/Reaction", "start") == "OK"
+    assert await outcome(guest, "avatar/reaction", "start") == "OK"
     # The figure's shirt is blue, in the middle of the picture.
     box = await guest.item("stage").bounding_box()
     picture = cv2.imdecode(np.frombuffer(await guest.page.screenshot(clip=box), np.uint8), cv2.IMREAD_COLOR)

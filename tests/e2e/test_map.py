@@ -66,7 +66,7 @@ async def test_a_click_sends_the_avatar_there_and_it_arrives(guest: Visit) -> No
         if "no sign of life" in await guest.item("map-words").inner_text():
             await _click(guest, -0.8, 0.6)
             await _says(guest, "^Arrived after|no sign of life")
-    assert await outcome(guest, "avatar/Navigation", "start") == "OK"
+    assert await outcome(guest, "avatar/navigation", "start") == "OK"
     assert math.dist(await _figure(guest), (-0.8, 0.6)) < 0.1
     assert await guest.read("document.querySelectorAll('.map-target').length") == 0
 
@@ -93,10 +93,10 @@ async def test_it_is_stopped_and_what_is_out_of_reach_is_named(guest: Visit) -> 
         await guest.page.keyboard.press(key)
     await guest.press("map-stop")
     await _says(guest, "^(Stopped|.*stop)")
-    assert await outcome(guest, "avatar/Navigation", "start") == "ABORT"
+    assert await outcome(guest, "avatar/navigation", "start") == "ABORT"
     await _click(guest, 0.0, 4.1)
     await _says(guest, "is outside of the floor or inside an obstacle")
-    assert await outcome(guest, "avatar/Navigation", "start") == "ERROR"
+    assert await outcome(guest, "avatar/navigation", "start") == "ERROR"
 
 
 async def test_the_red_button_and_its_key_stop_everything(guest: Visit) -> None:
@@ -104,7 +104,7 @@ async def test_the_red_button_and_its_key_stop_everything(guest: Visit) -> None:
     await _follow(guest)
     await guest.page.keyboard.press("x")
     await all_stopped(guest)
-    assert await outcome(guest, "avatar/Follow", "start") == "ABORT"
+    assert await outcome(guest, "avatar/follower", "start") == "ABORT"
     await guest.press("stop-all")
     await all_stopped(guest)
     asked = [m["params"] for m in guest.sent if m["method"] == "openrois.stop_all"]
@@ -144,7 +144,7 @@ async def test_somebody_is_followed_until_stop(guest: Visit) -> None:
     await _figure(guest)
     await _follow(guest)
     await guest.press("map-stop")
-    assert await outcome(guest, "avatar/Follow", "start") == "ABORT"
+    assert await outcome(guest, "avatar/follower", "start") == "ABORT"
 
 
 async def test_a_map_that_is_closed_asks_nothing(guest: Visit) -> None:
@@ -165,7 +165,7 @@ async def test_the_viewpoint_is_chosen_for_every_viewer(browser: Browser, guest:
     async with visiting(browser, avatar.page) as other:
         await other.until("document.querySelector('[data-testid=viewpoint]')?.value === 'automatic'")
         await choice.select_option("room")
-        assert await outcome(guest, "avatar/Viewpoint", "choose") == "OK"
+        assert await outcome(guest, "avatar/viewpoint", "choose") == "OK"
         await expect(other.item("viewpoint")).to_have_value("room")
     await choice.select_option("automatic")
-    assert await outcome(guest, "avatar/Viewpoint", "choose") == "OK"
+    assert await outcome(guest, "avatar/viewpoint", "choose") == "OK"

@@ -13,7 +13,7 @@ pytestmark = [
     pytest.mark.usefixtures("devices"),
 ]
 
-_CAMERA = "openrois.client.query('camera', \"component_ref = 'avatar/Operator'\")"
+_CAMERA = "openrois.client.query('camera', \"component_ref = 'avatar/operator'\")"
 
 
 async def test_microphone_and_camera_reach_the_avatar_and_are_let_go(visit: Visit) -> None:

@@ -68,7 +68,7 @@ async def test_an_operator_comes_with_a_token_and_operates_until_it_ends(browser
         await visit.item("say-text").fill("Nobody hears this to its end. " * 12)
         await visit.item("say-text").press("Enter")
         await expect(visit.item("say-state")).to_have_attribute("data-state", "speaking")
-        await visit.until_executed("avatar/SpeechSynthesis", "start")
+        await visit.until_executed("avatar/speech_synthesizer", "start")
         await visit.press("stop-all")
         await all_stopped(visit)
         await expect(visit.item("say-state")).to_have_attribute("data-state", "stopped")
@@ -125,7 +125,7 @@ async def test_control_is_asked_for_kept_and_handed_over(browser: Browser, comin
         await anna.press("control-toggle")
         await expect(ours).to_contain_text("anna has control")
         await expect(theirs).to_be_hidden()
-        seat = {"component_ref": "avatar/Teleoperation"}
+        seat = {"component_ref": "avatar/teleoperation"}
         assert (await ask(carl, "openrois.lease.request", **seat))["result"]["lease"]["position"] == 1
         for item in (ben.item("control-toggle"), ben.page.locator("button.reaction").first):
             await expect(item).to_be_disabled()

@@ -90,7 +90,7 @@ async def test_all_is_done_without_a_mouse(guest: Visit) -> None:
     await keyboard.type("Hello.")
     await keyboard.press("Enter")
     await expect(guest.item("say-state")).to_contain_text("Done after")
-    assert await outcome(guest, "avatar/SpeechSynthesis", "start") == "OK"
+    assert await outcome(guest, "avatar/speech_synthesizer", "start") == "OK"
     await expect(guest.item("say-text")).to_have_value("")
 
     await keyboard.press("Escape")  # leaves the text, so that keys are shortcuts
@@ -193,7 +193,7 @@ async def test_the_puppet_lives_too(guest: Visit) -> None:
     assert abs(speech.mouth_after_sound) < 1000
     await guest.page.get_by_role("button", name="Bow").click()
     assert await guest.until("probe.watched.picture.some(({ away }) => away > 2)")
-    assert await outcome(guest, "avatar/Reaction", "start") == "OK"
+    assert await outcome(guest, "avatar/reaction", "start") == "OK"
 
 
 async def test_the_word_that_is_heard_is_marked_and_a_pause_holds_it(guest: Visit) -> None:
@@ -206,7 +206,7 @@ async def test_the_word_that_is_heard_is_marked_and_a_pause_holds_it(guest: Visi
     await guest.until(f"{_MARKED} === 'loudly'")
     await guest.until(f"{SAYING} === 'done'")
     await expect(guest.item("say-words")).to_be_hidden()
-    assert await outcome(guest, "avatar/SpeechSynthesis", "suspend") == "OK"
+    assert await outcome(guest, "avatar/speech_synthesizer", "suspend") == "OK"
 
 
 async def test_captions_show_what_is_said_to_every_viewer_whoever_says_it(avatar: Demo, guest: Visit) -> None:
@@ -256,12 +256,12 @@ async def test_a_stop_right_behind_the_start_is_enough(guest: Visit) -> None:
         await guest.page.evaluate(_START_AND_STOP, milliseconds)
         await guest.until(f"{SAYING} === 'stopped'")
         assert await guest.read(f"{SAYING}") == "stopped"
-    stops = len(guest.executed("avatar/SpeechSynthesis", "stop"))
+    stops = len(guest.executed("avatar/speech_synthesizer", "stop"))
     assert stops <= 4
     ended = await guest.read("performance.now()")
     await guest.until(f"probe.sound.at(-1).at > {ended} + 1000")
     assert await guest.read(f"probe.sound.slice(-30).every(({{ rms }}) => rms < {AUDIBLE})")
-    assert len(guest.executed("avatar/SpeechSynthesis", "stop")) == stops
+    assert len(guest.executed("avatar/speech_synthesizer", "stop")) == stops
 
 
 def _spoken(visit: Visit) -> list[tuple[str, str]]:
@@ -292,7 +292,7 @@ async def test_a_long_text_loses_nothing_and_ssml_is_spoken_without_its_tags(gue
     long = " ".join(f"Sentence number {number}." for number in range(250))
     await guest.item("say-text").fill(long)
     await guest.item("say-text").press("Enter")
-    await guest.until_executed("avatar/SpeechSynthesis", "start")
+    await guest.until_executed("avatar/speech_synthesizer", "start")
     [(_, spoken)] = _spoken(guest)
     assert len(spoken) <= 4000
     rest = await guest.item("say-queue").locator("span").inner_text()

@@ -33,7 +33,7 @@ async def test_the_pictures_count_up_and_no_second_is_lost(visit: Visit) -> None
 
 async def test_the_sound_waits_for_its_button_where_a_browser_wants_one(visit: Visit) -> None:
     # What Playwright evaluates in a page counts as an act of its user: until the click, only the wire is looked at.
-    await visit.until_told(STATUS, component_ref="avatar/AudioStreaming", status="STREAMING_RUNNING")
+    await visit.until_told(STATUS, component_ref="avatar/audio_streaming", status="STREAMING_RUNNING")
     await visit.press("sound-on")
     await expect(visit.item("sound-on")).to_be_hidden()
     await expect(visit.item("sound-off")).to_be_visible()

@@ -77,7 +77,7 @@ async def test_the_keyboard_drives_and_a_page_that_is_not_looked_at_lets_go(driv
     await expect(visit.item("control-toggle")).to_have_attribute("aria-pressed", "false")
     driven = len(engine.times(Drive))
     await visit.page.keyboard.press("KeyW")
-    await visit.until_executed("avatar/Teleoperation", "stop")
+    await visit.until_executed("avatar/teleoperation", "stop")
     assert len(engine.times(Drive)) == driven
 
 
@@ -136,7 +136,7 @@ async def test_who_drives_has_the_whole_body_and_hands_over_all_of_it(browser: B
 
 async def _holding(visit: Visit) -> set[str]:
     """How the page stands to each component that moves the body."""
-    refs = ["Teleoperation", "Navigation", "Move", "Follow", "Reaction"]
+    refs = ["teleoperation", "navigation", "move", "follower", "reaction"]
     ask = f"Promise.all({refs}.map((name) => openrois.client.control.status(`avatar/${{name}}`)))"
     return {each["state"] for each in await visit.page.evaluate(ask)}
 

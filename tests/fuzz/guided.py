@@ -306,7 +306,7 @@ TARGETS = {
     "condition": Target(
         condition,
         (
-            "component_ref = 'avatar/Reaction'\x00avatar/Reaction",
+            "component_ref = 'avatar/reaction'\x00avatar/reaction",
             "component_ref LIKE 'a%_\\\\%' AND \"component_type\" = 'it''s'\x00abc",
             " and  = '\x00",
         ),

@@ -119,11 +119,11 @@ async def test_a_message_that_cannot_be_taken_ends_its_own_connection_only(
 
 async def test_a_component_that_is_not_there_has_no_streams(app: Application) -> None:
     for component_ref in (
-        "avatar/Teleporter",
-        "robot/VideoStreaming",
-        "VideoStreaming",
+        "avatar/teleporter",
+        "robot/video_streaming",
+        "video_streaming",
         "",
-        "avatar/SystemInformation",
+        "avatar/system_info",
     ):
         answer = await app.ask("rois.stream.connect_stream", component_ref=component_ref)
         assert answer == {"return_code": "UNSUPPORTED", "stream_id": ""}

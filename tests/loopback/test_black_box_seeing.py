@@ -90,11 +90,11 @@ def _value(result: dict[str, str]) -> Any:
 async def test_faces_persons_and_a_nod_are_seen_and_gone_with_the_camera(app: Application) -> None:
     heard = Heard(app)
     for component, event in (
-        ("FaceDetection", "face_detected"),
-        ("PersonDetection", "person_detected"),
-        ("PersonLocalization", "person_localized"),
-        ("GestureRecognition", "gesture_recognized"),
-        ("Sight", "seen"),
+        ("face_detecter", "face_detected"),
+        ("person_detecter", "person_detected"),
+        ("person_localizer", "person_localized"),
+        ("gesture_recognizer", "gesture_recognized"),
+        ("sight", "seen"),
     ):
         await heard.subscribe(component, event)
     camera = await app.play(VIDEO, VP8, "sendonly")

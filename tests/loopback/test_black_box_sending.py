@@ -12,7 +12,7 @@ from tests.support.demo import Demo
 
 pytestmark = pytest.mark.media
 
-OPERATOR = "avatar/Operator"
+OPERATOR = "avatar/operator"
 
 
 @pytest.fixture

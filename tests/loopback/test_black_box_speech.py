@@ -11,7 +11,7 @@ from tests.support.hearing import spoken, stereo_48k
 
 pytestmark = pytest.mark.media
 
-SPEECH, HEARING = "avatar/SpeechRecognition", "avatar/Hearing"
+SPEECH, HEARING = "avatar/speech_recognizer", "avatar/hearing"
 GRAMMAR = "#JSGF V1.0;\ngrammar robot;\npublic <command> = go to the (window | door) | turn (left | right) | stop;\n"
 
 

@@ -16,7 +16,7 @@ from tests.support.viewer import STATUS
 
 pytestmark = [pytest.mark.media, pytest.mark.timeout(60)]
 
-VIDEO, AUDIO, REACTION = "avatar/VideoStreaming", "avatar/AudioStreaming", "avatar/Reaction"
+VIDEO, AUDIO, REACTION = "avatar/video_streaming", "avatar/audio_streaming", "avatar/reaction"
 NOD = "urn:x-rois:def:reaction:OMG::1"
 ENGINES: dict[str, type[FakeStreamer]] = {"unreal": FakeUnreal, "unity-render-streaming": FakeUnity}
 

@@ -17,8 +17,8 @@ from tests.support.demo import Demo, running_demo
 pytestmark = [pytest.mark.media, pytest.mark.engine]
 
 ERROR: Final = "rois.system.notify_error"
-_SPEECH: Final = "avatar/SpeechSynthesis"
-_WALK: Final = "avatar/Navigation"
+_SPEECH: Final = "avatar/speech_synthesizer"
+_WALK: Final = "avatar/navigation"
 _STORY: Final = "Once upon a time there was an avatar that told long stories to whoever would listen. " * 6
 _LONG_WAY: Final = ["-2.5,2.5", "2.5,0"] * 5
 _BACK_WITHIN: Final = 30.0
@@ -96,7 +96,7 @@ class Stage:
         return walk
 
     async def place(self) -> str:
-        condition = "component_ref = 'avatar/SystemInformation'"
+        condition = "component_ref = 'avatar/system_info'"
         asked = await self.app.ask("rois.query.query", query_type="robot_position", condition=condition)
         (place,) = next(json.loads(each["value"]) for each in asked["results"] if each["name"] == "position_data")
         return str(place)

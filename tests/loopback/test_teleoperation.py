@@ -25,7 +25,7 @@ from tests.support.teleoperation import Hand
 
 pytestmark = pytest.mark.media
 
-REF = "avatar/Teleoperation"
+REF = "avatar/teleoperation"
 
 
 @dataclass
@@ -81,7 +81,7 @@ class House:
             await app.ask("openrois.hello", version="1", extensions=[])
             wish = json.dumps({"direction": "recvonly", "input": True})
             parameter = {"name": "transport_parameters", "data_type_ref": "String", "value": wish}
-            asked: dict[str, Any] = {"component_ref": "avatar/VideoStreaming", "parameters": [parameter]}
+            asked: dict[str, Any] = {"component_ref": "avatar/video_streaming", "parameters": [parameter]}
             assert await app.code("rois.stream.connect_stream", **asked) == "OK"
             offer = Offer.model_validate(await app.next("signaling.offer"))
             assert await app.code("signaling.answer", **(await sink.respond(offer)).wire()) == "OK"
@@ -163,7 +163,7 @@ async def test_only_who_has_bound_it_operates(house: House) -> None:
         await bob.sink.until(lambda: bob.hands.told)
         assert json.loads(bob.hands.told[0]) == {
             "event": "refused",
-            "reason": "avatar/Teleoperation has to be bound and started first",
+            "reason": "avatar/teleoperation has to be bound and started first",
         }
         assert house.engine.times(Drive) == []
         ann.hands.do(ann.hand.key("KeyW"))

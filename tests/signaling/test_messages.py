@@ -8,7 +8,7 @@ from pydantic import BaseModel, ValidationError
 SECTION = {
     "mid": "0",
     "stream_id": "engine/1",
-    "component_ref": "engine/VideoStreaming",
+    "component_ref": "engine/video_streaming",
     "kind": "video",
     "direction": "recvonly",
 }

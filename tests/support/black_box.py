@@ -28,8 +28,8 @@ from websockets.exceptions import ConnectionClosed
 
 from tests.support.black_box_media import Media, Picture
 
-VIDEO: Final = "avatar/VideoStreaming"
-AUDIO: Final = "avatar/AudioStreaming"
+VIDEO: Final = "avatar/video_streaming"
+AUDIO: Final = "avatar/audio_streaming"
 STATUS: Final = "rois.stream.notify_stream_status"
 H264: Final = ("video/H264",)
 VP8: Final = ("video/VP8",)

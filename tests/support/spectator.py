@@ -26,8 +26,8 @@ from tests.support.invariants import Book, Witness
 
 __all__ = ["AUDIO", "VIDEO", "Spectator"]
 
-VIDEO: Final = "avatar/VideoStreaming"
-AUDIO: Final = "avatar/AudioStreaming"
+VIDEO: Final = "avatar/video_streaming"
+AUDIO: Final = "avatar/audio_streaming"
 MEDIA_PATIENCE: Final = 80.0
 """Seconds that anything of media may take on a busy machine."""
 

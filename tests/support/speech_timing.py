@@ -22,7 +22,7 @@ PRESS_STOP: Final = """(() => {
 })()"""
 """Presses the page's Stop and gives the moment of that, in JavaScript."""
 
-_VOICE: Final = "avatar/SpeechSynthesis"
+_VOICE: Final = "avatar/speech_synthesizer"
 
 
 @dataclass(frozen=True, slots=True)

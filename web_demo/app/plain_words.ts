@@ -3,6 +3,8 @@
 import { named } from "./names.ts";
 
 const CODE = /^[A-Z]+(_[A-Z]+)*$/;
+/** A reference in a sentence; units such as km/h are none. */
+const REFERENCE = /(^|[\s“"'(])[\w.-]+(?:\/[\w.-]+)*\/([A-Za-z]\w{2,})/g;
 
 /** Returns what a reason says in plain words; empty for a return code and nothing else. */
 export function plainReason(reason: string): string {
@@ -17,7 +19,7 @@ export function plainReason(reason: string): string {
   if (holder !== undefined) return `${named(holder)} has control now`;
   return text
     .replace(/ \(character \d+\)/g, "")
-    .replace(/(^|[\s“"'(])[\w.-]+(?:\/[\w.-]+)*\/([A-Z]\w+)/g, "$1$2");
+    .replace(REFERENCE, (_, before: string, name: string) => before + name.replaceAll("_", " "));
 }
 
 /** Begins with a capital letter. */

@@ -16,12 +16,11 @@ class CameraSense(Sense):
     A subclass says in `sense` what is worth telling of what is seen, and in `begin` forgets what it told before.
 
     Args:
-        name: of the component.
         watch: what looks at the camera.
     """
 
-    def __init__(self, name: str, watch: Watch) -> None:
-        super().__init__(name)
+    def __init__(self, watch: Watch) -> None:
+        super().__init__()
         self._watch = watch
         watch.serve(self.activity)
         watch.seen.add(self._take)

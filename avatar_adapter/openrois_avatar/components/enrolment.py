@@ -36,7 +36,7 @@ class Enrolment(Component, authority="OpenRoIS", function="function"):
     def __init__(
         self, watch: Watch, camera: Camera, gallery: Gallery, refs: Refs, *, patience: float = PATIENCE
     ) -> None:
-        super().__init__("Enrolment")
+        super().__init__()
         self._watch = watch
         self._camera = camera
         self._gallery = gallery

@@ -20,7 +20,7 @@ class FaceDetection(CameraSense, components.FaceDetection):
     """
 
     def __init__(self, watch: Watch) -> None:
-        super().__init__("FaceDetection", watch)
+        super().__init__(watch)
         self._numbers = Numbers()
 
     def begin(self) -> None:
@@ -43,7 +43,7 @@ class FaceLocalization(CameraSense, Localizing, components.FaceLocalization):
     """
 
     def __init__(self, watch: Watch, refs: Refs) -> None:
-        super().__init__("FaceLocalization", watch)
+        super().__init__(watch)
         self._refs = refs
 
     def begin(self) -> None:

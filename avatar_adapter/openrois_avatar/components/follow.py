@@ -44,7 +44,7 @@ class Follow(Moving, components.Follow):
     time_limit: Annotated[int, Field(ge=0)] | None = parameter(None)
 
     def __init__(self, figure: Figure) -> None:
-        super().__init__("Follow", figure)
+        super().__init__(figure)
         self._news = asyncio.Event()
         self._followed: Thing | None = None
 
@@ -81,7 +81,7 @@ class Follow(Moving, components.Follow):
                 motion.halt()
                 missed_since = self._clock.now() if missed_since is None else missed_since
                 if self._clock.now() >= missed_since + _GONE:
-                    raise ComponentFailed(f"Follow: {self.target_object_ref!r} {why}, for {_GONE:g} s")
+                    raise ComponentFailed(f"{self.name}: {self.target_object_ref!r} {why}, for {_GONE:g} s")
                 await self._wait(missed_since + _GONE)
                 continue
             missed_since = None
@@ -92,7 +92,7 @@ class Follow(Moving, components.Follow):
             ended = await motion.walk(path[:MAX_PATH], _SPEED)
             tries = tries + 1 if ended == "ABORT" else 0
             if tries == _TRIES:
-                raise ComponentFailed(f"Follow: the game engine broke the walk off {_TRIES} times")
+                raise ComponentFailed(f"{self.name}: the game engine broke the walk off {_TRIES} times")
             if tries:
                 await self.figure.rest(_BETWEEN_TRIES)
 

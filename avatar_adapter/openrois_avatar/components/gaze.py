@@ -22,7 +22,7 @@ class Gaze(Component, authority="OpenRoIS", function="function"):
     """
 
     def __init__(self, body: Body, engine_status: Callable[[], ComponentStatus]) -> None:
-        super().__init__("Gaze")
+        super().__init__()
         self._body = body
         self._engine_status = engine_status
 

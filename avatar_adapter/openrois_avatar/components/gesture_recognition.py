@@ -19,7 +19,7 @@ class GestureRecognition(CameraSense, components.GestureRecognition):
     """
 
     def __init__(self, watch: Watch, gestures: tuple[str, ...]) -> None:
-        super().__init__("GestureRecognition", watch)
+        super().__init__(watch)
         self.recognizable_gestures = gestures
 
     def sense(self, seen: Seen, moment: datetime) -> None:

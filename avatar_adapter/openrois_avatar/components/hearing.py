@@ -38,7 +38,7 @@ class Hearing(Sense, components.BasicComponent, authority="OpenRoIS", function="
     """
 
     def __init__(self, ear: Ear, hears: Hears, recognition: Recognition, clock: MediaClock) -> None:
-        super().__init__("Hearing")
+        super().__init__()
         self._ear = ear
         self._hears = hears
         self._recognition = recognition

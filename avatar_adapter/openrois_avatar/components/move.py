@@ -7,7 +7,7 @@ from pydantic import Field
 
 from openrois.adapter import BadParameter, ComponentFailed, components, parameter
 from openrois.errors import Aborted
-from openrois_avatar.components.moving import Figure, Moving
+from openrois_avatar.components.moving import Moving
 from openrois_avatar.legs import Motion
 from openrois_avatar.link.messages import Floor, Place, Waypoint
 from openrois_avatar.motion.moves import curve, curve_length, line, speed_for
@@ -25,9 +25,6 @@ class Move(Moving, components.Move):
     """
 
     time: Annotated[int, Field(ge=0)] | None = parameter(None)
-
-    def __init__(self, figure: Figure) -> None:
-        super().__init__("Move", figure)
 
     def accept_parameters(self, changes: dict[str, Any]) -> dict[str, Any]:
         """Let one motion replace the other; refuse two at once, and what cannot be done in that time."""
@@ -84,7 +81,7 @@ class Move(Moving, components.Move):
             try:
                 await self.figure.ways.check(place, path)
             except ComponentFailed as error:
-                raise ComponentFailed(f"Move: {error}") from error
+                raise ComponentFailed(f"{self.name}: {error}") from error
 
 
 def _speed(straight: tuple[int, ...] | None, bent: tuple[int, ...] | None, time: int | None) -> float:

@@ -58,14 +58,13 @@ class Moving:
     """Makes a component one that moves the figure, where it stands before the standard's base class.
 
     Args:
-        name: of the instance.
         figure: what it moves.
     """
 
     name: str
 
-    def __init__(self, name: str, figure: Figure) -> None:
-        super().__init__(name)  # type: ignore[call-arg]
+    def __init__(self, figure: Figure) -> None:
+        super().__init__()
         self.figure = figure
         self._clock = figure.legs.clock
         self._motion: Motion | None = None

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Final, Literal
 from pydantic import Field
 
 from openrois.adapter import BadParameter, ComponentFailed, components, parameter
-from openrois_avatar.components.moving import Figure, Moving
+from openrois_avatar.components.moving import Moving
 from openrois_avatar.legs import Motion
 from openrois_avatar.link.messages import Floor, Place, Thing, Waypoint
 from openrois_avatar.link.messages.motion import MAX_PATH
@@ -32,9 +32,6 @@ class Navigation(Moving, components.Navigation):
 
     time_limit: Annotated[int, Field(ge=0)] = parameter(0)
     routing_policy: Literal["time", "distance"] = parameter("time")
-
-    def __init__(self, figure: Figure) -> None:
-        super().__init__("Navigation", figure)
 
     def accept_parameters(self, changes: dict[str, Any]) -> dict[str, Any]:
         """Refuse targets that are neither positions nor in the scene."""

@@ -30,7 +30,7 @@ class Operator(Component, authority="OpenRoIS", function="sensing"):
     """Tells whether the operator's microphone and camera arrive, as uplinks of AudioStreaming and VideoStreaming."""
 
     def __init__(self, microphone: Microphone, camera: Camera) -> None:
-        super().__init__("Operator")
+        super().__init__()
         self._microphone = microphone
         self._camera = camera
         microphone.level_changed.add(self._tell)

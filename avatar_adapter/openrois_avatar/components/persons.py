@@ -20,7 +20,7 @@ class PersonDetection(CameraSense, components.PersonDetection):
     """
 
     def __init__(self, watch: Watch) -> None:
-        super().__init__("PersonDetection", watch)
+        super().__init__(watch)
         self._numbers = Numbers()
 
     def begin(self) -> None:
@@ -42,7 +42,7 @@ class PersonLocalization(CameraSense, Localizing, components.PersonLocalization)
     """
 
     def __init__(self, watch: Watch, refs: Refs) -> None:
-        super().__init__("PersonLocalization", watch)
+        super().__init__(watch)
         self._refs = refs
 
     def begin(self) -> None:
@@ -65,7 +65,7 @@ class PersonIdentification(CameraSense, components.PersonIdentification):
     """
 
     def __init__(self, watch: Watch, refs: Refs) -> None:
-        super().__init__("PersonIdentification", watch)
+        super().__init__(watch)
         self._refs = refs
         self._known: frozenset[str] = frozenset()
 

@@ -40,7 +40,7 @@ class Reaction(components.Reaction):
     def __init__(
         self, body: Body, reactions: Callable[[], tuple[str, ...]], engine_status: Callable[[], ComponentStatus]
     ) -> None:
-        super().__init__("Reaction")
+        super().__init__()
         self._body = body
         self._reactions = reactions
         self._engine_status = engine_status

@@ -107,7 +107,7 @@ class ScenePersonDetection(_InScene, Sense, components.PersonDetection):
     """
 
     def __init__(self, world: World, clock: MediaClock, engine_status: Callable[[], ComponentStatus]) -> None:
-        super().__init__("ScenePersonDetection")
+        super().__init__("scene_person_detecter")
         self._numbers = Numbers()
         self.place_in(world, clock, engine_status)
 
@@ -154,7 +154,7 @@ class ScenePersonLocalization(_Localizing, components.PersonLocalization):
     kind = "person"
 
     def __init__(self, world: World, clock: MediaClock, engine_status: Callable[[], ComponentStatus]) -> None:
-        super().__init__("ScenePersonLocalization")
+        super().__init__("scene_person_localizer")
         self.place_in(world, clock, engine_status)
 
     def tell(self, refs: tuple[str, ...], places: tuple[str, ...], moment: datetime) -> None:
@@ -168,7 +168,7 @@ class SceneSoundLocalization(_Localizing, components.SoundLocalization):
     kind = "sound"
 
     def __init__(self, world: World, clock: MediaClock, engine_status: Callable[[], ComponentStatus]) -> None:
-        super().__init__("SceneSoundLocalization")
+        super().__init__("scene_sound_localizer")
         self.place_in(world, clock, engine_status)
 
     def tell(self, refs: tuple[str, ...], places: tuple[str, ...], moment: datetime) -> None:

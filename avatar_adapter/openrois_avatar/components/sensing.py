@@ -17,7 +17,7 @@ class Sense:
 
         class FaceDetection(Sense, components.FaceDetection):
             def __init__(self, ...) -> None:
-                super().__init__("FaceDetection")
+                super().__init__()
 
     `activity` tells whether it has to work, and when that changes. `start` ends at once: the sense goes on until
     `stop`.

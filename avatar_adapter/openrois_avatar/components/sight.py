@@ -20,7 +20,7 @@ class Sight(CameraSense, Component, authority="OpenRoIS", function="sensing"):
     """
 
     def __init__(self, watch: Watch, refs: Refs) -> None:
-        super().__init__("Sight", watch)
+        super().__init__(watch)
         self._refs = refs
         self._nobody = True
 

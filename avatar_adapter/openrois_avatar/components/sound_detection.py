@@ -24,7 +24,7 @@ class SoundDetection(Sense, components.SoundDetection):
     """
 
     def __init__(self, ear: Ear, clock: MediaClock) -> None:
-        super().__init__("SoundDetection")
+        super().__init__()
         self._ear = ear
         self._clock = clock
         self._presence, self._numbers = Presence(), Numbers()

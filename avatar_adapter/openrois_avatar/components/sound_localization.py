@@ -49,7 +49,7 @@ class SoundLocalization(Localizing, components.SoundLocalization):
     )
 
     def __init__(self, engine_id: str, ear: Ear, clock: MediaClock) -> None:
-        super().__init__("SoundLocalization")
+        super().__init__()
         self._engine_id = engine_id
         self._ear = ear
         self._clock = clock

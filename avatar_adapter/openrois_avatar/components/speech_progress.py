@@ -37,7 +37,7 @@ class SpeechProgress(Component, authority="OpenRoIS", function="actuation"):
     barge_in: bool = parameter(False, description="whether the avatar stops speaking when somebody speaks to it")
 
     def __init__(self, voice: Voice, attention: Attention) -> None:
-        super().__init__("SpeechProgress")
+        super().__init__()
         self._voice = voice
         self._attention = attention
         self._desert: Callable[[], None] | None = None

@@ -40,7 +40,7 @@ class SpeechRecognition(Sense, components.SpeechRecognition):
     def __init__(
         self, hearing: Hearing, recognition: Recognition, recognizer: SpeechRecognizer, clock: MediaClock
     ) -> None:
-        super().__init__("SpeechRecognition")
+        super().__init__()
         self._recognition = recognition
         self._recognizer = recognizer
         self._clock = clock

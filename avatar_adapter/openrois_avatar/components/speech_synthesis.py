@@ -24,7 +24,7 @@ class SpeechSynthesis(components.SpeechSynthesis):
     volume: Annotated[int, Field(ge=0, le=100)] = parameter(50)
 
     def __init__(self, voice: Voice) -> None:
-        super().__init__("SpeechSynthesis")
+        super().__init__()
         self._voice = voice
 
     def condition(self) -> ComponentStatus:

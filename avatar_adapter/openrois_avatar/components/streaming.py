@@ -72,7 +72,7 @@ class VideoStreaming(_Streaming, components.VideoStreaming):
     def __init__(
         self, codecs: Iterable[str], directions: Iterable[str], source_status: Callable[[], ComponentStatus]
     ) -> None:
-        super().__init__("VideoStreaming")
+        super().__init__()
         self._offer(codecs, directions, source_status)
 
 
@@ -82,5 +82,5 @@ class AudioStreaming(_Streaming, components.AudioStreaming):
     def __init__(
         self, codecs: Iterable[str], directions: Iterable[str], source_status: Callable[[], ComponentStatus]
     ) -> None:
-        super().__init__("AudioStreaming")
+        super().__init__()
         self._offer(codecs, directions, source_status)

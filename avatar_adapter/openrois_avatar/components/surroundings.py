@@ -46,7 +46,7 @@ class Surroundings(Component, authority="OpenRoIS", function="sensing"):
     """
 
     def __init__(self, world: World, clock: MediaClock, engine_status: Callable[[], ComponentStatus]) -> None:
-        super().__init__("Surroundings")
+        super().__init__()
         self._world = world
         self._clock = clock
         self._engine_status = engine_status

@@ -33,7 +33,7 @@ class SystemInformation(components.SystemInformation, function="sensing"):
         place: Callable[[], Place | None] = lambda: None,
         wall_clock: Callable[[], float] = time.time,
     ) -> None:
-        super().__init__("SystemInformation")
+        super().__init__()
         self._avatar_ref = avatar_ref
         self._engine_status = engine_status
         self._place = place

@@ -49,7 +49,7 @@ class Teleoperation(Component, authority="OpenRoIS", function="actuation"):
     def __init__(
         self, seat: Seat, controls: Controls, engine_status: Callable[[], ComponentStatus], clock: MediaClock
     ) -> None:
-        super().__init__("Teleoperation")
+        super().__init__()
         self.seat = seat
         self._controls = controls
         self._engine_status = engine_status

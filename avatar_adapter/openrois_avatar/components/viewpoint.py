@@ -20,7 +20,7 @@ class Viewpoint(Component, authority="OpenRoIS", function="function"):
     def __init__(
         self, body: Body, viewpoints: Callable[[], tuple[str, ...]], engine_status: Callable[[], ComponentStatus]
     ) -> None:
-        super().__init__("Viewpoint")
+        super().__init__()
         self._body = body
         self._viewpoints = viewpoints
         self._engine_status = engine_status

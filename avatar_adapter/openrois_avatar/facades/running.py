@@ -66,7 +66,9 @@ async def run_facade(settings: AvatarSettings) -> AsyncIterator[FacadeAvatar]:
     """
     clock = SystemClock()
     host, port = facade_address(settings.facade)
-    video, audio = (reference(settings.engine_id, name) for name in ("VideoStreaming", "AudioStreaming"))
+    video, audio = (
+        reference(settings.engine_id, streaming.component_type.name) for streaming in (VideoStreaming, AudioStreaming)
+    )
     kinds: dict[str, MediaKind] = {video: "video", audio: "audio"}
     last_words = "no game engine is connected to this adapter's signaling server"
 

@@ -10,7 +10,7 @@ from openrois_avatar.bench.observation import Order, Sightings
 from openrois.bench.errors import BenchFailed
 
 ORDER = Order(
-    url="ws://127.0.0.1:1/", component_ref="bench/VideoStreaming", codec="video/H264", seconds=1, runs=2, resumes=2
+    url="ws://127.0.0.1:1/", component_ref="bench/video_streaming", codec="video/H264", seconds=1, runs=2, resumes=2
 )
 SIGHTINGS = Sightings(
     width=640, height=360, numbers=(1, 2), unreadable=0, milliseconds={"presented": (30.5, 31.0), "connect": (80.0,)}

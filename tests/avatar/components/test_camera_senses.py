@@ -34,13 +34,13 @@ PERSON, FACE = "urn:x-rois:def:person:OpenRoIS::avatar", "urn:x-rois:def:face:Op
 NOD, TILT, SHAKE = (f"urn:x-rois:def:gesture:OMG::{number}" for number in (1, 2, 3))
 LOOK = np.ones(3, np.float32)
 EVENTS = (
-    ("PersonDetection", "person_detected"),
-    ("PersonLocalization", "person_localized"),
-    ("PersonIdentification", "person_identified"),
-    ("FaceDetection", "face_detected"),
-    ("FaceLocalization", "face_localized"),
-    ("GestureRecognition", "gesture_recognized"),
-    ("Sight", "seen"),
+    ("person_detecter", "person_detected"),
+    ("person_localizer", "person_localized"),
+    ("person_identifier", "person_identified"),
+    ("face_detecter", "face_detected"),
+    ("face_localizer", "face_localized"),
+    ("gesture_recognizer", "gesture_recognized"),
+    ("sight", "seen"),
 )
 
 
@@ -50,13 +50,13 @@ async def stage() -> CameraStage:
 
 
 async def test_numbers_are_told_when_they_change(stage: CameraStage) -> None:
-    await stage.listen("PersonDetection", "person_detected")
+    await stage.listen("person_detecter", "person_detected")
     away = somebody(2, face=False)
     assert stage.see() == []
     assert stage.see(somebody(1)) == [{"number": 1}]
     assert stage.see(somebody(1)) == []
     assert stage.see(somebody(1), away) == [{"number": 2}]
-    await stage.listen("FaceDetection", "face_detected")
+    await stage.listen("face_detecter", "face_detected")
     assert stage.see(somebody(1), away) == [{"number": 1}]
     assert stage.see(away) == [{"number": 1}, {"number": 0}]
     assert stage.see() == [{"number": 0}]
@@ -64,7 +64,7 @@ async def test_numbers_are_told_when_they_change(stage: CameraStage) -> None:
 
 async def test_the_moment_is_that_of_the_picture(stage: CameraStage) -> None:
     said: list[str] = []
-    await stage.registry.subscribe("avatar/FaceDetection", "face_detected", lambda item: said.append(str(item)))
+    await stage.registry.subscribe("avatar/face_detecter", "face_detected", lambda item: said.append(str(item)))
     stage.see(somebody())
     assert "2027-01-15T08:00:00.1" in said[0]
 
@@ -99,18 +99,18 @@ async def test_pictures_are_decoded_while_somebody_listens(stage: CameraStage, c
 
 @pytest.mark.parametrize(("pause", "go_on"), [("suspend", "resume"), ("stop", "start")])
 async def test_who_is_stopped_tells_nothing_while_others_look(stage: CameraStage, pause: str, go_on: str) -> None:
-    await stage.listen("PersonDetection", "person_detected")
-    await stage.listen("FaceDetection", "face_detected")
-    await stage.registry.invoke("avatar/PersonDetection", pause)
+    await stage.listen("person_detecter", "person_detected")
+    await stage.listen("face_detecter", "face_detected")
+    await stage.registry.invoke("avatar/person_detecter", pause)
     away = somebody(2, face=False)
     assert stage.see(somebody(1), away) == [{"number": 1}]
-    await stage.registry.invoke("avatar/PersonDetection", go_on)
+    await stage.registry.invoke("avatar/person_detecter", go_on)
     assert stage.see(somebody(1), away) == [{"number": 2}]
 
 
 @pytest.mark.parametrize(("pause", "go_on"), [("suspend", "resume"), ("stop", "start")])
 @pytest.mark.parametrize(
-    ("component", "event"), [("PersonDetection", "person_detected"), ("FaceDetection", "face_detected")]
+    ("component", "event"), [("person_detecter", "person_detected"), ("face_detecter", "face_detected")]
 )
 async def test_who_left_meanwhile_is_told_to_be_gone(
     stage: CameraStage, component: str, event: str, pause: str, go_on: str
@@ -126,8 +126,8 @@ async def test_who_left_meanwhile_is_told_to_be_gone(
 @pytest.mark.parametrize(
     ("component", "event", "ref", "kind"),
     [
-        ("PersonLocalization", "person_localized", "person_ref", PERSON),
-        ("FaceLocalization", "face_localized", "face_ref", FACE),
+        ("person_localizer", "person_localized", "person_ref", PERSON),
+        ("face_localizer", "face_localized", "face_ref", FACE),
     ],
 )
 async def test_places_are_told_as_the_parameters_say(
@@ -144,11 +144,11 @@ async def test_places_are_told_as_the_parameters_say(
     assert stage.see(somebody(1, x=0.3), somebody(2, x=0.5)) == []
     assert stage.see(somebody(1, x=0.3), somebody(2, x=0.5), passed=0.5) != []
     turned = stage.see(somebody(1, x=0.3), somebody(2, x=0.5, face=False), passed=0.5)
-    assert bool(turned) == (component == "FaceLocalization")
+    assert bool(turned) == (component == "face_localizer")
 
 
 async def test_who_is_recognised_is_told_when_they_come(stage: CameraStage) -> None:
-    await stage.listen("PersonIdentification", "person_identified")
+    await stage.listen("person_identifier", "person_identified")
     ann, ben = somebody(1, name="Ann"), somebody(2, name="Ben B.")
     assert stage.see(somebody(1)) == []
     assert stage.see(ann) == [{"person_ref": [f"{PERSON}/enrolled/Ann"]}]
@@ -161,17 +161,17 @@ async def test_who_is_recognised_is_told_when_they_come(stage: CameraStage) -> N
 async def test_gestures_are_told_by_their_numbers_in_annex_d(stage: CameraStage) -> None:
     (told,) = (
         json.loads(each.value)
-        for each in await stage.registry.query("avatar/GestureRecognition", "get_parameter")
+        for each in await stage.registry.query("avatar/gesture_recognizer", "get_parameter")
         if each.name == "recognizable_gestures"
     )
     assert told == [NOD, TILT, SHAKE]
-    await stage.listen("GestureRecognition", "gesture_recognized")
+    await stage.listen("gesture_recognizer", "gesture_recognized")
     assert stage.see(somebody()) == []
     assert stage.see(somebody(1, gesture=NOD), somebody(2, gesture=TILT)) == [{"gesture_ref": [NOD, TILT]}]
 
 
 async def test_sight_is_what_can_be_drawn_over_the_picture(stage: CameraStage) -> None:
-    await stage.listen("Sight", "seen")
+    await stage.listen("sight", "seen")
     assert stage.see() == []
     assert stage.see(somebody(1, name="Ann", gesture=SHAKE), somebody(2), somebody(3, face=False)) == [
         {
@@ -194,16 +194,16 @@ async def test_what_cannot_see_says_so(stage: CameraStage) -> None:
 class TestEnrolment:
     async def enrol(self, stage: CameraStage, name: str) -> str:
         argument = Argument(name="name", data_type_ref="string", value=name)
-        (result,) = await stage.registry.invoke("avatar/Enrolment", "enrol", (argument,))
+        (result,) = await stage.registry.invoke("avatar/enrolment", "enrol", (argument,))
         assert result.name == "person_ref"
         return result.value
 
     async def forget(self, stage: CameraStage, name: str) -> None:
         argument = Argument(name="name", data_type_ref="string", value=name)
-        await stage.registry.invoke("avatar/Enrolment", "forget", (argument,))
+        await stage.registry.invoke("avatar/enrolment", "forget", (argument,))
 
     async def names(self, stage: CameraStage) -> list[str]:
-        (result,) = await stage.registry.query("avatar/Enrolment", "enrolled")
+        (result,) = await stage.registry.query("avatar/enrolment", "enrolled")
         found: list[str] = json.loads(result.value)
         return found
 
@@ -302,7 +302,7 @@ class _OfTheCamera(ComponentContract):
     async def component(self) -> Component:
         senses = camera_senses("avatar", Camera(), VirtualClock()).components
         name = type(self).__name__.removeprefix("Test").removesuffix("Contract")
-        return next(each for each in senses if each.name == name)
+        return next(each for each in senses if each.component_type.code == name)
 
 
 class TestPersonDetectionContract(_OfTheCamera):

@@ -50,7 +50,7 @@ class Stage:
         await self.registry.invoke(f"avatar/{component}", "set_parameter", arguments)
 
     async def react(self) -> tuple["asyncio.Future[tuple[Result, ...]]", str]:
-        running = asyncio.ensure_future(self.registry.invoke("avatar/Reaction", "start"))
+        running = asyncio.ensure_future(self.registry.invoke("avatar/reaction", "start"))
         async with asyncio.timeout(60):
             told = await self.reacting.get()
         return running, told.id
@@ -66,31 +66,29 @@ async def values(stage: Stage, component: str, query: str) -> dict[str, str]:
 
 
 async def test_system_information_tells_place_time_and_engine_status(stage: Stage) -> None:
-    assert await values(stage, "SystemInformation", "robot_position") == {
+    assert await values(stage, "system_info", "robot_position") == {
         "timestamp": "2023-11-14T22:13:20.250000+00:00",
         "robot_ref": '["avatar"]',
         "position_data": '["0.000,0.000,-1.5708"]',
     }
     stage.place = Place(1.25, -2.5, 0.5)
-    assert (await values(stage, "SystemInformation", "robot_position"))["position_data"] == '["1.250,-2.500,0.5000"]'
+    assert (await values(stage, "system_info", "robot_position"))["position_data"] == '["1.250,-2.500,0.5000"]'
     stage.status = ComponentStatus.ERROR
     stage.wall += 60
-    assert await values(stage, "SystemInformation", "engine_status") == {
+    assert await values(stage, "system_info", "engine_status") == {
         "status": "ERROR",
         "operable_time": "2023-11-14T22:13:20.250000+00:00",
     }
-    assert (await values(stage, "SystemInformation", "robot_position"))[
-        "timestamp"
-    ] == "2023-11-14T22:14:20.250000+00:00"
+    assert (await values(stage, "system_info", "robot_position"))["timestamp"] == "2023-11-14T22:14:20.250000+00:00"
 
 
 async def test_system_information_has_no_rois_common(stage: Stage) -> None:
     with pytest.raises(Unsupported):
-        await stage.registry.query("avatar/SystemInformation", "component_status")
+        await stage.registry.query("avatar/system_info", "component_status")
 
 
 async def test_reactions_are_named_by_annex_d_or_by_our_own_book(stage: Stage) -> None:
-    refs = json.loads((await values(stage, "Reaction", "available_reactions"))["available_reactions"])
+    refs = json.loads((await values(stage, "reaction", "available_reactions"))["available_reactions"])
     assert refs == ["urn:x-rois:def:reaction:OMG::1", "urn:x-rois:def:reaction:OpenRoIS::wave"]
 
 
@@ -103,24 +101,24 @@ def test_a_reaction_of_annex_d_has_its_number(name: str, number: int) -> None:
 
 
 async def test_a_reaction_plays_and_completes(stage: Stage) -> None:
-    await stage.set("Reaction", reaction_ref=reaction_ref("nod"))
+    await stage.set("reaction", reaction_ref=reaction_ref("nod"))
     running, reaction_id = await stage.react()
-    assert await values(stage, "Reaction", "component_status") == {"status": "BUSY"}
+    assert await values(stage, "reaction", "component_status") == {"status": "BUSY"}
     stage.body.take(Completed(reaction_id, "OK"))
     assert await running == ()
 
 
 async def test_stop_ends_a_reaction_with_abort(stage: Stage) -> None:
-    await stage.set("Reaction", reaction_ref=reaction_ref("wave"))
+    await stage.set("reaction", reaction_ref=reaction_ref("wave"))
     running, reaction_id = await stage.react()
-    await stage.registry.invoke("avatar/Reaction", "stop")
+    await stage.registry.invoke("avatar/reaction", "stop")
     with pytest.raises(Aborted):
         await running
     assert stage.told[-1] == Stop(reaction_id)
 
 
 async def test_a_reaction_that_never_ends_cannot_block_the_rest(stage: Stage) -> None:
-    profile = (await stage.registry.discover()).component_profiles["avatar/Reaction"]
+    profile = (await stage.registry.discover()).component_profiles["avatar/reaction"]
     start = profile.command("start")
     assert start is not None
     assert start.timeout == 30_000
@@ -128,16 +126,16 @@ async def test_a_reaction_that_never_ends_cannot_block_the_rest(stage: Stage) ->
 
 async def test_an_unknown_reaction_is_refused_and_nothing_is_stored(stage: Stage) -> None:
     with pytest.raises(BadParameter, match="no reaction"):
-        await stage.set("Reaction", reaction_ref="urn:x-rois:def:reaction:OMG::49")
+        await stage.set("reaction", reaction_ref="urn:x-rois:def:reaction:OMG::49")
     with pytest.raises(BadParameter, match="set reaction_ref"):
-        await stage.registry.invoke("avatar/Reaction", "start")
+        await stage.registry.invoke("avatar/reaction", "start")
 
 
 async def test_without_a_game_engine_the_component_says_so(stage: Stage) -> None:
     stage.status = ComponentStatus.ERROR
-    assert await values(stage, "Reaction", "component_status") == {"status": "ERROR"}
+    assert await values(stage, "reaction", "component_status") == {"status": "ERROR"}
     with pytest.raises(ComponentFailed):
-        await stage.registry.query("avatar/Reaction", "available_reactions")
+        await stage.registry.query("avatar/reaction", "available_reactions")
 
 
 async def test_gaze_looks_where_it_is_told(stage: Stage) -> None:
@@ -145,20 +143,20 @@ async def test_gaze_looks_where_it_is_told(stage: Stage) -> None:
         Argument(name="x", data_type_ref="double", value="-0.5"),
         Argument(name="y", data_type_ref="double", value="0.25"),
     )
-    await stage.registry.invoke("avatar/Gaze", "look", arguments)
+    await stage.registry.invoke("avatar/gaze", "look", arguments)
     assert stage.told == [Look(-0.5, 0.25)]
 
 
 @pytest.mark.parametrize("x", ["1.5", "left", "nan"])
 async def test_gaze_refuses_what_is_no_direction(stage: Stage, x: str) -> None:
     with pytest.raises(BadParameter):
-        await stage.registry.invoke("avatar/Gaze", "look", (Argument(name="x", data_type_ref="double", value=x),))
+        await stage.registry.invoke("avatar/gaze", "look", (Argument(name="x", data_type_ref="double", value=x),))
     assert stage.told == []
 
 
 async def choose(stage: Stage, viewpoint: str) -> None:
     argument = Argument(name="viewpoint", data_type_ref="string", value=viewpoint)
-    await stage.registry.invoke("avatar/Viewpoint", "choose", (argument,))
+    await stage.registry.invoke("avatar/viewpoint", "choose", (argument,))
 
 
 async def test_all_viewers_see_it_from_the_viewpoint_that_was_chosen(stage: Stage) -> None:
@@ -168,11 +166,11 @@ async def test_all_viewers_see_it_from_the_viewpoint_that_was_chosen(stage: Stag
         assert isinstance(event, Event)
         told.append(event.results[0].value)
 
-    subscription = await stage.registry.subscribe("avatar/Viewpoint", "viewpoint_changed", hear)
-    assert await values(stage, "Viewpoint", "viewpoint") == {"viewpoint": "automatic"}
+    subscription = await stage.registry.subscribe("avatar/viewpoint", "viewpoint_changed", hear)
+    assert await values(stage, "viewpoint", "viewpoint") == {"viewpoint": "automatic"}
     for viewpoint in ("face", "face", "automatic"):
         await choose(stage, viewpoint)
-        assert await values(stage, "Viewpoint", "viewpoint") == {"viewpoint": viewpoint}
+        assert await values(stage, "viewpoint", "viewpoint") == {"viewpoint": viewpoint}
     assert [command.name for command in stage.told if isinstance(command, LinkViewpoint)] == ["face", "automatic"]
     assert told == ["face", "automatic"]
     await stage.registry.unsubscribe(subscription)
@@ -183,4 +181,4 @@ async def test_a_viewpoint_that_the_engine_does_not_have_is_refused(stage: Stage
         await choose(stage, "moon")
     assert stage.told == []
     stage.viewpoints = ()
-    assert await values(stage, "Viewpoint", "component_status") == {"status": "ERROR"}
+    assert await values(stage, "viewpoint", "component_status") == {"status": "ERROR"}

@@ -128,22 +128,22 @@ def hearing(name: str) -> Component:
 
 class TestSoundDetection(ComponentContract):
     async def component(self) -> Component:
-        return hearing("SoundDetection")
+        return hearing("sound_detecter")
 
 
 class TestSoundLocalization(ComponentContract):
     async def component(self) -> Component:
-        return hearing("SoundLocalization")
+        return hearing("sound_localizer")
 
 
 class TestSpeechRecognition(ComponentContract):
     async def component(self) -> Component:
-        return hearing("SpeechRecognition")
+        return hearing("speech_recognizer")
 
 
 class TestHearing(ComponentContract):
     async def component(self) -> Component:
-        return hearing("Hearing")
+        return hearing("hearing")
 
 
 STREAMS = "a stream belongs to the application that connects it, and a component is not told which one that is"

@@ -19,7 +19,7 @@ from tests.support.floors import SQUARE, floors, rectangle, room_along
 from tests.support.streaming import settle
 from tests.support.walker import STEP, Walking
 
-REF = "avatar/Follow"
+REF = "avatar/follower"
 ANNA = "urn:x-rois:def:person:OpenRoIS::avatar/scene/anna"
 
 
@@ -208,7 +208,7 @@ async def test_another_floor_is_planned_for(stage: Stage) -> None:
 async def test_its_time_is_limited(stage: Stage) -> None:
     running = await stage.begin(time_limit="3000")
     await stage.run(3.1)
-    with pytest.raises(TimedOut, match="Follow took longer than 3000 ms"):
+    with pytest.raises(TimedOut, match="follower took longer than 3000 ms"):
         await running
 
 

@@ -69,7 +69,7 @@ async def room() -> AsyncIterator[Room]:
 
 class TestSoundDetection:
     async def test_a_sound_is_told_when_it_begins_and_ends(self, room: Room) -> None:
-        subscription = await room.subscribe("SoundDetection", "sound_detected")
+        subscription = await room.subscribe("sound_detecter", "sound_detected")
         await room.say(np.concatenate([SILENCE, VOICE, SILENCE]))
         assert room.told("sound_detected", "number") == ["1", "0"]
         await room.registry.unsubscribe(subscription)
@@ -77,18 +77,18 @@ class TestSoundDetection:
         assert len(room.events) == 2
 
     async def test_a_sound_ends_with_the_microphone(self, room: Room) -> None:
-        await room.subscribe("SoundDetection", "sound_detected")
+        await room.subscribe("sound_detecter", "sound_detected")
         await room.say(np.concatenate([SILENCE, VOICE[:24_000]]))
         room.unplug()
         await room.clock.advance(1.0)
         assert room.told("sound_detected", "number") == ["1", "0"]
 
     async def test_a_sound_that_has_ended_meanwhile_is_told_to_be_over(self, room: Room) -> None:
-        await room.subscribe("SoundDetection", "sound_detected")
+        await room.subscribe("sound_detecter", "sound_detected")
         await room.say(np.concatenate([SILENCE, VOICE[:24_000]]))
-        await room.do("SoundDetection", "suspend")
+        await room.do("sound_detecter", "suspend")
         await room.say(SILENCE)
-        await room.do("SoundDetection", "resume")
+        await room.do("sound_detecter", "resume")
         await room.say(SILENCE)
         assert room.told("sound_detected", "number") == ["1", "0"]
 
@@ -96,22 +96,22 @@ class TestSoundDetection:
     async def test_a_sound_that_ended_with_the_microphone_meanwhile_is_told_to_be_over(
         self, room: Room, pause: str, go_on: str
     ) -> None:
-        await room.subscribe("SoundDetection", "sound_detected")
+        await room.subscribe("sound_detecter", "sound_detected")
         await room.say(np.concatenate([SILENCE, VOICE[:24_000]]))
-        await room.do("SoundDetection", pause)
+        await room.do("sound_detecter", pause)
         room.unplug()
         await room.clock.advance(1.0)
-        await room.do("SoundDetection", go_on)
+        await room.do("sound_detecter", go_on)
         await room.clock.advance(1.0)
         assert room.told("sound_detected", "number") == ["1", "0"]
         assert room.events[1].results[-1].value > room.events[0].results[-1].value
 
     async def test_stop_and_start(self, room: Room) -> None:
-        await room.subscribe("SoundDetection", "sound_detected")
-        await room.do("SoundDetection", "stop")
+        await room.subscribe("sound_detecter", "sound_detected")
+        await room.do("sound_detecter", "stop")
         await room.say(np.concatenate([SILENCE, VOICE, SILENCE]))
         assert room.events == []
-        await room.do("SoundDetection", "start")
+        await room.do("sound_detecter", "start")
         await room.say(np.concatenate([SILENCE, VOICE, SILENCE]))
         assert room.told("sound_detected", "number") == ["1", "0"]
 
@@ -129,9 +129,9 @@ class TestSoundLocalization:
     @pytest.mark.parametrize(("degrees", "millimetres"), [(40.0, 150), (-60.0, 80)])
     async def test_a_voice_is_where_it_is_heard_from(self, room: Room, degrees: float, millimetres: int) -> None:
         await room.do(
-            "SoundLocalization", "set_parameter", microphone_distance=str(millimetres), detection_threshold="100"
+            "sound_localizer", "set_parameter", microphone_distance=str(millimetres), detection_threshold="100"
         )
-        await room.subscribe("SoundLocalization", "sound_localized")
+        await room.subscribe("sound_localizer", "sound_localized")
         await room.say(np.concatenate([SILENCE, from_the_side(degrees, millimetres / 1000, VOICE), SILENCE]))
         (ref, *_), (place, *_) = (
             room.told("sound_localized", "sound_ref"),
@@ -150,11 +150,11 @@ class TestSoundLocalization:
         assert math.degrees(math.atan2(x, y)) == pytest.approx(0, abs=6), "where the sound before was is forgotten"
 
     async def test_a_microphone_with_one_channel_is_said_to_be_of_no_use(self, room: Room) -> None:
-        await room.subscribe("SoundLocalization", "sound_localized")
+        await room.subscribe("sound_localizer", "sound_localized")
         await room.say(np.concatenate([SILENCE, VOICE, VOICE, VOICE, SILENCE]))
         assert room.events == []
         assert ["one channel" in fault.description for fault in room.faults] == [True]
-        assert (await room.ask("Hearing", "microphone"))["channels"] == "1"
+        assert (await room.ask("hearing", "microphone"))["channels"] == "1"
         room.unplug()
         await room.clock.advance(1.0)
         room.plug()
@@ -162,18 +162,18 @@ class TestSoundLocalization:
         assert len(room.faults) == 2
 
     async def test_noise_from_everywhere_has_no_place(self, room: Room) -> None:
-        await room.do("SoundLocalization", "start")
-        await room.subscribe("SoundLocalization", "sound_localized")
+        await room.do("sound_localizer", "start")
+        await room.subscribe("sound_localizer", "sound_localized")
         noise = np.random.default_rng(1).normal(0, 3000, (48_000, 2)).astype(np.int16)
         await room.say(np.concatenate([SILENCE, noise, SILENCE]))
         assert (room.events, room.faults) == ([], [])
-        await room.do("SoundLocalization", "stop")
+        await room.do("sound_localizer", "stop")
 
 
 class TestSpeechRecognition:
     async def test_what_is_said_and_when(self, room: Room) -> None:
         for event in ("speech_input_started", "speech_input_finished", "speech_recognized"):
-            await room.subscribe("SpeechRecognition", event)
+            await room.subscribe("speech_recognizer", event)
         await room.say(np.concatenate([SILENCE, VOICE, SILENCE, VOICE, SILENCE]))
         types = [event.event_type for event in room.events]
         assert types == ["speech_input_started", "speech_input_finished", "speech_recognized"] * 2
@@ -183,36 +183,36 @@ class TestSpeechRecognition:
     @pytest.mark.parametrize("others", [False, True])
     async def test_what_has_begun_ends_also_when_it_is_suspended(self, room: Room, others: bool) -> None:
         for event in ("speech_input_started", "speech_input_finished", "speech_recognized"):
-            await room.subscribe("SpeechRecognition", event)
+            await room.subscribe("speech_recognizer", event)
         if others:
-            await room.do("Hearing", "start")
+            await room.do("hearing", "start")
         await room.say(np.concatenate([SILENCE, VOICE]))
-        await room.do("SpeechRecognition", "suspend")
+        await room.do("speech_recognizer", "suspend")
         await room.say(np.concatenate([SILENCE, VOICE, SILENCE]))
-        await room.do("SpeechRecognition", "resume")
+        await room.do("speech_recognizer", "resume")
         await room.say(SILENCE)
         assert [event.event_type for event in room.events] == ["speech_input_started", "speech_input_finished"]
 
     async def test_what_is_no_speech_is_not_told(self, room: Room) -> None:
         for event in ("speech_input_started", "speech_recognized"):
-            await room.subscribe("SpeechRecognition", event)
+            await room.subscribe("speech_recognizer", event)
         for name in ("white noise", "a tone of 440 Hz", "a melody", "a band"):
             await room.say(np.concatenate([SILENCE, stereo_48k(not_speech()[name]), SILENCE]))
             assert room.events == [], name
 
     async def test_the_language_and_grammar_are_those_of_the_moment(self, room: Room) -> None:
-        await room.subscribe("SpeechRecognition", "speech_recognized")
+        await room.subscribe("speech_recognizer", "speech_recognized")
         await room.say(np.concatenate([SILENCE, VOICE, SILENCE]))
-        await room.do("SpeechRecognition", "set_parameter", languages='["de-AT","en"]', grammar="mine", rule="first")
+        await room.do("speech_recognizer", "set_parameter", languages='["de-AT","en"]', grammar="mine", rule="first")
         await room.say(np.concatenate([VOICE, SILENCE]))
-        await room.do("SpeechRecognition", "set_parameter", grammar="other")
+        await room.do("speech_recognizer", "set_parameter", grammar="other")
         await room.say(np.concatenate([VOICE, SILENCE]))
         assert room.recognizer.expected == [
             Expectation(("en",)),
             Expectation(("de", "en"), "mine", "first"),
             Expectation(("de", "en"), "other", "default"),
         ]
-        assert (await room.ask("SpeechRecognition", "recognizable_languages"))["languages"] == '["en", "de"]'
+        assert (await room.ask("speech_recognizer", "recognizable_languages"))["languages"] == '["en", "de"]'
 
     @pytest.mark.parametrize(
         ("given", "said"),
@@ -224,55 +224,55 @@ class TestSpeechRecognition:
     )
     async def test_what_cannot_be_recognised_is_refused(self, room: Room, given: dict[str, str], said: str) -> None:
         with pytest.raises(BadParameter, match=said):
-            await room.do("SpeechRecognition", "set_parameter", **given)
-        assert '["en"]' in str(await room.ask("SpeechRecognition", "get_parameter"))
+            await room.do("speech_recognizer", "set_parameter", **given)
+        assert '["en"]' in str(await room.ask("speech_recognizer", "get_parameter"))
 
     async def test_a_recogniser_without_english_begins_with_its_own_language(self) -> None:
         recognizer = ScriptedRecognizer()
         recognizer.languages = ("ja", "ko")
-        assert '["ja"]' in str(await Room(recognizer).ask("SpeechRecognition", "get_parameter"))
+        assert '["ja"]' in str(await Room(recognizer).ask("speech_recognizer", "get_parameter"))
 
     async def test_without_a_recogniser_it_does_not_work(self) -> None:
         recognizer = ScriptedRecognizer()
         recognizer.installed = False
         room = Room(recognizer)
-        assert (await room.ask("SpeechRecognition", "component_status"))["status"] == "ERROR"
+        assert (await room.ask("speech_recognizer", "component_status"))["status"] == "ERROR"
         with pytest.raises(ComponentFailed):
-            await room.subscribe("SpeechRecognition", "speech_recognized")
+            await room.subscribe("speech_recognizer", "speech_recognized")
 
     async def test_a_recogniser_that_fails_is_reported(self, room: Room) -> None:
-        await room.subscribe("SpeechRecognition", "speech_recognized")
+        await room.subscribe("speech_recognizer", "speech_recognized")
         await settle()
         room.recognizer.failures = 2
         await room.say(np.concatenate([SILENCE, VOICE, SILENCE]))
         assert [fault.description for fault in room.faults] == ["it broke"]
         await room.clock.advance(5.0)
-        assert (await room.ask("SpeechRecognition", "component_status"))["status"] == "READY"
+        assert (await room.ask("speech_recognizer", "component_status"))["status"] == "READY"
 
 
 class TestHearing:
     async def test_words_are_shown_while_they_come(self, room: Room) -> None:
-        assert await room.ask("Hearing", "last_heard") == {"text": ""}
-        await room.subscribe("Hearing", "heard")
+        assert await room.ask("hearing", "last_heard") == {"text": ""}
+        await room.subscribe("hearing", "heard")
         await room.say(np.concatenate([SILENCE, VOICE]))
-        assert (await room.ask("Hearing", "microphone")) == {"channels": "1", "speaking": "true"}
+        assert (await room.ask("hearing", "microphone")) == {"channels": "1", "speaking": "true"}
         await room.say(SILENCE)
         texts, final = room.told("heard", "text"), room.told("heard", "final")
         assert texts[0] == "h"
         assert texts[-1] == "hello"
         assert final == ["false"] * (len(final) - 1) + ["true"]
-        last = await room.ask("Hearing", "last_heard")
+        last = await room.ask("hearing", "last_heard")
         assert last["text"] == "hello"
         assert last["timestamp"].startswith("2027-01-15T08:00:01")
 
     async def test_who_only_listens_for_words_does_not_hear_of_speech(self, room: Room) -> None:
-        await room.subscribe("Hearing", "heard")
-        await room.do("Hearing", "stop")
-        await room.subscribe("SpeechRecognition", "speech_input_started")
+        await room.subscribe("hearing", "heard")
+        await room.do("hearing", "stop")
+        await room.subscribe("speech_recognizer", "speech_input_started")
         await room.say(np.concatenate([SILENCE, VOICE, SILENCE]))
         assert {event.event_type for event in room.events} == {"speech_input_started"}
-        assert (await room.ask("Hearing", "last_heard"))["text"] == "hello"
-        await room.do("SpeechRecognition", "stop")
+        assert (await room.ask("hearing", "last_heard"))["text"] == "hello"
+        await room.do("speech_recognizer", "stop")
         await room.say(np.concatenate([VOICE, SILENCE]))
         assert len(room.events) == 1
 

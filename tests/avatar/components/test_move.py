@@ -14,7 +14,7 @@ from tests.support.floors import SQUARE, rectangle
 from tests.support.streaming import settle
 from tests.support.walker import Walking
 
-REF = "avatar/Move"
+REF = "avatar/move"
 AHEAD = rectangle(1, -1, 1.2, 1)
 
 
@@ -124,7 +124,7 @@ async def test_what_is_in_the_way_is_told_before_the_first_step(
     stage: Stage, name: str, value: str, metres: str
 ) -> None:
     stage.build(Floor(SQUARE, (AHEAD,)))
-    with pytest.raises(ComponentFailed, match=f"Move: an obstacle is in the way after {metres}"):
+    with pytest.raises(ComponentFailed, match=f"move: an obstacle is in the way after {metres}"):
         await (await stage.begin(**{name: value}))
     assert stage.engine.heard == []
 

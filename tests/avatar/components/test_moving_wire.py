@@ -89,10 +89,10 @@ async def behind_a_gateway(*names: str) -> AsyncIterator[Stage]:
 
 
 async def test_a_route_tells_its_targets_and_is_completed_once() -> None:
-    async with behind_a_gateway("Navigation") as stage:
+    async with behind_a_gateway("navigation") as stage:
         await stage.app.ask("rois.event.subscribe", event_type="reached_target")
-        await stage.app.set("avatar/Navigation", target_positions='["0.5,0","0.5,0.5"]')
-        await stage.app.execute("avatar/Navigation", "start", "go")
+        await stage.app.set("avatar/navigation", target_positions='["0.5,0","0.5,0.5"]')
+        await stage.app.execute("avatar/navigation", "start", "go")
         await stage.until_completed()
         assert [what for what, _ in stage.app.notified] == ["completed", "notify_event", "notify_event", "completed"]
         assert stage.app.completed == [("go", "OK")]
@@ -101,18 +101,18 @@ async def test_a_route_tells_its_targets_and_is_completed_once() -> None:
 @pytest.mark.parametrize(
     ("name", "values", "act", "status"),
     [
-        ("Navigation", {"target_positions": '["4,0"]', "time_limit": "1000"}, None, "TIMEOUT"),
-        ("Navigation", {"target_positions": '["4,0"]'}, "stop", "ABORT"),
-        ("Navigation", {"target_positions": '["4,0"]'}, "lose", "ERROR"),
-        ("Navigation", {"target_positions": '["4,0"]'}, "refuse", "ERROR"),
-        ("Move", {"line": "[300,90]"}, None, "OK"),
-        ("Move", {"line": "[3000,0]"}, "stop", "ABORT"),
-        ("Move", {"line": "[3000,0]"}, "drive", "ABORT"),
-        ("Move", {"curve": "[1000,90]"}, "lose", "ERROR"),
-        ("Follow", {"target_object_ref": "anna", "distance": "500", "time_limit": "1000"}, None, "TIMEOUT"),
-        ("Follow", {"target_object_ref": "anna", "distance": "500"}, "stop", "ABORT"),
-        ("Follow", {"target_object_ref": "anna", "distance": "500"}, "vanish", "ERROR"),
-        ("Follow", {"target_object_ref": "anna", "distance": "500"}, "lose", "ERROR"),
+        ("navigation", {"target_positions": '["4,0"]', "time_limit": "1000"}, None, "TIMEOUT"),
+        ("navigation", {"target_positions": '["4,0"]'}, "stop", "ABORT"),
+        ("navigation", {"target_positions": '["4,0"]'}, "lose", "ERROR"),
+        ("navigation", {"target_positions": '["4,0"]'}, "refuse", "ERROR"),
+        ("move", {"line": "[300,90]"}, None, "OK"),
+        ("move", {"line": "[3000,0]"}, "stop", "ABORT"),
+        ("move", {"line": "[3000,0]"}, "drive", "ABORT"),
+        ("move", {"curve": "[1000,90]"}, "lose", "ERROR"),
+        ("follower", {"target_object_ref": "anna", "distance": "500", "time_limit": "1000"}, None, "TIMEOUT"),
+        ("follower", {"target_object_ref": "anna", "distance": "500"}, "stop", "ABORT"),
+        ("follower", {"target_object_ref": "anna", "distance": "500"}, "vanish", "ERROR"),
+        ("follower", {"target_object_ref": "anna", "distance": "500"}, "lose", "ERROR"),
     ],
 )
 async def test_every_end_is_told_once(name: str, values: dict[str, str], act: str | None, status: str) -> None:
@@ -138,11 +138,11 @@ async def test_every_end_is_told_once(name: str, values: dict[str, str], act: st
 
 
 async def test_of_two_motions_the_second_one_goes() -> None:
-    async with behind_a_gateway("Navigation", "Move") as stage:
-        await stage.app.set("avatar/Navigation", target_positions='["4,0"]')
-        await stage.app.set("avatar/Move", line="[-300,0]")
-        await stage.app.execute("avatar/Navigation", "start", "first")
+    async with behind_a_gateway("navigation", "move") as stage:
+        await stage.app.set("avatar/navigation", target_positions='["4,0"]')
+        await stage.app.set("avatar/move", line="[-300,0]")
+        await stage.app.execute("avatar/navigation", "start", "first")
         await stage.run(0.2)
-        await stage.app.execute("avatar/Move", "start", "second")
+        await stage.app.execute("avatar/move", "start", "second")
         await stage.until_completed(2)
         assert stage.app.completed == [("first", "ABORT"), ("second", "OK")]

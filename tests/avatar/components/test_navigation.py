@@ -22,7 +22,7 @@ from tests.support.floors import SQUARE, Point, floors, points, rectangle, room_
 from tests.support.streaming import settle
 from tests.support.walker import Walking
 
-REF = "avatar/Navigation"
+REF = "avatar/navigation"
 WALL = rectangle(-3, 0.9, 3, 1.1)
 
 
@@ -188,7 +188,7 @@ async def test_time_is_limited(stage: Stage) -> None:
     await stage.run(1.95)
     assert not running.done()
     await stage.run(0.1)
-    with pytest.raises(TimedOut, match="Navigation took longer than 2000 ms"):
+    with pytest.raises(TimedOut, match="navigation took longer than 2000 ms"):
         await running
     assert not stage.engine.moves
 
@@ -267,11 +267,11 @@ async def test_a_new_start_goes_elsewhere(stage: Stage) -> None:
 async def test_a_move_ends_it_and_it_says_why(stage: Stage) -> None:
     running = await stage.begin(target_positions=["5,0"])
     await stage.registry.invoke(
-        "avatar/Move", "set_parameter", (Argument(name="line", data_type_ref="int[]", value="[100,0]"),)
+        "avatar/move", "set_parameter", (Argument(name="line", data_type_ref="int[]", value="[100,0]"),)
     )
-    moving = asyncio.ensure_future(stage.registry.invoke("avatar/Move", "start"))
+    moving = asyncio.ensure_future(stage.registry.invoke("avatar/move", "start"))
     await settle()
-    with pytest.raises(Aborted, match="Navigation was ended: Move has the figure now"):
+    with pytest.raises(Aborted, match="navigation was ended: move has the figure now"):
         await running
     await stage.run_until(moving)
 

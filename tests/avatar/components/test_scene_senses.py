@@ -17,7 +17,7 @@ from tests.support.streaming import VirtualClock, settle
 
 ANNA, BOB = Thing("a", "person", 1, 2, 0.5), Thing("b", "person", 0, 3)
 BELL, TABLE = Thing("bell", "sound", -1, 0), Thing("t", "object", 4, 4)
-LOCALIZATION = "ScenePersonLocalization"
+LOCALIZATION = "scene_person_localizer"
 PAUSE = 0.0625
 """Longer than a sense is silent for, and without a rounding error."""
 
@@ -67,7 +67,7 @@ async def stage() -> AsyncIterator[Stage]:
 
 
 async def test_another_number_of_persons_is_told(stage: Stage) -> None:
-    await stage.listen("ScenePersonDetection", "person_detected")
+    await stage.listen("scene_person_detecter", "person_detected")
     assert stage.heard == []
     await stage.show(ANNA, BELL, TABLE)
     await stage.show(Thing("a", "person", 2, 2), BELL)
@@ -92,7 +92,7 @@ async def test_persons_are_told_with_ref_and_place(stage: Stage) -> None:
 
 
 async def test_sounds_are_told_with_ref_and_place(stage: Stage) -> None:
-    await stage.listen("SceneSoundLocalization", "sound_localized")
+    await stage.listen("scene_sound_localizer", "sound_localized")
     await stage.show(ANNA, BELL)
     assert [json.loads(event["sound_ref"]) for event in stage.heard] == [
         ["urn:x-rois:def:sound:OpenRoIS::avatar/scene/bell"]
@@ -123,7 +123,7 @@ async def test_what_comes_too_early_is_told_later_as_it_is_then(stage: Stage) ->
 
 async def test_who_comes_later_is_told_what_there_is(stage: Stage) -> None:
     await stage.show(ANNA)
-    for event, sense in (("person_detected", "ScenePersonDetection"), ("person_localized", LOCALIZATION)):
+    for event, sense in (("person_detected", "scene_person_detecter"), ("person_localized", LOCALIZATION)):
         for _ in range(2):
             subscription = await stage.listen(sense, event)
             assert len(stage.told("timestamp")) == 1
@@ -165,17 +165,17 @@ async def test_stopped_it_tells_nothing(stage: Stage) -> None:
 
 
 async def test_who_left_meanwhile_is_told_to_be_gone(stage: Stage) -> None:
-    await stage.listen("ScenePersonDetection", "person_detected")
+    await stage.listen("scene_person_detecter", "person_detected")
     await stage.show(ANNA, BOB)
-    await stage.registry.invoke("avatar/ScenePersonDetection", "suspend")
+    await stage.registry.invoke("avatar/scene_person_detecter", "suspend")
     await stage.show()
-    await stage.registry.invoke("avatar/ScenePersonDetection", "resume")
+    await stage.registry.invoke("avatar/scene_person_detecter", "resume")
     await stage.clock.advance(PAUSE)
     assert stage.told("number") == ["2", "0"]
 
 
 async def test_with_the_engine_the_scene_is_gone(stage: Stage) -> None:
-    await stage.listen("ScenePersonDetection", "person_detected")
+    await stage.listen("scene_person_detecter", "person_detected")
     await stage.show(ANNA)
     stage.world.clear()
     await stage.clock.advance(PAUSE)

@@ -16,13 +16,11 @@ from openrois.types.messages import Argument
 
 
 class Detection(Sense, components.FaceDetection):
-    def __init__(self) -> None:
-        super().__init__("FaceDetection")
+    """Detects nothing by itself."""
 
 
 class Localization(Localizing, components.FaceLocalization):
-    def __init__(self) -> None:
-        super().__init__("FaceLocalization")
+    """Localizes nothing by itself."""
 
 
 class TestDetection(ComponentContract):
@@ -42,11 +40,11 @@ async def test_a_sense_works_for_who_listens_and_when_it_is_told_to() -> None:
     registry = LocalRegistry("avatar", [sense])
     works: list[bool] = []
     sense.activity.changed.add(works.append)
-    subscribe_id = await registry.subscribe("avatar/FaceDetection", "face_detected", lambda _item: None)
+    subscribe_id = await registry.subscribe("avatar/face_detecter", "face_detected", lambda _item: None)
     for command in ("suspend", "resume", "start"):
-        await registry.invoke("avatar/FaceDetection", command)
+        await registry.invoke("avatar/face_detecter", command)
     await registry.unsubscribe(subscribe_id)
-    await registry.invoke("avatar/FaceDetection", "stop")
+    await registry.invoke("avatar/face_detecter", "stop")
     assert works == [True, False, True, False]
     assert [each.name for each in sense.profile.command_profiles] == ["start", "stop", "suspend", "resume"]
 
@@ -57,7 +55,7 @@ async def test_an_application_that_leaves_lets_its_senses_rest() -> None:
     sense.activity.changed.add(works.put_nowait)
     async with memory_gateway(sense) as gateway, asyncio.timeout(60):
         for _ in range(2):
-            async with gateway.client() as client, client.component("robot/FaceDetection").event("face_detected"):
+            async with gateway.client() as client, client.component("robot/face_detecter").event("face_detected"):
                 assert await works.get()
             assert not await works.get()
 
@@ -68,7 +66,7 @@ async def test_places_are_told_as_the_parameters_say() -> None:
 
     async def set_parameter(name: str, value: str) -> None:
         argument = Argument(name=name, data_type_ref="int", value=value)
-        await registry.invoke("avatar/FaceLocalization", "set_parameter", (argument,))
+        await registry.invoke("avatar/face_localizer", "set_parameter", (argument,))
 
     await set_parameter("detection_threshold", "100")
     await set_parameter("minimum_interval", "1000")

@@ -26,7 +26,7 @@ from openrois.types.messages import Argument, Result
 from tests.support.streaming import VirtualClock, settle
 from tests.support.voice import ScriptedSynthesizer
 
-PROGRESS, SYNTHESIS = "avatar/SpeechProgress", "avatar/SpeechSynthesis"
+PROGRESS, SYNTHESIS = "avatar/speech_progress", "avatar/speech_synthesizer"
 
 
 class Attention:

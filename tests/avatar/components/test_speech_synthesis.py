@@ -15,7 +15,7 @@ from openrois.types.messages import Argument, Result
 from tests.support.streaming import VirtualClock, settle
 from tests.support.voice import ScriptedSynthesizer
 
-REF = "avatar/SpeechSynthesis"
+REF = "avatar/speech_synthesizer"
 
 
 class Stage:

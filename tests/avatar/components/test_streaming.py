@@ -10,7 +10,7 @@ from openrois.registry import LocalRegistry
 from openrois.types.codes import ComponentStatus
 from openrois.types.messages import Argument
 
-VIDEO = "avatar/VideoStreaming"
+VIDEO = "avatar/video_streaming"
 
 
 @pytest.fixture

@@ -15,7 +15,7 @@ from openrois.testing import ComponentContract
 from openrois.types.codes import ComponentStatus
 from tests.support.streaming import VirtualClock, settle
 
-REF = "avatar/Surroundings"
+REF = "avatar/surroundings"
 
 
 class TestSurroundings(ComponentContract):

@@ -15,7 +15,7 @@ from openrois.types.streams import HolderNotification
 from tests.support.streaming import VirtualClock, settle
 from tests.support.teleoperation import Hand, LoggedControls, text
 
-REF = "avatar/Teleoperation"
+REF = "avatar/teleoperation"
 
 
 class Bench:

@@ -35,7 +35,7 @@ from openrois.types.codes import ComponentStatus
 
 STREAM_1 = StreamStats(
     stream_id="avatar/1",
-    component_ref="avatar/VideoStreaming",
+    component_ref="avatar/video_streaming",
     kind="video",
     status=StreamStatus.RUNNING,
     codec="video/H264",
@@ -98,7 +98,7 @@ def scraped(snapshot: Snapshot) -> dict[str, dict[tuple[str, ...], float]]:
 def test_every_figure_of_a_stream_a_rendition_and_a_source_is_there() -> None:
     found = scraped(SNAPSHOT)
     assert {figure.name for figure in FIGURES} | set(STATUSES) <= set(found)
-    labels = ("video/H264", "avatar/VideoStreaming", "video", "avatar/1")
+    labels = ("video/H264", "avatar/video_streaming", "video", "avatar/1")
     assert found["openrois_stream_frames_total"] == {labels: 10}
     assert found["openrois_stream_loss_ratio"] == {labels: 0.25}
     assert found["openrois_rendition_encoder_seconds_total"] == {("video/H264", "", "picture"): 0.5}
@@ -150,7 +150,7 @@ def test_what_nobody_has_reported_yet_is_left_out() -> None:
         "openrois_stream_height_pixels",
         "openrois_stream_received_packets_total",
     }.isdisjoint(found)
-    assert found["openrois_stream_frames_total"] == {("", "avatar/VideoStreaming", "video", "avatar/1"): 10}
+    assert found["openrois_stream_frames_total"] == {("", "avatar/video_streaming", "video", "avatar/1"): 10}
 
 
 def test_whoever_prefers_open_metrics_gets_it() -> None:

@@ -76,7 +76,7 @@ async def test_a_stream_that_ends_meanwhile_is_left_out(
 
 
 async def test_what_senses_and_hands_have_done_is_a_copy(sessions: StreamSessions) -> None:
-    vision, seat = SenseFigures(analysed=3), Seat("avatar/Teleoperation", VirtualClock())
+    vision, seat = SenseFigures(analysed=3), Seat("avatar/teleoperation", VirtualClock())
     seat.figures.taken = 7
     looking = Looking(sessions, {}, {}, GuardFigures(), VirtualClock(), {"vision": vision}, seat)
     seen = await looking.snapshot()

@@ -16,7 +16,7 @@ from openrois.types.streams import HolderNotification
 from tests.support.streaming import VirtualClock, settle
 from tests.support.teleoperation import LoggedControls
 
-REF = "avatar/Teleoperation"
+REF = "avatar/teleoperation"
 
 
 class Room:

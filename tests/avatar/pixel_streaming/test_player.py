@@ -22,7 +22,7 @@ from tests.support.streaming import VirtualClock, settle
 from tests.support.teleoperation import LoggedControls
 from tests.support.viewing import FakeChannels, FedPublisher, WirelessConnection
 
-PLACES = ("avatar/VideoStreaming", "avatar/AudioStreaming")
+PLACES = ("avatar/video_streaming", "avatar/audio_streaming")
 
 
 class Stage:
@@ -31,7 +31,7 @@ class Stage:
     def __init__(self) -> None:
         self.clock = VirtualClock()
         self.controls = LoggedControls(self.clock)
-        self.seat = Seat("avatar/Teleoperation", self.clock)
+        self.seat = Seat("avatar/teleoperation", self.clock)
         self.publisher = FedPublisher()
         published = {PLACES[0]: Published(self.publisher, "video"), PLACES[1]: Published(FedPublisher(), "audio")}
         self.streams = AvatarStreams("avatar", published, self.clock, seat=self.seat)

@@ -19,7 +19,7 @@ from openrois.types.streams import HolderNotification
 from tests.support.streaming import VirtualClock
 from tests.support.teleoperation import Hand, LoggedControls, text
 
-REF = "avatar/Teleoperation"
+REF = "avatar/teleoperation"
 
 
 class Room:
@@ -84,7 +84,7 @@ async def test_nobody_else_operates_and_is_told_so_now_and_then(room: Room) -> N
 
 
 async def test_where_nobody_holds_it_nobody_can_start(room: Room) -> None:
-    room.tell("ann", component_ref="avatar/Reaction")
+    room.tell("ann", component_ref="avatar/reaction")
     with pytest.raises(OutOfResources, match=REF):
         async with room.operated():
             pass

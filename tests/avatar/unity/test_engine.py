@@ -146,7 +146,7 @@ async def components(address: str, runtime: str, program: str) -> Place:
         await engine.said("connected to")
         while scene.place() is None:
             await settle()
-        reaction, navigation = client.component("avatar/Reaction"), client.component("avatar/Navigation")
+        reaction, navigation = client.component("avatar/reaction"), client.component("avatar/navigation")
         async with reaction.bound(), navigation.bound():
             await reaction.set_parameter(reaction_ref=reaction_ref("nod"))
             await reaction.command("start")

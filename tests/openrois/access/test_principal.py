@@ -85,7 +85,7 @@ def test_paths() -> None:
         ((), [], ["", "avatar/Speech"]),
         (("*",), ["avatar/Speech", "a", "", "a\nb"], []),
         (("avatar/*",), ["avatar/Speech", "avatar/a/b", "avatar/"], ["avatar", "avatar2/Speech", "Avatar/Speech"]),
-        (("avatar/Speech", "robot_?/*"), ["avatar/Speech", "robot_1/Move"], ["avatar/Speech2", "robot_12/Move"]),
+        (("avatar/Speech", "robot_?/*"), ["avatar/Speech", "robot_1/move"], ["avatar/Speech2", "robot_12/move"]),
         (("a|b/x",), ["a|b/x"], ["a", "b/x"]),
         (("[ab]/x",), ["a/x", "b/x"], ["[ab]/x"]),
         ((".*/x",), [".y/x"], ["a/x"]),

@@ -4,8 +4,8 @@ import type { JsonObject } from "../../sdk/jsonrpc/peer.ts";
 import { Client } from "../../sdk/rois/client.ts";
 import { FakeGateway } from "../support/fake_gateway.ts";
 
-const SEAT = "a/Teleoperation";
-const BODY = [SEAT, "a/Navigation", "a/Reaction"];
+const SEAT = "a/teleoperation";
+const BODY = [SEAT, "a/navigation", "a/reaction"];
 
 let gateway: FakeGateway;
 let client: Client;
@@ -67,7 +67,7 @@ it("takes all parts once for several works, and gives them back with the last on
 });
 
 it("gives back what it was granted when one part is another's", async () => {
-  held.set("a/Reaction", "anna");
+  held.set("a/reaction", "anna");
   body.setComponents(BODY);
   await settle();
   await expect(body.take()).rejects.toBeInstanceOf(BodyTaken);
@@ -78,14 +78,14 @@ it("gives back what it was granted when one part is another's", async () => {
       .slice(0, 3),
   ).toEqual([...BODY].reverse().map((ref) => `release ${ref}`));
   expect(body.standing).toEqual({ kind: "free" });
-  expect([body.takenBy("a/Reaction"), body.takenBy("a/Navigation")]).toEqual(["anna", ""]);
+  expect([body.takenBy("a/reaction"), body.takenBy("a/navigation")]).toEqual(["anna", ""]);
 });
 
 it("names who has control, and without tokens says that there is one", async () => {
   tell("changed", { component_ref: SEAT, state: "HELD", holder: "ben", reason: "it was free" });
   await settle();
   expect(body.standing).toEqual({ kind: "other", holder: "ben", absent: false });
-  expect(body.takenBy("a/Navigation")).toBe("ben");
+  expect(body.takenBy("a/navigation")).toBe("ben");
   tell("changed", { component_ref: SEAT, state: "ABSENT", holder: "local", reason: "" });
   await settle();
   expect(body.takenBy(null)).toBe("Another visitor");
@@ -95,7 +95,7 @@ it("names who has control, and without tokens says that there is one", async () 
 
 it("lets go of everything when another application is given a part", async () => {
   const giveBack = await body.take();
-  tell("changed", { component_ref: "a/Navigation", state: "HELD", holder: "root", reason: "" });
+  tell("changed", { component_ref: "a/navigation", state: "HELD", holder: "root", reason: "" });
   await settle();
   expect(lost).toEqual(["root has control now."]);
   expect(verbs()).toContain(`release ${SEAT}`);
@@ -117,7 +117,7 @@ it("hands over the whole body: all else is given back before the part that was a
   await body.answer(true);
   await settle();
   expect(gateway.called("openrois.lease.grant")).toEqual([{ request_id: "r2" }]);
-  expect(verbs().slice(4, 7)).toEqual(["release a/Reaction", "release a/Navigation", "grant -"]);
+  expect(verbs().slice(4, 7)).toEqual(["release a/reaction", "release a/navigation", "grant -"]);
   expect(lost).toEqual(["You have handed over control to Another visitor."]);
 });
 
@@ -157,19 +157,19 @@ it("forgets a request when its time is over", async () => {
 
 it("takes nothing of an avatar that is not chosen any more", async () => {
   const taken = body.take();
-  body.setComponents(["b/Teleoperation", "b/Navigation"]);
+  body.setComponents(["b/teleoperation", "b/navigation"]);
   await expect(taken).rejects.toThrow("Another avatar was chosen.");
   await settle();
   expect(verbs()).toEqual([`bind ${SEAT}`, `release ${SEAT}`]);
   expect(body.standing).toEqual({ kind: "free" });
   const giveBack = await body.take();
-  expect(verbs().slice(2)).toEqual(["bind b/Teleoperation", "bind b/Navigation"]);
+  expect(verbs().slice(2)).toEqual(["bind b/teleoperation", "bind b/navigation"]);
   giveBack();
 });
 
 it("takes nothing where a part is another's by the time that the rest is bound", async () => {
   gateway.on("rois.command.bind", (params) => {
-    if (refOf(params) === "a/Reaction")
+    if (refOf(params) === "a/reaction")
       tell("changed", { component_ref: SEAT, state: "HELD", holder: "root", reason: "" });
     return {};
   });

@@ -11,7 +11,7 @@ const { commands } = vi.hoisted(() => ({ commands: [] as string[] }));
 vi.mock("../../sdk/media/index.ts", () => ({
   Teleoperation: class {
     operating = false;
-    readonly componentRef = "a/Teleoperation";
+    readonly componentRef = "a/teleoperation";
     on = (): void => undefined;
     attach = () => () => undefined;
     start = async (): Promise<void> => {
@@ -42,7 +42,7 @@ beforeEach(() => {
   };
   const body = { standing: { kind: "mine" }, takenBy: () => "", take } as unknown as BodyControl;
   control = new Control({} as Client, {} as InputMedia, body, find("video") as unknown as HTMLElement);
-  control.setComponent("a/Teleoperation");
+  control.setComponent("a/teleoperation");
   button = find("control-toggle");
 });
 

@@ -73,7 +73,7 @@ describe("LogModel", () => {
   });
 
   it.each<[string, Partial<Traffic>]>([
-    ["avatar/SpeechSynthesis", { message: { params: { component_ref: "avatar/SpeechSynthesis" } } }],
+    ["avatar/speech_synthesizer", { message: { params: { component_ref: "avatar/speech_synthesizer" } } }],
     ["OK", { kind: "response", message: { result: { return_code: "OK", subscribe_id: "", results: null } } }],
     [
       "OK  results[2]  x{1}",

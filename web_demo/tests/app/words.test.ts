@@ -65,9 +65,15 @@ describe("reasons in plain words", () => {
   it.each([
     ["everything was stopped by local", "everything was stopped"],
     ["everything was stopped by anna", "everything was stopped by anna"],
-    ["avatar/Teleoperation is local's now: its holder has handed it over", "Another visitor has control now"],
-    ["avatar/Teleoperation is ben's now: an administrator has taken it", "ben has control now"],
+    ["avatar/teleoperation is local's now: its holder has handed it over", "Another visitor has control now"],
+    ["avatar/teleoperation is ben's now: an administrator has taken it", "ben has control now"],
     ["avatar/Arm did not confirm that it has stopped.", "Arm did not confirm that it has stopped"],
+    [
+      "start of avatar/speech_synthesizer did not end in time",
+      "start of speech synthesizer did not end in time",
+    ],
+    ["home/avatar/navigation has to be bound first", "navigation has to be bound first"],
+    ["0.5 km/h and 1/2 of 3 m/s are too fast", "0.5 km/h and 1/2 of 3 m/s are too fast"],
     ["STREAMING_NOT_CONNECTED", ""],
     ["1.5,2.0 is outside of the floor", "1.5,2.0 is outside of the floor"],
     ["", ""],
@@ -78,19 +84,27 @@ describe("reasons in plain words", () => {
 
 describe("bodyOf", () => {
   it("begins with what stands for all, and is the voice where there is no body", () => {
-    const identifier = (code: string) => ({ identifier: { code }, name: "x" });
-    const body = (...codes: string[]): string[][] =>
+    const types = {
+      video: "VideoStreaming",
+      face: "Reaction",
+      step: "Move",
+      mouth: "SpeechSynthesis",
+      tail: "Follow",
+      legs: "Navigation",
+      hands: "Teleoperation",
+    };
+    const body = (...names: (keyof typeof types)[]): string[][] =>
       findAvatars({
         profile: null,
         component_profiles: Object.fromEntries(
-          ["VideoStreaming", ...codes].map((code) => [`a/${code}`, identifier(code)]),
+          names.map((name) => [`a/${name}`, { identifier: { code: types[name] }, name }]),
         ),
       }).map(bodyOf);
-    expect(body("Reaction", "Move", "SpeechSynthesis", "Follow", "Navigation", "Teleoperation")).toEqual([
-      ["a/Teleoperation", "a/Navigation", "a/Move", "a/Follow", "a/Reaction"],
+    expect(body("video", "face", "step", "mouth", "tail", "legs", "hands")).toEqual([
+      ["a/hands", "a/legs", "a/step", "a/tail", "a/face"],
     ]);
-    expect(body("SpeechSynthesis")).toEqual([["a/SpeechSynthesis"]]);
-    expect(body()).toEqual([[]]);
+    expect(body("video", "mouth")).toEqual([["a/mouth"]]);
+    expect(body("video")).toEqual([[]]);
   });
 });
 

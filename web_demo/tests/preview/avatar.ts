@@ -6,6 +6,15 @@ import { DrawnAvatar, OfferingPeer, hum } from "./media.ts";
 import type { SectionOf } from "./media.ts";
 
 const URN = "urn:x-rois:def:component:";
+const COMPONENTS = {
+  video_streaming: "OMG::VideoStreaming",
+  audio_streaming: "OMG::AudioStreaming",
+  speech_synthesizer: "OMG::SpeechSynthesis",
+  reaction: "OMG::Reaction",
+  system_info: "OMG::SystemInformation",
+  gaze: "OpenRoIS::Gaze",
+  operator: "OpenRoIS::Operator",
+};
 const REACTIONS = ["OMG::1", "OMG::2", "OMG::3", "OMG::9", "OpenRoIS::wave", "OpenRoIS::look_around"];
 const MORE_REACTIONS = ["OpenRoIS::shrug", "OpenRoIS::clap", "OpenRoIS::raise_hand", "OpenRoIS::surprise"];
 
@@ -91,14 +100,10 @@ export class PreviewAvatar {
   }
 
   #profile(): JsonObject {
-    const types = ["OMG::VideoStreaming", "OMG::AudioStreaming", "OMG::SpeechSynthesis", "OMG::Reaction"];
-    const all = this.#present
-      ? [...types, "OMG::SystemInformation", "OpenRoIS::Gaze", "OpenRoIS::Operator"]
-      : [];
-    const profiles = all.map((type) => {
-      const name = type.split("::")[1] ?? "";
-      return [`${this.engineId}/${name}`, { identifier: { code: URN + type }, name }] as const;
-    });
+    const present = this.#present ? Object.entries(COMPONENTS) : [];
+    const profiles = present.map(
+      ([name, type]) => [`${this.engineId}/${name}`, { identifier: { code: URN + type }, name }] as const,
+    );
     return { profile: { identifier: { code: "gateway" } }, component_profiles: Object.fromEntries(profiles) };
   }
 
@@ -143,7 +148,7 @@ export class PreviewAvatar {
 
   #start(componentRef: string, commandId: string): void {
     this.#stop("ABORT");
-    const speaks = componentRef.endsWith("SpeechSynthesis");
+    const speaks = componentRef.endsWith("/speech_synthesizer");
     const moving = setInterval(() => {
       if (speaks) this.drawn.mouth = Math.random();
       else this.drawn.nod = 14 * Math.abs(Math.sin(performance.now() / 180));
@@ -186,7 +191,7 @@ export class PreviewAvatar {
   #connect({ component_ref, parameters }: JsonObject): JsonObject {
     if (!this.#present) return { return_code: "UNSUPPORTED" };
     const componentRef = String(component_ref);
-    const kind = componentRef.endsWith("VideoStreaming") ? "video" : "audio";
+    const kind = componentRef.endsWith("/video_streaming") ? "video" : "audio";
     const streamId = `${this.engineId}/${(++this.#count).toString(16).padStart(32, "0")}`;
     const direction = JSON.stringify(parameters).includes("sendonly") ? "sendonly" : "recvonly";
     const stream: Stream = { streamId, componentRef, kind, direction, status: "STREAMING_NOT_RUNNING" };

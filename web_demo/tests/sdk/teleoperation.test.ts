@@ -6,7 +6,7 @@ import { FakeGateway } from "../support/fake_gateway.ts";
 import { FakeElement, FakeDocument, FakeGamepad, happen } from "../support/fake_page.ts";
 import { FakePeerConnection } from "../support/fake_peer_connection.ts";
 
-const REF = "avatar/Teleoperation";
+const REF = "avatar/teleoperation";
 
 type Message = Record<string, unknown>;
 
