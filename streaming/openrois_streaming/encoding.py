@@ -115,6 +115,8 @@ class EncodedSource(Generic[RawT]):
             name=f"{self._raw.name} {encoding.mime_type}",
         )
         async with self._raw.subscribe(encoding.depth) as raw, thread:
+            # A viewer that joined while the encoder before this one stopped may have asked that one.
+            self._budget.restart()
             self._run = _Run(raw, thread)
             tasks = {
                 asyncio.create_task(self._feed(self._run), name=f"feed {thread.name}"),

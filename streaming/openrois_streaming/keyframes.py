@@ -39,10 +39,12 @@ class KeyFrameBudget:
     A key frame serves everybody who asked before it, whatever it was made for.
     """
 
-    __slots__ = ("_last", "_pending")
+    __slots__ = ("_last", "_pending", "_under_way")
 
     def __init__(self) -> None:
         self._pending: set[KeyFrameCause] = set()
+        self._under_way: set[KeyFrameCause] = set()
+        """What was taken, as long as no key frame has come."""
         self._last: dict[KeyFrameCause, float] = {}
 
     def request(self, cause: KeyFrameCause) -> None:
@@ -62,10 +64,17 @@ class KeyFrameBudget:
         for cause, interval in _BUDGETS:
             if cause in self._pending and now - self._last.get(cause, float("-inf")) >= interval:
                 self._last[cause] = now
+                self._under_way |= self._pending
                 self._pending.clear()
                 return cause
         return None
 
+    def restart(self) -> None:
+        """Note that an encoder begins: what the one before it was asked for, and has not made, is asked of this one."""
+        self._pending |= self._under_way
+        self._under_way.clear()
+
     def served(self) -> None:
         """Note that a key frame has just gone to every viewer: nobody who asked until now needs another."""
         self._pending.clear()
+        self._under_way.clear()

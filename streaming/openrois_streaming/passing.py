@@ -68,6 +68,8 @@ class PassedOn:
         """Open the source and pass on what it gives."""
         self.last_frame_at, self._told_bitrate = None, 0
         async with self._source.open() as pictures:
+            # A viewer that joined while the source still closed may have asked in vain.
+            self._budget.restart()
             self._open = True
             try:
                 self.set_bitrate(self.bitrate)

@@ -31,6 +31,19 @@ def test_waiting_starters_share_one_key_frame() -> None:
     assert budget.take(1.3) is None
 
 
+def test_what_an_encoder_was_asked_for_and_has_not_made_is_asked_of_the_next() -> None:
+    budget = KeyFrameBudget()
+    budget.request(START)
+    assert budget.take(1.0) is START
+    assert not budget.is_asked
+    budget.restart()
+    assert budget.is_asked
+    assert budget.take(1.2) is START
+    budget.served()
+    budget.restart()
+    assert not budget.is_asked
+
+
 def test_repairs_come_once_a_second() -> None:
     budget = KeyFrameBudget()
     made = []

@@ -1,7 +1,8 @@
 """Pictures that come encoded: what is passed on of them, and what their source is asked for."""
 
+import asyncio
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import AsyncExitStack, asynccontextmanager
 
 import pytest
 from openrois_streaming.codecs import CodecUnavailable
@@ -34,12 +35,22 @@ class FedEncoder(FedSource[EncodedVideo]):
         self.asked.append(bitrate)
 
 
+class ForgetfulEncoder(FedEncoder):
+    """An `EncodingSource` that begins anew whenever it is opened: what it was asked for before is forgotten."""
+
+    @asynccontextmanager
+    async def open(self) -> AsyncIterator[AsyncIterator[EncodedVideo]]:
+        self.asked.clear()
+        async with super().open() as pictures:
+            yield pictures
+
+
 class Stage:
     """A publisher of what the test feeds, with viewers."""
 
-    def __init__(self) -> None:
+    def __init__(self, source: FedEncoder | None = None) -> None:
         self.clock = VirtualClock()
-        self.source = FedEncoder()
+        self.source = source or FedEncoder()
         self.publisher = EncodedPublisher(self.source, clock=self.clock, size=(320, 180))
         (self.rendition,) = self.publisher.renditions("video/H264")
         self.frames: list[EncodedFrame] = []
@@ -57,6 +68,25 @@ class Stage:
     @property
     def key_frames(self) -> int:
         return self.source.asked.count("key frame")
+
+
+@pytest.mark.parametrize("turns", range(12))
+async def test_a_viewer_that_resumes_while_the_source_closes_asks_for_a_key_frame(turns: int) -> None:
+    """Whatever turn of the loop it comes in: the source may be told while it still closes, and forget it."""
+    stage = Stage(ForgetfulEncoder())
+    async with AsyncExitStack() as suspended:
+        await suspended.enter_async_context(stage.viewer())
+        await stage.source.feed(picture(0, keyframe=True))
+        await stage.clock.advance(1)
+        leaving = asyncio.create_task(suspended.aclose())
+        for _ in range(turns):
+            await asyncio.sleep(0)
+        async with stage.rendition.play("resumed", stage.frames.append):
+            await leaving
+            await settle()
+            await stage.clock.advance(1)
+            await stage.source.feed(picture(1), picture(2))
+            assert stage.key_frames >= 1
 
 
 async def test_pictures_are_passed_on_with_their_times_and_cut_into_packets() -> None:

@@ -1,5 +1,6 @@
 import asyncio
 import threading
+from contextlib import AsyncExitStack
 
 import pytest
 from openrois_streaming.adaptation.demand import LOWEST, Demands
@@ -139,6 +140,26 @@ async def test_a_picture_from_before_a_pause_is_never_shown_again() -> None:
     async with stage.rendition.subscribe() as third:
         await stage.shoot(third)
         assert stage.encoders.made[-1].encoded == [2], "nothing is kept while nobody watches"
+
+
+@pytest.mark.parametrize("turns", range(12))
+async def test_a_viewer_that_resumes_while_the_encoder_stops_gets_a_key_frame(turns: int) -> None:
+    """Whatever turn of the loop it comes in: the encoder that still stops may be the one that is asked."""
+    stage = Stage(fresh=0.06)
+    async with AsyncExitStack() as suspended:
+        viewer = await suspended.enter_async_context(stage.rendition.subscribe())
+        for _ in range(5):
+            await stage.shoot(viewer)
+        leaving = asyncio.create_task(suspended.aclose())
+        for _ in range(turns):
+            await asyncio.sleep(0)
+        async with stage.rendition.subscribe() as resumed:
+            await leaving
+            await settle()
+            for number in range(5, 10):
+                await stage.clock.advance(FRAME)
+                await stage.source.feed(picture(number, stage.clock.now()))
+            assert (await got(resumed)).keyframe
 
 
 async def test_repairs_from_the_last_picture_keep_to_their_budget() -> None:
