@@ -6,6 +6,7 @@ from pathlib import Path
 import pytest
 from openrois_avatar import audience, body, child, devices, sound_lag, wayfinding
 from openrois_avatar.components import follow, navigation
+from openrois_avatar.engines import size_choice
 from openrois_avatar.engines.room import life, shot, visitor, walking
 from openrois_avatar.hearing import ear, noise_floor, voice_activity
 from openrois_avatar.link import connection, embedded, external, inlet, reconnecting, server, unheard
@@ -57,6 +58,8 @@ AVATAR = (
     f"`drive` holds for {walking.HOLD} s",
     f"stops {walking.RADIUS} m before walls and furniture",
     f"and {walking.APART} m before the visitor",
+    f"encodes {size_choice.PICTURES} pictures of 1280x720 when it starts, for {size_choice.LONGEST:g} s at most",
+    f"({size_choice.SHARE / 30 * 1e3:.1f} ms at 30 fps",
     f"walks at {visitor._SPEED} m/s between five places",
     f"stays {visitor._STAY[0]:g} to {visitor._STAY[1]:g} s at each",
     f"goes elsewhere after {visitor._PATIENCE:g} s",

@@ -35,10 +35,11 @@ from openrois_avatar.link.messages import VideoShape
 from openrois_avatar.metrics.figures import Snapshot
 from openrois_avatar.metrics.looking import Looking
 from openrois_avatar.microphone_senses import microphone_senses
+from openrois_avatar.picture_size import size_text
 from openrois_avatar.pixel_streaming.serving import serve_pixel_streaming
 from openrois_avatar.pixel_streaming.settings import PixelStreaming
 from openrois_avatar.scene import Scene, embedded_scene, external_scene, synthetic_scene
-from openrois_avatar.settings import AvatarSettings
+from openrois_avatar.settings import DRAWN, AvatarSettings
 from openrois_avatar.streams import AvatarStreams, Published
 from openrois_avatar.supervision import Supervised, seen_of, supervise
 
@@ -84,7 +85,7 @@ async def run_avatar(settings: AvatarSettings) -> AsyncIterator[Avatar]:
                 _log.warning("%s", missing)
             module = f"openrois_avatar.engines.{name}"
             scene = await stack.enter_async_context(
-                embedded_scene(settings.engine_id, module, clock, link_address(name))
+                embedded_scene(settings.engine_id, module, clock, link_address(name), _of_engine(name, settings))
             )
         caps = Caps(max_bitrate=settings.max_viewer_bitrate)
         yield await stack.enter_async_context(
@@ -98,6 +99,13 @@ async def run_avatar(settings: AvatarSettings) -> AsyncIterator[Avatar]:
                 settings.max_encoders,
             )
         )
+
+
+def _of_engine(name: str, settings: AvatarSettings) -> tuple[str, ...]:
+    """Return the arguments of an embedded game engine."""
+    if name not in DRAWN:
+        return ()
+    return ("--size", size_text(settings.size), *(("--visitor",) if settings.visitor else ()))
 
 
 @asynccontextmanager

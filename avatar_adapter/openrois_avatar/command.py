@@ -113,6 +113,8 @@ def main(arguments: Sequence[str]) -> int:
         chosen.engine_id,
         chosen.engine,
         chosen.stamp,
+        chosen.size,
+        chosen.visitor,
         link=chosen.link,
         facade=chosen.facade,
         link_secret=secret,

@@ -1,7 +1,7 @@
 """What an adapter has to show: an avatar in a game engine, or a test picture with a tone."""
 
 import logging
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import AbstractAsyncContextManager, AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass, field
 from functools import partial
@@ -120,7 +120,7 @@ def synthetic_scene(
 
 
 def embedded_scene(
-    engine_id: str, module: str, clock: MediaClock, address: str | None = None
+    engine_id: str, module: str, clock: MediaClock, address: str | None = None, arguments: Sequence[str] = ()
 ) -> AbstractAsyncContextManager[Scene]:
     """Show the avatar of an embedded game engine for as long as the block runs.
 
@@ -129,11 +129,12 @@ def embedded_scene(
         module: the game engine's module; it runs as a child process and is started again when it dies.
         clock: the media clock.
         address: where the engine link listens, as `LinkServer.listen` has it; a private Unix socket if not given.
+        arguments: of the game engine.
 
     Raises:
         LinkError: on entering: the game engine did not start; the text has what it printed last.
     """
-    return _engine_scene(engine_id, partial(EmbeddedEngine, module, address=address), clock)
+    return _engine_scene(engine_id, partial(EmbeddedEngine, module, *arguments, address=address), clock)
 
 
 def external_scene(engine_id: str, address: str, secret: str, clock: MediaClock) -> AbstractAsyncContextManager[Scene]:

@@ -7,14 +7,17 @@ from openrois_streaming.encoder_limit import ENCODERS_LIMIT
 from openrois_streaming.network.settings import NetworkSettings
 
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
+from openrois_avatar.picture_size import PictureSize
 from openrois_avatar.pixel_streaming.settings import PixelStreaming
 
-__all__ = ["DEFAULT_FACADE", "DEFAULT_LINK", "ENGINES", "AvatarSettings"]
+__all__ = ["DEFAULT_FACADE", "DEFAULT_LINK", "DRAWN", "ENGINES", "AvatarSettings"]
 
 ENGINES: Final = ("auto", "panda3d", "puppet", "godot", "external", "unreal", "unity-render-streaming", "synthetic")
 """What may render the avatar: `auto` is Panda3D where it runs and else the puppet; `external` is an engine that
 somebody else starts, which connects by itself; `unreal` and `unity-render-streaming` are, too, and they send their
 pictures to the viewers themselves; `synthetic` is a test picture."""
+DRAWN: Final = ("auto", "panda3d", "puppet")
+"""Those that draw the avatar in its room: size and visitor are theirs."""
 DEFAULT_LINK: Final = "tcp:127.0.0.1:8766"
 DEFAULT_FACADE: Final = "127.0.0.1:8888"
 
@@ -28,6 +31,8 @@ class AvatarSettings:
         engine_id: leads every ref of this avatar; unique behind its gateway.
         engine: one of `ENGINES`.
         stamp: whether a test picture shows its number and the time of its capture, to be measured.
+        size: of the pictures that an embedded engine draws; None: as large as the machine carries.
+        visitor: whether a person walks about in its room.
         link: where an external engine is awaited, `tcp:host:port` or `unix:/path`, on this machine.
         facade: where an engine that sends its pictures itself finds its signaling server, `host:port` on this machine.
         link_secret: what an engine must know; empty: any engine will do.
@@ -44,6 +49,8 @@ class AvatarSettings:
     engine_id: str = "avatar"
     engine: str = "auto"
     stamp: bool = False
+    size: PictureSize = None
+    visitor: bool = False
     link: str = DEFAULT_LINK
     facade: str = DEFAULT_FACADE
     link_secret: str = field(default="", repr=False)

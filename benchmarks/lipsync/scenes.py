@@ -39,7 +39,8 @@ async def played(name: str, clock: MediaClock) -> AsyncIterator[Played]:
         return
     sound = AvatarSound(clock)
     module = f"openrois_avatar.engines.{name}" if name in SPEAKING else "benchmarks.lipsync.engine"
-    async with EmbeddedEngine(module, on_audio=sound.feed, clock=clock) as engine:
+    arguments = ("--size", "640x360") if name in SPEAKING else ()
+    async with EmbeddedEngine(module, *arguments, on_audio=sound.feed, clock=clock) as engine:
         if name not in SPEAKING:
             yield Played(engine.video, sound)
             return

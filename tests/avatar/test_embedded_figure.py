@@ -23,7 +23,9 @@ async def test_it_navigates_round_the_furniture_of_its_room_and_moves_back() -> 
         pytest.skip(hint)
     async with (
         asyncio.timeout(50),
-        embedded_scene("avatar", "openrois_avatar.engines.puppet", SystemClock()) as scene,
+        embedded_scene(
+            "avatar", "openrois_avatar.engines.puppet", SystemClock(), arguments=("--size", "640x360")
+        ) as scene,
         harness(*scene.components, engine_id="avatar") as client,
     ):
         world = scene.world

@@ -82,7 +82,9 @@ async def scenery(browser: Browser, front_end: bytes) -> AsyncIterator[Scenery]:
     clock = SystemClock()
     async with AsyncExitStack() as stack:
         signaling = await stack.enter_async_context(pixel_signaling())
-        scene = await stack.enter_async_context(embedded_scene("avatar", "openrois_avatar.engines.puppet", clock))
+        scene = await stack.enter_async_context(
+            embedded_scene("avatar", "openrois_avatar.engines.puppet", clock, arguments=("--size", "640x360"))
+        )
         streamer = PixelStreaming(f"{signaling.url}/streamer", "avatar", input=True)
         await stack.enter_async_context(serve_scene("avatar", scene, clock, streamer=streamer))
         await signaling.until_heard("endpointId")

@@ -129,7 +129,7 @@ async def stage(demo: Demo) -> AsyncIterator[Stage]:
 
 def engine(demo: Demo) -> psutil.Process:
     """The process that renders."""
-    return next(each for each in demo.tree() if each.cmdline()[-1:] == ["openrois_avatar.engines.puppet"])
+    return next(each for each in demo.tree() if "openrois_avatar.engines.puppet" in each.cmdline())
 
 
 @pytest.mark.long

@@ -10,7 +10,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from typing import IO, Final, Self
@@ -51,6 +51,14 @@ def start(*arguments: str, log: IO[str] | int = subprocess.PIPE) -> subprocess.P
         start_new_session=True,
         cwd=_ROOT,
     )
+
+
+_OPTIONS: Final[Mapping[str, Sequence[str]]] = {
+    "synthetic": ("--stamp",),
+    "panda3d": ("--size", "640x360"),
+    "puppet": ("--size", "640x360", "--visitor"),
+}
+"""What tests ask of a game engine: pictures of one size, whatever the machine carries."""
 
 
 class Demo:
@@ -107,8 +115,7 @@ def running_demo(folder: Path, engine: str = "synthetic", more: Sequence[str] = 
         AssertionError: it did not start, or left a process behind.
     """
     path, port = folder / "demo.log", free_port()
-    if engine == "synthetic":
-        more = ("--stamp", *more)
+    more = (*_OPTIONS.get(engine, ()), *more)
     with path.open("w") as log:
         process = start("demo", "--engine", engine, "--port", str(port), *more, log=log)
     try:

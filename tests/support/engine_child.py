@@ -65,7 +65,7 @@ async def start(engine: str, address: str, secret: str) -> asyncio.subprocess.Pr
     """Start an engine for the adapter at an address."""
     environment = {**os.environ, ADDRESS_VARIABLE: address, SECRET_VARIABLE: secret}
     module = f"openrois_avatar.engines.{engine}"
-    return await asyncio.create_subprocess_exec(sys.executable, "-m", module, env=environment)
+    return await asyncio.create_subprocess_exec(sys.executable, "-m", module, "--size", "640x360", env=environment)
 
 
 @asynccontextmanager

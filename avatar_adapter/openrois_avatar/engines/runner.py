@@ -29,7 +29,7 @@ from openrois_avatar.engines.room.life import Life
 from openrois_avatar.engines.room.plan import HOME
 from openrois_avatar.engines.room.scene import AT_HOME, Scene
 from openrois_avatar.engines.room.shot import shot
-from openrois_avatar.engines.settings import Available, Factory, Picture, Pixels, Renderer
+from openrois_avatar.engines.settings import LARGE, SMALL, Available, Factory, Picture, Pixels, Renderer
 from openrois_avatar.engines.sound import PERIOD, Samples, Sound
 from openrois_avatar.link.client import connect_from_environment
 from openrois_avatar.link.messages import (
@@ -58,12 +58,12 @@ from openrois_avatar.link.messages import (
     Walk,
 )
 from openrois_avatar.link.protocol import PixelFormat
+from openrois_avatar.picture_size import AUTOMATIC, SIZE_HELP, picture_size
 
 UNAVAILABLE: Final = 3
 """Exit status of an engine that cannot run on this machine; the sentence that says why is on stderr."""
 LINK_LOST: Final = 4
 """Exit status when the adapter could not be reached or refused the engine."""
-_DEFAULT: Final = Picture()
 _STILL_SEED: Final = 1
 AHEAD: Final = 0.06
 """Seconds by which sound leaves ahead of its time: more than a picture takes, and less than a person notices."""
@@ -90,9 +90,10 @@ def main(name: str, available: Available, factory: Factory, viewpoints: Sequence
     if not works:
         print(hint, file=sys.stderr)
         return UNAVAILABLE
-    picture = Picture(options.width, options.height, options.fps)
     if options.still:
-        return _still(factory(picture), options)
+        width, height = options.size or SMALL
+        return _still(factory(Picture(width, height, options.fps)), options)
+    renderer, picture = _made(factory, options)
     hello = Hello(
         name,
         __version__,
@@ -105,23 +106,38 @@ def main(name: str, available: Available, factory: Factory, viewpoints: Sequence
         demand=True,
         viewpoints=tuple(viewpoints),
     )
-    renderer = factory(picture)
     try:
         with connect_from_environment(hello) as link:
-            Runner(link, renderer, picture).run()
+            Runner(link, renderer, picture, visited=options.visitor).run()
     except LinkError as error:
         print(f"engine link: {error}", file=sys.stderr)
         return LINK_LOST
     return 0
 
 
+def _made(factory: Factory, options: argparse.Namespace) -> tuple[Renderer, Picture]:
+    """Make the renderer, for pictures of the size that is asked for, or else of the one that this machine carries."""
+    width, height = options.size or LARGE
+    picture = Picture(width, height, options.fps)
+    renderer = factory(picture)
+    if options.size is None:
+        # Needs the codecs: imported only where they decide.
+        from openrois_avatar.engines.size_choice import choose_size, encoding
+
+        picture, told = choose_size(renderer, options.fps, encoding(options.fps, i420))
+        print(told, file=sys.stderr)
+        if (picture.width, picture.height) != LARGE:
+            renderer.resize(picture)
+    return renderer, picture
+
+
 def _options(name: str, arguments: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         prog=f"python -m openrois_avatar.engines.{name}", description="Renders the avatar onto the engine link."
     )
-    parser.add_argument("--width", type=_even, default=_DEFAULT.width)
-    parser.add_argument("--height", type=_even, default=_DEFAULT.height)
-    parser.add_argument("--fps", type=int, choices=range(1, 121), default=_DEFAULT.fps, metavar="1..120")
+    parser.add_argument("--size", type=picture_size, default=AUTOMATIC, metavar="WIDTHxHEIGHT", help=SIZE_HELP)
+    parser.add_argument("--fps", type=int, choices=range(1, 121), default=Picture().fps, metavar="1..120")
+    parser.add_argument("--visitor", action="store_true", help="let a person walk about in the room")
     still = parser.add_argument_group("one picture instead of a stream")
     still.add_argument("--still", metavar="FILE", help="draw one picture into this file and end")
     still.add_argument("--reaction", choices=REACTIONS)
@@ -137,13 +153,6 @@ def _place(text: str) -> Place:
     except ValueError as error:
         raise argparse.ArgumentTypeError("metres, metres and radians, as 1,0.5,-1.57") from error
     return Place(x, y, th)
-
-
-def _even(text: str) -> int:
-    value = int(text)
-    if value % 2 or not 16 <= value <= 4096:
-        raise argparse.ArgumentTypeError("an even number of pixels from 16 to 4096")
-    return value
 
 
 def _still(renderer: Renderer, options: argparse.Namespace) -> int:
@@ -207,11 +216,17 @@ class Runner:
     """Serves one link with one renderer until either ends."""
 
     def __init__(
-        self, link: Link, renderer: Renderer, picture: Picture, clock: Callable[[], float] = time.monotonic
+        self,
+        link: Link,
+        renderer: Renderer,
+        picture: Picture,
+        clock: Callable[[], float] = time.monotonic,
+        *,
+        visited: bool = False,
     ) -> None:
         self._link, self._renderer, self._picture, self._clock = link, renderer, picture, clock
         self._animator, self._sound = Animator(), Sound()
-        self._life = Life(clock())
+        self._life = Life(clock(), visited=visited)
         self._skips = _Skips()
         self._waiting: list[Command] = []
         self._coming: deque[tuple[float, React | Stop]] = deque()

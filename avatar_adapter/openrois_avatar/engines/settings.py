@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Final, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -22,11 +22,19 @@ class Picture:
     fps: int = 30
 
 
+LARGE: Final = (1280, 720)
+SMALL: Final = (640, 360)
+"""Width and height that an engine chooses from where it is not told."""
+
+
 class Renderer(Protocol):
     """Draws poses in scenes."""
 
     def draw(self, pose: Pose, scene: Scene = AT_HOME) -> Pixels:
         """The avatar in this pose as BGRA, (height, width, 4), top row first; the next call may reuse the array."""
+
+    def resize(self, picture: Picture) -> None:
+        """Draw pictures of another size from now on, which is not above that of the first."""
 
 
 Available = Callable[[], tuple[bool, str]]

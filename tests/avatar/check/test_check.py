@@ -19,7 +19,7 @@ from tests.support.odd_engine import odd_engine
 ROOT = Path(__file__).parents[3]
 SHORT = Patience(connect=10, greet=0.5, watch=0.5, answer=0.6, react=1.0, come_back=1.0, end=5.0)
 LONG = Patience(connect=20, watch=1.0, answer=5.0, come_back=2.0)
-PUPPET = ("-m", "openrois_avatar.engines.puppet", "--width", "160", "--height", "90", "--fps", "10")
+PUPPET = ("-m", "openrois_avatar.engines.puppet", "--size", "160x90", "--fps", "10")
 AT_ONCE = 18
 """Engines that are checked side by side: they wait most of the time, but a busy machine makes them late."""
 SECRET = "s3cret"

@@ -218,3 +218,9 @@ def test_it_says_what_is_missing(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_asking_whether_it_runs_does_not_import_pygame() -> None:
     code = f"import sys; from {puppet.__name__} import available; available(); sys.exit('pygame' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], timeout=20, check=False).returncode == 0
+
+
+def test_smaller_pictures_show_the_same() -> None:
+    resized = Stage(SIZE)
+    resized.resize(Picture(320, 180))
+    assert np.array_equal(resized.draw(REST), Stage(Picture(320, 180)).draw(REST))

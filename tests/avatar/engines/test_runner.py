@@ -5,6 +5,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+from openrois_avatar.engines import size_choice
 from openrois_avatar.engines.animation.pose import Pose
 from openrois_avatar.engines.animation.reactions import REACTIONS
 from openrois_avatar.engines.room.plan import ROOM
@@ -58,12 +59,16 @@ class Drawing:
         self.clock, self.seconds = clock, seconds
         self.poses: list[Pose] = []
         self.scenes: list[Scene] = []
+        self.sizes: list[Picture] = []
 
     def draw(self, pose: Pose, scene: Scene = AT_HOME) -> Pixels:
         self.poses.append(pose)
         self.scenes.append(scene)
         self.clock.time += self.seconds
         return np.full((SIZE.height, SIZE.width, 4), 128, np.uint8)
+
+    def resize(self, picture: Picture) -> None:
+        self.sizes.append(picture)
 
 
 class Link:
@@ -377,8 +382,30 @@ def test_an_engine_that_cannot_run_says_why(capsys: pytest.CaptureFixture[str]) 
 
 @pytest.mark.usefixtures("quiet_environment")
 def test_an_engine_without_an_adapter_says_so(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main("test", works, stage, VIEWPOINTS, []) == LINK_LOST
+    assert main("test", works, stage, VIEWPOINTS, ["--size", "320x180"]) == LINK_LOST
     assert "is not set" in capsys.readouterr().err
+
+
+@pytest.mark.usefixtures("quiet_environment")
+@pytest.mark.parametrize(("chosen", "resized"), [((1280, 720), []), ((640, 360), [Picture(640, 360, 25)])])
+def test_without_a_size_the_machine_decides(
+    chosen: tuple[int, int],
+    resized: list[Picture],
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    made: list[tuple[Picture, Drawing]] = []
+
+    def factory(picture: Picture) -> Drawing:
+        made.append((picture, stage(picture)))
+        return made[-1][1]
+
+    monkeypatch.setattr(size_choice, "choose_size", lambda *_: (Picture(*chosen, 25), "this decided"))
+    assert main("test", works, factory, VIEWPOINTS, ["--fps", "25"]) == LINK_LOST
+    assert "this decided" in capsys.readouterr().err
+    ((first, drawing),) = made
+    assert first == Picture(1280, 720, 25)
+    assert drawing.sizes == resized
 
 
 def test_a_still_is_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -393,7 +420,7 @@ def test_a_still_is_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
 
 
 @pytest.mark.parametrize(
-    "arguments", [["--width", "641"], ["--height", "2"], ["--fps", "0"], ["--reaction", "fly"], ["--place", "1,2"]]
+    "arguments", [["--size", "641x360"], ["--size", "big"], ["--fps", "0"], ["--reaction", "fly"], ["--place", "1,2"]]
 )
 def test_settings_that_make_no_sense_are_refused(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit):

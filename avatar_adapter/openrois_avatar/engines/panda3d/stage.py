@@ -41,16 +41,8 @@ class Stage:
     def __init__(self, picture: Picture) -> None:
         cv2.setNumThreads(1)
         self._engine = GraphicsEngine.get_global_ptr()
-        scene = NodePath("stage")
-        self._wide = View(scene, picture.width, picture.height)
-        self._narrow, self._slim = (
-            View(scene, min(picture.width, 2 * round(picture.height * width / 2)), picture.height)
-            for width in (_NARROW, _SLIM)
-        )
-        self._pixels = np.empty((picture.height, picture.width, 4), np.uint8)
-        self._last: View | None = None
-        """What has drawn over the backdrop last; beside it the picture shows nothing else."""
-        self._aspect = picture.width / picture.height
+        self._scene = scene = NodePath("stage")
+        self._open_views(picture)
         parts = figure.build()
         # All of them first: nothing else may be in the scene meanwhile.
         fronts = [sight.front(parts, extent, scene, self._drawn_large) for extent in _EXTENTS]
@@ -59,6 +51,28 @@ class Stage:
         self._whole = Figure("whole", parts, scene)
         self._figures = [*self._fronts, self._whole]
         self._room = Room(scene)
+        self._draw_backdrops(picture)
+
+    def resize(self, picture: Picture) -> None:
+        """Draw pictures of another size from now on, which is not above that of the first."""
+        for view in self._views:
+            view.close()
+        self._open_views(picture)
+        self._draw_backdrops(picture)
+
+    def _open_views(self, picture: Picture) -> None:
+        self._wide = View(self._scene, picture.width, picture.height)
+        self._narrow, self._slim = (
+            View(self._scene, min(picture.width, 2 * round(picture.height * width / 2)), picture.height)
+            for width in (_NARROW, _SLIM)
+        )
+        self._pixels = np.empty((picture.height, picture.width, 4), np.uint8)
+        self._last: View | None = None
+        """What has drawn over the backdrop last; beside it the picture shows nothing else."""
+        self._aspect = picture.width / picture.height
+
+    def _draw_backdrops(self, picture: Picture) -> None:
+        self._room.show(True)
         self._room.update(AT_HOME)
         self._only(None)
         room = self._drawn(self._wide, HOME_SHOT)

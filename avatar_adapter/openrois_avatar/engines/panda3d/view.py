@@ -68,6 +68,11 @@ class View:
         """Let Panda3D draw this view with every frame from now on, or not."""
         self._buffer.set_active(on)
 
+    def close(self) -> None:
+        """Draw nothing any more."""
+        GraphicsEngine.get_global_ptr().remove_window(self._buffer)
+        self._camera.remove_node()
+
     def aim(self, shot: Shot) -> None:
         """Look from there."""
         if shot == self._shot:

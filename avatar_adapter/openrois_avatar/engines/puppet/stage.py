@@ -29,13 +29,17 @@ class Stage:
 
     def __init__(self, picture: Picture) -> None:
         cv2.setNumThreads(1)
+        self._hair = Hair()
+        self.resize(picture)
+
+    def resize(self, picture: Picture) -> None:
+        """Draw pictures of another size from now on."""
         self._size = (picture.width, picture.height)
         self._home = Lens(picture.width * _OVERSAMPLING, picture.height * _OVERSAMPLING)
         self._wall = room.Wall(self._home)
         self._large = self._wall.close.copy()
         self._small = np.empty((picture.height, picture.width, 4), np.uint8)
         self._canvas = Canvas(shared(self._large))
-        self._hair = Hair()
         self._prepared: dict[int, tuple[Body, Face]] = {}
 
     def draw(self, pose: Pose, scene: Scene = AT_HOME) -> Pixels:

@@ -26,11 +26,12 @@ _Value = TypeVar("_Value")
 
 
 class Life:
-    """The figure and the visitor in the room. Times are seconds on one clock and never go back from call to call."""
+    """The figure in the room, with a visitor or alone. Times are seconds on one clock and never go back."""
 
-    def __init__(self, time: float, seed: int = 1) -> None:
+    def __init__(self, time: float, seed: int = 1, *, visited: bool = False) -> None:
         self._time = time
-        self._walker, self._visitor = Walker(ROOM, HOME, time), Visitor(ROOM, time, seed)
+        self._walker = Walker(ROOM, HOME, time)
+        self._visitor = Visitor(ROOM, time, seed) if visited else None
         self._steps, self._visitors = Steps(), Steps()
         self._camera = Camerawork(time)
         self._expressive = self._addressing = False
@@ -69,14 +70,20 @@ class Life:
     def advance(self, time: float, expressive: bool) -> Scene:
         """Go on until a time; what is to be seen then. `expressive`: whether its face or hands say something."""
         seconds, self._time = time - self._time, time
-        visitor = self._visitor
         self._walker.advance(time, self._crowd)
         self._address(expressive)
-        visitor.advance(time, self._walker.place)
-        for steps, pace in ((self._steps, self._walker.pace), (self._visitors, visitor.pace)):
-            steps.take(pace.ahead, pace.left, pace.turn, seconds)
+        pace = self._walker.pace
+        self._steps.take(pace.ahead, pace.left, pace.turn, seconds)
         shot = self._camera.follow(time, self._walker.place, self._walker.pace, expressive)
-        return Scene(self._walker.place, Somebody(visitor.place, self._visitors.channels()), shot)
+        return Scene(self._walker.place, self._advance_visitor(time, seconds), shot)
+
+    def _advance_visitor(self, time: float, seconds: float) -> Somebody | None:
+        if self._visitor is None:
+            return None
+        self._visitor.advance(time, self._walker.place)
+        pace = self._visitor.pace
+        self._visitors.take(pace.ahead, pace.left, pace.turn, seconds)
+        return Somebody(self._visitor.place, self._visitors.channels())
 
     def _address(self, expressive: bool) -> None:
         """Turn to the viewer when it begins to say something with its back or its side to that viewer."""
@@ -98,8 +105,7 @@ class Life:
 
     @property
     def _crowd(self) -> tuple[Point, ...]:
-        place = self._visitor.place
-        return ((place.x, place.y),)
+        return () if self._visitor is None else ((self._visitor.place.x, self._visitor.place.y),)
 
     def news(self) -> list[Event]:
         """What is to be told at the time that was last advanced to."""
@@ -107,7 +113,7 @@ class Life:
         if not self._floor_is_told:
             self._floor_is_told = True
             events.append(ROOM.floor)
-        things = (*ROOM.things, self._visitor.thing)
+        things = ROOM.things if self._visitor is None else (*ROOM.things, self._visitor.thing)
         if self._things.is_due(self._time, things):
             events.append(Things(things))
         done = self._walker.news()

@@ -1,11 +1,13 @@
 from itertools import pairwise
-from math import pi
+from math import dist, pi
 
+import numpy as np
 import pytest
 from openrois_avatar.engines.room.life import Life
 from openrois_avatar.engines.room.plan import HOME, ROOM
 from openrois_avatar.engines.room.scene import AT_HOME, Scene
-from openrois_avatar.engines.room.walking import turned
+from openrois_avatar.engines.room.visitor import PLACES
+from openrois_avatar.engines.room.walking import APART, turned
 from openrois_avatar.link.messages import Completed, Drive, Event, Floor, Halt, Place, Reached, Things, Walk, Waypoint
 
 FRAME = 1 / 30
@@ -27,15 +29,14 @@ def test_it_begins_at_home_and_says_what_there_is() -> None:
     assert [type(event) for _, event in told] == [Floor, Things, Place]
     floor, things, place = (event for _, event in told)
     assert (floor, place) == (ROOM.floor, HOME)
-    assert isinstance(things, Things)
-    assert things.things[:-1] == ROOM.things
-    assert things.things[-1].kind == "person"
+    assert things == Things(ROOM.things)
+    assert scenes[-1].visitor is None
     assert (scenes[0].place, scenes[0].shot) == (AT_HOME.place, AT_HOME.shot)
 
 
 def test_places_and_things_are_told_while_they_change_and_not_too_often() -> None:
     for rate in (30.0, 120.0):
-        life = Life(0.0)
+        life = Life(0.0, visited=True)
         life.obey(0.0, Walk("a", (Waypoint(0.0, 3.0), Waypoint(0.0, 0.0)), 0.6))
         scenes, told = lived(life, 20.0, rate=rate)
         for kind, most in ((Place, 20), (Things, 10)):
@@ -79,13 +80,39 @@ def test_steps_are_seen_while_it_walks() -> None:
 
 
 def test_the_visitor_is_in_the_scene_where_things_say() -> None:
-    life = Life(0.0, seed=4)
+    life = Life(0.0, seed=4, visited=True)
     for scene, (_, event) in zip(*lived(life, 20.0), strict=False):
         assert scene.visitor is not None
         if isinstance(event, Things):
+            assert event.things[:-1] == ROOM.things
+            assert event.things[-1].kind == "person"
             assert ROOM.fits(scene.visitor.place.x, scene.visitor.place.y, 0.2)
     scenes, _ = lived(life, 30.0, 20.0)
     assert any(scene.visitor is not None and scene.visitor.steps for scene in scenes)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_visitor_and_figure_never_walk_through_each_other(seed: int) -> None:
+    random, life, time = np.random.default_rng(seed), Life(0.0, seed, visited=True), 0.0
+    near = 0
+    for _ in range(60):
+        visitor = life.advance(time, False).visitor
+        assert visitor is not None
+        there, elsewhere = visitor.place, PLACES[int(random.integers(len(PLACES)))]
+        commands = (
+            Walk("to the visitor", (Waypoint(there.x, there.y),), 2.5),
+            Walk("to where it will be", (Waypoint(elsewhere.x, elsewhere.y),), 2.0),
+            Drive(2.5, 0.0, random.uniform(-3.0, 3.0)),
+        )
+        life.obey(time, commands[random.integers(3)])
+        scenes, _ = lived(life, 3.0, time, rate=random.choice((1.0, 10.0, 30.0)))
+        time += 3.0
+        for scene in scenes:
+            assert scene.visitor is not None
+            apart = dist((scene.place.x, scene.place.y), (scene.visitor.place.x, scene.visitor.place.y))
+            assert apart > APART - 0.05
+            near += apart < APART + 0.1
+    assert near > 10
 
 
 AWAY = Waypoint(0.5, 1.0, pi / 2)
