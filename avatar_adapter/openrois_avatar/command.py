@@ -21,6 +21,7 @@ from openrois.dialer import serve_parent
 from openrois.errors import BadParameter
 from openrois.health import Readiness, healthz, readyz
 from openrois.logs import set_up_logging
+from openrois.memory_return import returning_memory
 from openrois.metrics.server import LOOPBACK, MetricsUnavailable, metrics_address, serving_metrics
 from openrois.supervisor import Supervisor
 from openrois.tasks import TaskScope
@@ -179,6 +180,7 @@ async def _serve(settings: AvatarSettings) -> None:
             _log.info("metrics: %s", await stack.enter_async_context(serving))
         tasks = await stack.enter_async_context(TaskScope())
         tasks.start(attachment.supervisor.watch())
+        tasks.start(returning_memory())
         stack.callback(attachment.supervisor.tell, "STOPPING=1")
         await serve_parent(avatar.host, settings.gateway, credentials=settings.credentials, attached=attachment.take)
 

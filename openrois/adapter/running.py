@@ -19,6 +19,7 @@ from openrois.dialer import serve_parent
 from openrois.engine import Engine
 from openrois.lifeline import Lifeline
 from openrois.logs import set_up_logging
+from openrois.memory_return import returning_memory
 from openrois.registry import LocalRegistry
 from openrois.tasks import TaskScope
 from openrois.transport.address import adapter_url
@@ -150,7 +151,8 @@ async def _serve_until_stopped(serving: AbstractAsyncContextManager[EngineHost],
         with suppress(NotImplementedError):
             # Where the loop takes no signals, Ctrl-C is a KeyboardInterrupt.
             loop.add_signal_handler(name, stopped.set)
-    async with serving:
+    async with serving, TaskScope() as tasks:
+        tasks.start(returning_memory())
         await stopped.wait()
         for name in _STOP_SIGNALS:
             with suppress(NotImplementedError):

@@ -20,6 +20,7 @@ from openrois.gateway.server import Gateway, run_gateway
 from openrois.gateway.settings import GatewaySettings
 from openrois.journal.file import JournalUnusable
 from openrois.logs import set_up_logging
+from openrois.memory_return import returning_memory
 from openrois.metrics.server import MetricsUnavailable
 from openrois.supervisor import Supervisor
 from openrois.tasks import TaskScope
@@ -90,6 +91,7 @@ async def _run(settings: GatewaySettings) -> None:
         supervisor = Supervisor(os.environ)
         supervisor.tell(f"READY=1\nSTATUS=listening {gateway.url}")
         tasks.start(supervisor.watch())
+        tasks.start(returning_memory())
         draining = tasks.start(_drain(in_good_order, gateway, supervisor))
         await asyncio.wait({draining, tasks.start(_wait(at_once))}, return_when=asyncio.FIRST_COMPLETED)
 
