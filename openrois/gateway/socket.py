@@ -39,6 +39,9 @@ class SocketProfile:
 APPLICATION: Final = SocketProfile(max_message=64 << 10, ping_interval=4.0, ping_timeout=5.0)
 ADAPTER: Final = SocketProfile(max_message=1 << 20, ping_interval=1.5, ping_timeout=3.0)
 
+WRITE_BUFFER: Final = 4096
+"""Bytes of one connection that may wait in front of the kernel without counting as unread."""
+
 _CLOSE_TIMEOUT: Final = 1.0
 _NO_CODE: Final = 1005
 
@@ -104,6 +107,9 @@ class ServerSocket:
             await self.response.prepare(self._request)
         except ConnectionError as error:
             raise StreamClosed(1006) from error
+        if self._request.transport is not None:
+            # What waits in front of the kernel beyond that keeps its sender waiting, and counts as unread.
+            self._request.transport.set_write_buffer_limits(high=WRITE_BUFFER)
 
     async def keep_alive(self) -> None:
         """Ping for ever. A side that stays silent after a ping, or takes no byte for too long, is cut off.

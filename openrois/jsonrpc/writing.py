@@ -12,6 +12,9 @@ __all__ = ["Writer"]
 BATCH_TEXT: Final = 64 * 1024
 """Characters that are handed over at once; what comes behind them may still be dropped."""
 
+UNCOUNTED: Final = 4096
+"""Characters of a message that is sent at once: what is longer counts as unread until the stream has taken it."""
+
 
 class Writer:
     """The way from an outbox to a stream.
@@ -38,7 +41,7 @@ class Writer:
             OutboxOverflow: a control message no longer fits.
         """
         # What is long may wait in the stream for as long as the other side likes: it counts meanwhile.
-        is_long = len(text) > BATCH_TEXT
+        is_long = len(text) > UNCOUNTED
         if is_long or self._is_busy or self._batches is None or len(self._outbox) or not self._batches.send_now(text):
             self._outbox.put(text, droppable=droppable)
         else:

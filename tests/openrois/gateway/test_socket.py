@@ -2,13 +2,14 @@
 
 import asyncio
 from collections.abc import Callable
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 from aiohttp import WSMessage, WSMsgType
 
 from openrois.gateway import socket as module
-from openrois.gateway.socket import APPLICATION, ServerSocket, SocketProfile
+from openrois.gateway.socket import APPLICATION, WRITE_BUFFER, ServerSocket, SocketProfile
 from openrois.gateway.stalling import STALL_TIMEOUT
 from openrois.transport.stream import StreamClosed
 
@@ -22,6 +23,9 @@ class Response:
         self.close_code: int | None = None
         self.closed: list[tuple[int, bytes]] = []
         self.incoming: asyncio.Queue[WSMessage] = asyncio.Queue()
+
+    async def prepare(self, _request: object) -> None:
+        pass
 
     async def close(self, *, code: int, message: bytes) -> None:
         self.closed.append((code, message))
@@ -55,10 +59,14 @@ class Transport:
     def abort(self) -> None:
         self.aborted.set()
 
+    def set_write_buffer_limits(self, *, high: int) -> None:
+        self.high = high
+
 
 class Request:
     def __init__(self, transport: Transport | None) -> None:
         self.transport = transport
+        self.protocol = SimpleNamespace()
 
 
 def server_socket(profile: SocketProfile = APPLICATION, **options: Any) -> tuple[ServerSocket, Response, Transport]:
@@ -180,6 +188,12 @@ async def test_a_side_that_takes_no_byte_for_too_long_is_cut_whatever_it_says() 
     async with asyncio.timeout(60):
         await keeping
     assert (transport.aborted.is_set(), reasons) == (True, ["takes nothing in"])
+
+
+async def test_little_waits_in_front_of_the_kernel_without_counting() -> None:
+    made, _, transport = server_socket()
+    await made.prepare()
+    assert transport.high == WRITE_BUFFER
 
 
 async def test_what_ends_a_connection_is_told_with_its_code() -> None:

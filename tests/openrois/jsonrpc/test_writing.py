@@ -7,7 +7,7 @@ import pytest
 
 from openrois.jsonrpc.outbox import Outbox, OutboxOverflow
 from openrois.jsonrpc.unread import UnreadBudget
-from openrois.jsonrpc.writing import BATCH_TEXT, Writer
+from openrois.jsonrpc.writing import UNCOUNTED, Writer
 from openrois.transport.stream import StreamClosed
 from tests.support.session import settle
 
@@ -115,7 +115,7 @@ async def test_a_long_message_counts_until_the_stream_has_taken_it() -> None:
         running = asyncio.ensure_future(writer.run())
         await settle()
         line.free.clear()
-        long = "a" * (BATCH_TEXT + 1)
+        long = "a" * (UNCOUNTED + 1)
         writer.put(long)
         await settle()
         assert budget.total == len(long)
@@ -123,7 +123,7 @@ async def test_a_long_message_counts_until_the_stream_has_taken_it() -> None:
         line.free.set()
         await settle()
         assert (line.texts, budget.total) == ([long, "b"], 0)
-        writer.put("c" * BATCH_TEXT)
+        writer.put("c" * UNCOUNTED)
         assert line.texts[-1][0] == "c"
         running.cancel()
 
