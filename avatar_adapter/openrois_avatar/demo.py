@@ -19,7 +19,7 @@ from openrois_avatar.attendance import Attendance
 from openrois_avatar.demo_access import add_access_options, demo_access
 from openrois_avatar.engine_options import add_engine_options, engine_arguments
 from openrois_avatar.link_options import add_facade_option, add_link_options, link_arguments
-from openrois_avatar.network_options import add_host_options, host_arguments
+from openrois_avatar.network_options import add_host_options, add_place_options, host_arguments, place_arguments
 from openrois_avatar.process import Program, ProgramFailed
 
 __all__ = ["main"]
@@ -54,13 +54,14 @@ def main(arguments: Sequence[str]) -> int:
     add_link_options(parser, when=" if it is external or a facade")
     add_facade_option(parser)
     add_host_options(parser)
+    add_place_options(parser)
     add_credential_options(parser)
     add_access_options(parser)
     parser.add_argument("--verbose", action="store_true", help="log more")
     chosen = parser.parse_args(arguments)
     try:
         access = demo_access(chosen)
-        of_engine = engine_arguments(chosen)
+        of_engine = (*engine_arguments(chosen), *place_arguments(chosen))
     except ValueError as error:
         parser.error(str(error))
     set_up_logging(verbose=chosen.verbose)

@@ -8,7 +8,14 @@ from openrois_streaming.network.interfaces import host_addresses
 from openrois_streaming.network.settings import PROFILES, NetworkSettings, PortRange
 from openrois_streaming.places import PlaceRules
 
-__all__ = ["add_host_options", "add_network_options", "host_arguments", "network_settings"]
+__all__ = [
+    "add_host_options",
+    "add_network_options",
+    "add_place_options",
+    "host_arguments",
+    "network_settings",
+    "place_arguments",
+]
 
 
 def add_host_options(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
@@ -42,6 +49,11 @@ def add_network_options(parser: argparse.ArgumentParser) -> None:
     ):
         default = getattr(defaults, option.replace("-", "_"))
         group.add_argument(f"--{option}", type=int, default=default, metavar="N", help=f"{told} (%(default)s)")
+    add_place_options(group)
+
+
+def add_place_options(group: argparse._ActionsContainer) -> None:
+    """Add how many applications are streamed to, and for whom places are kept."""
     places = PlaceRules()
     group.add_argument(
         "--applications",
@@ -66,6 +78,22 @@ def add_network_options(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def place_rules(chosen: argparse.Namespace) -> PlaceRules:
+    """Return what was chosen of `add_place_options`. Raises ValueError with a sentence."""
+    return PlaceRules(chosen.applications, chosen.kept_for_operators, chosen.answer_time)
+
+
+def place_arguments(chosen: argparse.Namespace) -> Sequence[str]:
+    """Return the options of `add_place_options` for another command. Raises ValueError with a sentence."""
+    rules = place_rules(chosen)
+    given = {
+        "--applications": rules.applications,
+        "--kept-for-operators": rules.kept_for_operators,
+        "--answer-time": rules.answer_time,
+    }
+    return [argument for option, value in given.items() for argument in (option, str(value))]
+
+
 def _ports(text: str) -> PortRange:
     try:
         return PortRange.parse(text)
@@ -82,7 +110,7 @@ def network_settings(chosen: argparse.Namespace) -> NetworkSettings:
         chosen.relay_only,
         chosen.candidates,
         AdmissionSettings(chosen.peer_packets, chosen.peer_bytes, chosen.total_packets, chosen.total_bytes),
-        PlaceRules(chosen.applications, chosen.kept_for_operators, chosen.answer_time),
+        place_rules(chosen),
     )
     host_addresses(settings.interfaces)
     return settings

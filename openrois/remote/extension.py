@@ -15,7 +15,7 @@ from openrois.remote.told_holders import ToldHolders
 from openrois.tasks import TaskScope
 from openrois.types.streams import STREAM_METHODS, HolderNotification
 
-__all__ = ["CLIENT_GONE", "EXTENSION_METHODS", "EXTENSION_NOTIFICATIONS", "RemoteExtension"]
+__all__ = ["CLIENT_GONE", "EXTENSION_METHODS", "EXTENSION_NOTIFICATIONS", "MAY_BIND", "RemoteExtension"]
 
 _log = logging.getLogger(__name__)
 
@@ -47,6 +47,9 @@ EXTENSION_NOTIFICATIONS: Final = (
 CLIENT_GONE: Final = "openrois.client_gone"
 """Notification of a parent to its sub-engine: the application `client_id` is gone for good."""
 
+MAY_BIND: Final = "openrois.may_bind"
+"""Extension of an engine that takes `may_bind` beside the params of connect_stream; to others it is not said."""
+
 MAX_GONE: Final = 4096
 """Applications that are gone and of which that waits to be told; with one more it is told without room."""
 
@@ -64,6 +67,9 @@ class RemoteExtension:
         is_theirs: tells whether a reference or id belongs to an engine of the other side.
         outbox: what waits to be sent there.
         tasks: owns what waits for room in it.
+
+    Attributes:
+        takes_may_bind: whether the other side wants to know of an application that it may not bind.
     """
 
     def __init__(
@@ -88,6 +94,7 @@ class RemoteExtension:
         """Those of clients that are gone, where that waits for room to be told."""
         self._outbox = outbox
         self._tasks = tasks
+        self.takes_may_bind = False
         self._holders = ToldHolders(self._named, notify, outbox, tasks)
         self._foreign = Tally(_log, "notifications that name a reference or id of another engine")
 
@@ -110,6 +117,8 @@ class RemoteExtension:
         client_id = self._ids.get(client) or self._free_id(client)
         if method == _CONNECT:
             self._note(client, client_id)
+            if not self.takes_may_bind:
+                params = {name: value for name, value in params.items() if name != "may_bind"}
 
         def before() -> None:
             if client in self._ids:

@@ -28,7 +28,7 @@ from openrois.remote.asking import Asking, read_result
 from openrois.remote.attachment import ATTACHED
 from openrois.remote.claims import Claims
 from openrois.remote.commands import RemoteCommand, RemoteCommands
-from openrois.remote.extension import RemoteExtension
+from openrois.remote.extension import MAY_BIND, RemoteExtension
 from openrois.remote.faults import RemoteFaults
 from openrois.remote.stops import SharedStops
 from openrois.remote.subscriptions import SharedSubscriptions
@@ -181,6 +181,7 @@ class RemoteProxy:
             return
         streams = "rois.stream" in greeting.extensions
         self.extension = self._remote_extension if streams or LEASES in greeting.extensions else None
+        self._remote_extension.takes_may_bind = MAY_BIND in greeting.extensions
         named = greeting.engines or (profile.identifier.code,)
         self._remote_extension.limit_to(set(named).intersection(profile.engine_ids()) if streams else ())
 

@@ -18,7 +18,7 @@ from openrois.lifeline import ALIVE, WATCH
 from openrois.lost_streams import lost_streams
 from openrois.ordering import ReplyFirst
 from openrois.remote.attachment import ATTACHED, QUESTIONS_ALONE, Attachment
-from openrois.remote.extension import CLIENT_GONE, EXTENSION_METHODS
+from openrois.remote.extension import CLIENT_GONE, EXTENSION_METHODS, MAY_BIND
 from openrois.renewing import renewing
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from openrois.transport.stream import MessageStream, StreamClosed
@@ -146,7 +146,7 @@ class _ServedExtension:
             if LEASES in params.extensions:
                 self._host.lifeline.attach(lambda wanted: self._notify(WATCH, {"wanted": wanted}))
             engines = tuple(sorted(self._host.engine.extension.engines()))
-            return HelloResult(extensions=(*EXTENSIONS, LEASES) if engines else (LEASES,), engines=engines)
+            return HelloResult(extensions=(*EXTENSIONS, LEASES, MAY_BIND) if engines else (LEASES,), engines=engines)
 
         return {"openrois.hello": method(HelloParams, hello), **{m: self._calling(m) for m in EXTENSION_METHODS}}
 

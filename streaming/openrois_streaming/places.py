@@ -1,10 +1,12 @@
 """How many applications are streamed to at a time, and for whom of them places are kept. Pure."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Hashable, Mapping
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, TypeVar
 
 __all__ = ["SESSIONS_LIMIT", "PlaceRules"]
+
+Name = TypeVar("Name", bound=Hashable)
 
 SESSIONS_LIMIT: Final = 64
 """Applications at once. Each costs about 1 % of a core for each stream that plays."""
@@ -51,7 +53,7 @@ class PlaceRules:
         guests = sum(not each for each in taken)
         return len(taken) < self.applications and (may_bind or guests < self.applications - self.kept_for_operators)
 
-    def displaced(self, taken: Mapping[str, bool], unanswered: Mapping[str, float], may_bind: bool) -> str | None:
+    def displaced(self, taken: Mapping[Name, bool], unanswered: Mapping[Name, float], may_bind: bool) -> Name | None:
         """Return which application gives its place to one more, for which there is no room; None for none.
 
         Args:

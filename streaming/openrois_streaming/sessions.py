@@ -72,7 +72,7 @@ class StreamSessions:
 
         Args:
             client_id: the client.
-            may_bind: whether it may operate something; places are kept for those that may.
+            may_bind: whether it may operate something now; places are kept for those that may.
 
         Raises:
             TooManySessions: it would be one too many.
@@ -81,9 +81,10 @@ class StreamSessions:
         if session is None:
             self._make_room(may_bind)
             session = self._sessions[client_id] = self._make(client_id)
-            self._may_bind[client_id] = may_bind
             for component_ref, directions in self._held.items():
                 session.hold(component_ref, *directions)
+        # Its role may have changed since its first stream.
+        self._may_bind[client_id] = may_bind
         return session
 
     def with_stream(self, client_id: str, stream_id: str) -> StreamSession:

@@ -8,6 +8,7 @@ import socket
 import time
 from collections.abc import Callable
 from pathlib import Path
+from typing import ClassVar
 
 import psutil
 import pytest
@@ -121,9 +122,11 @@ class Unready:
     """Stands in for a program that does not become ready: it ends, or it hangs."""
 
     ends = True
+    made: ClassVar[dict[str, tuple[str, ...]]] = {}
 
     def __init__(self, arguments: tuple[str, ...], announces: str) -> None:
         self.name = arguments[0]
+        self.made[self.name] = arguments
         self.ready = asyncio.Event()
 
     async def keep_running(self) -> None:
@@ -144,6 +147,21 @@ def test_a_program_that_does_not_become_ready_ends_the_demo_with_a_line(
     monkeypatch.setattr(Unready, "ends", ends)
     assert demo_module.main(["--port", str(free_port())]) == 1
     assert capsys.readouterr() == ("", f"openrois demo: {complaint}\n")
+
+
+def test_the_places_of_applications_are_those_of_the_avatar(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(demo_module, "set_up_logging", lambda *, verbose: None)
+    monkeypatch.setattr(demo_module, "Program", Unready)
+    given = ["--applications", "8", "--kept-for-operators", "2", "--answer-time", "1.5"]
+    demo_module.main(["--port", str(free_port()), *given])
+    avatar = Unready.made["avatar"]
+    assert list(avatar[(start := avatar.index("--applications")) : start + len(given)]) == given
+
+
+def test_places_that_cannot_be_are_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit, match="2"):
+        demo_module.main(["--applications", "4"])
+    assert "--kept-for-operators must be 0 to 3, fewer than --applications, not 16" in capsys.readouterr().err
 
 
 def port_is_free(port: int) -> bool:

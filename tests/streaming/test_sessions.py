@@ -102,6 +102,18 @@ async def test_places_are_kept_for_those_that_may_bind(applications: Application
     await applications.comes("viewer 3")
 
 
+async def test_an_application_that_may_bind_by_now_needs_no_place_of_those_that_may_not(
+    applications: Applications,
+) -> None:
+    for viewer in ("viewer 1", "viewer 2"):
+        await applications.comes(viewer, answers=True)
+    applications.sessions.open("viewer 1", may_bind=True)
+    await applications.comes("viewer 3", answers=True)
+    applications.sessions.open("viewer 1", may_bind=False)
+    with pytest.raises(TooManySessions):
+        await applications.comes("viewer 4")
+
+
 async def test_who_does_not_answer_gives_up_its_place_to_the_next(applications: Applications) -> None:
     await applications.comes("viewer 1", answers=True)
     await applications.comes("viewer 2")

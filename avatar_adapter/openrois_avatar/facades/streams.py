@@ -161,6 +161,8 @@ class FacadeStreams:
         if self._streamer() is None:
             raise ComponentFailed(self._absent())
         viewing = self._viewings.get(client) or self._open(client, params.may_bind)
+        # Its role may have changed since its first stream.
+        self._may_bind[client] = params.may_bind
         viewing.ice_servers = params.ice_servers
         stream_id = new_id(self._engine_id)
         viewing.connect(stream_id, params.component_ref, kind)
@@ -171,10 +173,7 @@ class FacadeStreams:
             self._viewings = {each: viewing for each, viewing in self._viewings.items() if not viewing.is_over}
             self._may_bind = {each: self._may_bind[each] for each in self._viewings}
         if not self._has_room(may_bind):
-            raise OutOfResources(
-                f"{len(self._viewings)} of at most {self._places.applications} applications are served"
-            )
-        self._may_bind[client] = may_bind
+            self._displace(may_bind)
 
         def send(message: Downward) -> None:
             client.notify(message.method, message.wire())
@@ -192,6 +191,17 @@ class FacadeStreams:
             lambda: new_id(self._engine_id), self._streamer, send, changed, self._clock.now, self._permits
         )
         return viewing
+
+    def _displace(self, may_bind: bool) -> None:
+        waits = ((each, viewing.unanswered_for()) for each, viewing in self._viewings.items())
+        unanswered = {each: seconds for each, seconds in waits if seconds is not None}
+        late = self._places.displaced(self._may_bind, unanswered, may_bind)
+        if late is None:
+            raise OutOfResources(
+                f"{len(self._viewings)} of at most {self._places.applications} applications are served"
+            )
+        del self._may_bind[late]
+        self._viewings.pop(late).close("its offer was not answered in time, and another application needs the place")
 
     def _has_room(self, may_bind: bool) -> bool:
         return self._places.has_room(self._may_bind.values(), may_bind)
@@ -219,12 +229,16 @@ class FacadeStreams:
         for viewing in tuple(self._viewings.values()):
             viewing.close(reason)
 
+    def look(self) -> None:
+        """Look at deadlines of all applications, and tell what changed."""
+        for viewing in tuple(self._viewings.values()):
+            viewing.tick()
+
     async def run(self) -> None:
         """Look at the applications until cancelled; then everything ends."""
         try:
             while True:
-                for viewing in tuple(self._viewings.values()):
-                    viewing.tick()
+                self.look()
                 await self._clock.sleep_until(self._clock.now() + _TICK)
         finally:
             self._close("the engine stops")

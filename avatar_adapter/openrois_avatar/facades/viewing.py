@@ -62,6 +62,8 @@ class Viewing:
         self._permits = permits
         self._streams = ViewedStreams(changed)
         self._players = Players(send)
+        self._made_at = clock()
+        self._was_answered = False
         self._lacking: set[MediaKind] = set()
         """What the game engine has not offered, as long as it is the same one."""
         self._due_at: float | None = None
@@ -75,6 +77,10 @@ class Viewing:
     def is_over(self) -> bool:
         """Whether there are neither streams nor peer connections."""
         return self._streams.is_over and self._players.peer_id is None
+
+    def unanswered_for(self) -> float | None:
+        """Seconds since the application came, where it has answered no offer; None where it has answered one."""
+        return None if self._was_answered else self._clock() - self._made_at
 
     def connect(self, stream_id: str, component_ref: str, kind: MediaKind) -> None:
         """Add a stream; an offer follows.
@@ -121,6 +127,7 @@ class Viewing:
         except (InvalidDescription, UnusableDescription) as error:
             self._end_player(player, str(error))
             raise InvalidDescription(str(error)) from error
+        self._was_answered = True
 
     def candidate(self, candidate: Candidate) -> None:
         """Take a candidate. Raises UnknownPeer, StaleGeneration, TooManyCandidates, InvalidCandidate."""

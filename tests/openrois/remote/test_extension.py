@@ -90,6 +90,14 @@ async def test_a_call_carries_its_client_and_brings_what_is_told_it(other: Other
     assert bob == []
 
 
+async def test_whether_an_application_may_bind_is_said_to_those_that_want_to_know(other: OtherSide) -> None:
+    ann = Heard().client("ann")
+    await other.extension.call(CONNECT, {"may_bind": False}, ann)
+    other.extension.takes_may_bind = True
+    await other.extension.call(CONNECT, {"may_bind": False}, ann)
+    assert [params for _, params in other.asked] == [{"client_id": "ann"}, {"client_id": "ann", "may_bind": False}]
+
+
 @pytest.mark.parametrize("answer", [None, [], "OK", 5])
 async def test_an_answer_that_is_no_object(other: OtherSide, answer: Any) -> None:
     other.answer = answer

@@ -101,7 +101,7 @@ class TestHello:
         assert answer == {
             "return_code": "OK",
             "version": "1",
-            "extensions": ["rois.stream", "signaling", "openrois.lease"],
+            "extensions": ["rois.stream", "signaling", "openrois.lease", "openrois.may_bind"],
             "engines": ["robot"],
             "client_id": "",
         }
