@@ -9,8 +9,7 @@ ROOT = Path(__file__).parents[1]
 # Whole processes and sockets are others' business: what is pure is tested by itself.
 TESTS = (
     *(f"tests/openrois/{part}" for part in ("authoring", "catalog", "jsonrpc", "leases", "profile_xml", "types")),
-    "tests/openrois/gateway/test_frames.py",
-    "tests/openrois/gateway/test_origins.py",
+    *(f"tests/openrois/gateway/test_{part}.py" for part in ("frames", "origins", "stalling")),
     "tests/openrois/bench/test_figures.py",
     "tests/openrois/bench/test_table.py",
     "tests/openrois/journal/test_former.py",
@@ -18,11 +17,14 @@ TESTS = (
         f"tests/openrois/access/test_{part}.py"
         for part in ("claims", "keys", "loopback", "principal", "revocations", "tokens")
     ),
-    *(f"tests/openrois/conformance/test_{part}.py" for part in ("manifest", "probe_engine", "strictness", "table")),
+    *(
+        f"tests/openrois/conformance/test_{part}.py"
+        for part in ("command_ids", "manifest", "probe_engine", "strictness", "table")
+    ),
     *(str(path.relative_to(ROOT)) for path in sorted((ROOT / "tests/openrois").glob("test_*.py"))),
     *(
         f"tests/streaming/test_{part}.py"
-        for part in ("arrival", "encoder_limit", "level", "state", "liveness", "keyframes", "supervision")
+        for part in ("arrival", "encoder_limit", "level", "places", "state", "liveness", "keyframes", "supervision")
     ),
     "tests/streaming/test_reference_chain.py",
     "tests/streaming/adaptation",

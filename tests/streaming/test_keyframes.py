@@ -12,6 +12,15 @@ def test_nobody_asks_and_none_is_made() -> None:
     assert KeyFrameBudget().take(1.0) is None
 
 
+def test_it_is_asked_until_it_is_taken() -> None:
+    budget = KeyFrameBudget()
+    asked = [budget.is_asked]
+    budget.request(START)
+    asked.append(budget.is_asked)
+    budget.take(1.0)
+    assert [*asked, budget.is_asked] == [False, True, False]
+
+
 def test_a_start_is_served_by_the_next_frame_and_once() -> None:
     budget = KeyFrameBudget()
     budget.request(START)

@@ -66,6 +66,12 @@ def test_payloads_are_those_of_its_own_messages() -> None:
     assert len(list(VIDEO_STREAMING.payloads())) == 7
 
 
+def test_what_acts_cannot_be_used_without_start_and_stop_nor_a_stream_without_its_connection() -> None:
+    assert NAVIGATION.required_commands() == ("start", "stop")
+    assert VIDEO_STREAMING.required_commands() == ("connect_stream", "disconnect_stream")
+    assert SYSTEM_INFORMATION.required_commands() == ()
+
+
 def test_only_the_system_information_lacks_the_common_messages() -> None:
     without = [kind for kind in BASIC_COMPONENTS if "start" not in {each.name for each in kind.all_commands()}]
     assert without == [SYSTEM_INFORMATION]

@@ -181,6 +181,37 @@ def test_one_whose_driver_is_lost_stands_though_it_speaks() -> None:
     assert lived(life, 2.0, now + 1.2, expressive=True)[0][-1].place == stood
 
 
+def test_what_is_broken_off_turns_it_no_further() -> None:
+    life, now = away()
+    lived(life, 0.3, now, expressive=True)
+    life.stay()
+    scenes, _ = lived(life, 2.0, now + 0.3, expressive=True)
+    assert scenes[0].place == scenes[-1].place
+    assert 1.0 < abs(turned(scenes[-1].place.th - HOME.th)) < pi
+
+
+def test_one_that_walks_goes_on_when_what_it_says_is_broken_off_and_does_not_turn_there() -> None:
+    life = Life(0.0)
+    life.obey(0.0, Walk("a", (Waypoint(0.0, 1.0),), 1.0))
+    lived(life, 0.5, expressive=True)
+    life.stay()
+    scenes, _ = lived(life, 6.0, 0.5, expressive=True)
+    place = scenes[-1].place
+    assert (place.x, place.y) == (0.0, 1.0)
+    assert place.th == pytest.approx(pi / 2, abs=0.2)
+
+
+def test_the_room_is_shown_from_a_viewpoint_that_there_is() -> None:
+    life = Life(0.0)
+    scenes, _ = lived(life, 1.0)
+    assert scenes[-1].shot.is_close
+    life.show_from("room")
+    shot = lived(life, 6.0, 1.0)[0][-1].shot
+    assert not shot.is_close
+    life.show_from("moon")
+    assert lived(life, 3.0, 7.0)[0][-1].shot == shot
+
+
 def test_one_that_was_halted_turns_with_its_next_sentence() -> None:
     life, now = away()
     lived(life, 0.3, now, expressive=True)
