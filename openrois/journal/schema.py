@@ -61,9 +61,7 @@ def migrate(database: sqlite3.Connection, path: Path) -> Path | None:
     if version == VERSION:
         return None
     kept = path.with_name(f"{path.name}.version-{version}")
-    # VACUUM INTO takes an empty file, and this one is readable for nobody else from the start.
-    os.close(os.open(kept, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600))
-    database.execute("VACUUM INTO ?", (str(kept),))
+    _copy(database, kept)
     steps = "".join(_STEPS[each] for each in range(version, VERSION))
     try:
         database.executescript(f"BEGIN; {steps} PRAGMA user_version = {VERSION}; COMMIT;")
@@ -72,3 +70,24 @@ def migrate(database: sqlite3.Connection, path: Path) -> Path | None:
             database.execute("ROLLBACK")
         raise
     return kept
+
+
+def _copy(database: sqlite3.Connection, path: Path) -> None:
+    """Write a copy of a database, whole or not at all: a copy that is there already stays until the new one is written.
+
+    Raises:
+        OSError: the copy cannot be written, or cannot take its place.
+        sqlite3.Error: likewise.
+    """
+    written = path.with_name(f"{path.name}.new")
+    # VACUUM INTO takes an empty file, and this one is readable for nobody else from the start.
+    file = os.open(written, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600)
+    try:
+        database.execute("VACUUM INTO ?", (str(written),))
+        os.fsync(file)
+        written.replace(path)
+    except (OSError, sqlite3.Error):
+        written.unlink(missing_ok=True)
+        raise
+    finally:
+        os.close(file)

@@ -6,11 +6,13 @@ import sqlite3
 import stat
 from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from openrois.journal.file import Accepted, JournalFile, JournalUnusable, Presence
 from openrois.journal.former import RESTARTED
+from openrois.journal.schema import migrate
 from openrois.types.codes import CompletedStatus
 
 FIXTURE = Path(__file__).with_name("journal-0.1.0.sqlite")
@@ -84,6 +86,28 @@ def test_after_a_rollback_the_next_upgrade_keeps_the_latest(path: Path) -> None:
     opened(path).close()
     with closing(sqlite3.connect(f"{path}.version-1")) as kept:
         assert kept.execute("SELECT command_id FROM command ORDER BY number").fetchall() == [("blinked",), ("burned",)]
+
+
+class FullDisk(sqlite3.Connection):
+    """A database whose copy finds no room."""
+
+    def execute(self, sql: str, parameters: Any = (), /) -> sqlite3.Cursor:
+        if sql.startswith("VACUUM INTO"):
+            Path(parameters[0]).write_bytes(b"half")
+            raise sqlite3.OperationalError("database or disk is full")
+        return super().execute(sql, parameters)
+
+
+def test_where_there_is_no_room_the_copy_of_the_last_upgrade_stays(path: Path) -> None:
+    kept = path.with_name("journal.sqlite.version-1")
+    opened(path).close()
+    content = kept.read_bytes()
+    shutil.copy(FIXTURE, path)
+    with closing(sqlite3.connect(path, factory=FullDisk)) as database, pytest.raises(sqlite3.OperationalError):
+        migrate(database, path)
+    assert version_of(path) == 1
+    assert kept.read_bytes() == content
+    assert sorted(each.name for each in path.parent.iterdir()) == ["journal.sqlite", kept.name]
 
 
 def test_where_it_cannot_be_kept_nothing_is_changed(path: Path) -> None:
