@@ -11,6 +11,8 @@ What is reached for, and why nothing public does it:
 * `sort_check_list` comes whenever there are more pairs to check; there may be so many that to pair and sort them takes
   seconds.
 * `TurnTransport.close` goes on with a task of its own, which is cancelled where a TURN server does not answer.
+* `connect` begins to ask for consent as its last step, also where `close` was called meanwhile: that task would be left
+  over for ever, with nothing to ask.
 * `_nominated` is the pair that is sent over; when its other end is silent, a pair that has proven itself takes over.
 """
 
@@ -258,6 +260,8 @@ class IceAgent:
         self._aioice_sort_check_list = connection.sort_check_list
         connection.sort_check_list = self._sort_check_list  # type: ignore[method-assign]
         self._told_of_pairs = False
+        self._aioice_connect = connection.connect
+        connection.connect = self._connect  # type: ignore[method-assign]
         self._aioice_close = connection.close
         connection.close = self._close  # type: ignore[method-assign]
 
@@ -398,6 +402,14 @@ class IceAgent:
         self, component: int, addresses: list[str], timeout: float = 0
     ) -> list[Candidate]:
         return await self._gather()
+
+    async def _connect(self) -> None:
+        await self._aioice_connect()
+        consent = self.connection._query_consent_task
+        if self.connection._closing and consent is not None:
+            consent.cancel()
+            await asyncio.wait({consent})
+            raise ConnectionError("the connection was closed while its path was found")
 
     async def _close(self) -> None:
         await self.checks.aclose()  # before their sockets are closed

@@ -4,6 +4,7 @@ from typing import Any
 
 import pytest
 from aioice import Candidate, stun
+from aioice.ice import ICE_COMPLETED
 from aiortc import RTCPeerConnection
 from openrois_streaming.network.guard import PAIRS_LIMIT, GuardFigures
 from openrois_streaming.network.interfaces import ADDRESSES_LIMIT
@@ -64,6 +65,33 @@ async def test_sockets_are_closed_by_a_process_that_stands_still_meanwhile(
         await connection.close()
     assert [each.is_closing() for each in sockets] == [True] * 3
     assert "TURN" not in caplog.text
+
+
+async def test_a_connection_that_is_closed_as_its_path_is_found_asks_for_no_consent() -> None:
+    connection = RTCPeerConnection()
+    transport = connection.addTransceiver("video").sender.transport.transport
+    agent = IceAgent(
+        transport, gather=NotImplemented, permits=lambda *_: True, figures=GuardFigures(), ingress=Ingress()
+    )
+    ice = agent.connection
+    candidate = await agent.open_host("127.0.0.1", [0])
+    agent.add(candidate)
+    ice._local_candidates_end = True
+    ice.remote_username, ice.remote_password = "there", "p" * 22
+    ice._remote_candidates.append(Candidate("0", 1, "udp", 1, "127.0.0.1", 9, "host"))
+    before = asyncio.all_tasks()
+    connecting = asyncio.ensure_future(ice.connect())
+    async with asyncio.timeout(60):
+        while not ice._check_list:  # noqa: ASYNC110 - no event tells it
+            await asyncio.sleep(0)
+        # The path is found: before what waits for it runs again, the connection is closed.
+        ice._check_list_done = True
+        ice._check_list_state.put_nowait(ICE_COMPLETED)
+        await ice.close()
+        with pytest.raises(ConnectionError):
+            await connecting
+    await connection.close()
+    assert asyncio.all_tasks() == before
 
 
 async def test_a_peer_connection_checks_so_many_pairs_and_the_best_of_them(caplog: pytest.LogCaptureFixture) -> None:
