@@ -36,7 +36,10 @@ async def test_f40_a_viewer_that_dies_or_stands_still(
             await on.until(lambda: on.encoders() == {"video/H264", "audio/opus"})
             assert await on.sessions() == 1
             await app.sees(video)
-        assert app.told == {stream_id: ["NOT_RUNNING", "RUNNING"] for stream_id in (video, audio)}
+        # On a busy machine the start of the viewer's process may hold it up for a second; its streams never end.
+        for stream_id in (video, audio):
+            await app.is_now(stream_id, "RUNNING")
+            assert "NOT_CONNECTED" not in app.told[stream_id]
         assert app.byes == app.errors == []
 
 

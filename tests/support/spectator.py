@@ -18,6 +18,7 @@ from aiortc.sdp import candidate_from_sdp
 from openrois_streaming.clock import SystemClock
 from openrois_streaming.receiving.receiver import RtpReceiver
 from openrois_streaming.receiving.remote_time import RemoteClock
+from openrois_streaming.seams.ice import stop_consent_when_closed
 from openrois_streaming.source import MediaSource, RawAudio, RawVideo
 from openrois_streaming.testing import ImpairedPath
 from websockets.asyncio.client import ClientConnection
@@ -110,6 +111,9 @@ class Spectator(Witness):
             route = self._routes[peer_id]
             sdp = offer["sdp"] if route is None else route.to_viewer(offer["sdp"])
             await connection.setRemoteDescription(RTCSessionDescription(sdp, "offer"))
+            for agent in {each.receiver.transport.transport._connection for each in connection.getTransceivers()}:
+                if "connect" not in vars(agent):
+                    stop_consent_when_closed(agent)
             self._plug_in(connection, offer["streams"])
             await connection.setLocalDescription(await connection.createAnswer())
             sdp = connection.localDescription.sdp

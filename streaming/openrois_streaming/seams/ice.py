@@ -67,6 +67,24 @@ def local_candidate(kind: str, host: str, port: int, *, base: str, related: tupl
     return candidate
 
 
+def stop_consent_when_closed(connection: ice.Connection) -> None:
+    """Have `connection` ask for no consent where it was closed as its path was found. To be called before it connects.
+
+    aioice goes on 20 ms after `close` at the latest, and would ask for ever.
+    """
+    connect = connection.connect
+
+    async def connect_unless_closed() -> None:
+        await connect()
+        consent = connection._query_consent_task
+        if connection._closing and consent is not None:
+            consent.cancel()
+            await asyncio.wait({consent})
+            raise ConnectionError("the connection was closed while its path was found")
+
+    connection.connect = connect_unless_closed  # type: ignore[method-assign]
+
+
 class GuardedProtocol(ice.StunProtocol):
     """One socket of an ICE agent, behind its gate."""
 
@@ -260,8 +278,7 @@ class IceAgent:
         self._aioice_sort_check_list = connection.sort_check_list
         connection.sort_check_list = self._sort_check_list  # type: ignore[method-assign]
         self._told_of_pairs = False
-        self._aioice_connect = connection.connect
-        connection.connect = self._connect  # type: ignore[method-assign]
+        stop_consent_when_closed(connection)
         self._aioice_close = connection.close
         connection.close = self._close  # type: ignore[method-assign]
 
@@ -402,14 +419,6 @@ class IceAgent:
         self, component: int, addresses: list[str], timeout: float = 0
     ) -> list[Candidate]:
         return await self._gather()
-
-    async def _connect(self) -> None:
-        await self._aioice_connect()
-        consent = self.connection._query_consent_task
-        if self.connection._closing and consent is not None:
-            consent.cancel()
-            await asyncio.wait({consent})
-            raise ConnectionError("the connection was closed while its path was found")
 
     async def _close(self) -> None:
         await self.checks.aclose()  # before their sockets are closed
