@@ -13,10 +13,12 @@ import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import count
 from typing import Final, Protocol, assert_never
 
 import cv2
+import numpy as np
 
 from openrois.version import __version__
 from openrois_avatar.engines.animation.animator import Animator
@@ -192,10 +194,10 @@ class Link(Protocol):
     def poll_audio(self) -> Sequence[Samples]:
         """The operator's sound that has arrived."""
 
-    def send_video(
-        self, pixels: memoryview, width: int, height: int, stride: int, format: PixelFormat, timestamp_ns: int
+    def draw_video(
+        self, draw: Callable[[Pixels], None], width: int, height: int, format: PixelFormat, timestamp_ns: int
     ) -> None:
-        """Send a picture."""
+        """Send a picture, which `draw` writes into the array that it is given."""
 
     def send_audio(self, samples: Samples, timestamp_ns: int) -> None:
         """Send a block of sound."""
@@ -315,7 +317,7 @@ class Runner:
 
     def _send_picture(self, pixels: Pixels, due: float) -> None:
         width, height = self._picture.width, self._picture.height
-        self._link.send_video(i420(pixels).data.cast("B"), width, height, width, PixelFormat.I420, round(due * 1e9))
+        self._link.draw_video(partial(write_i420, pixels), width, height, PixelFormat.I420, round(due * 1e9))
 
     def _obey(self, command: Command, now: float) -> None:
         match command:
@@ -392,5 +394,14 @@ class _Ticks:
 
 
 def i420(pixels: Pixels) -> Pixels:
-    """BGRA as the planes Y, U, V (limited range): a third of the bytes, so the cheaper thing to send."""
-    return cv2.cvtColor(pixels, cv2.COLOR_BGRA2YUV_I420)  # type: ignore[return-value]
+    """BGRA as the planes Y, U, V, one below the other."""
+    height, width = pixels.shape[:2]
+    planes = np.empty((height * 3 // 2, width), np.uint8)
+    write_i420(pixels, planes)
+    return planes
+
+
+def write_i420(pixels: Pixels, into: Pixels) -> None:
+    """Write BGRA as the planes Y, U, V (limited range): a third of the bytes, so the cheaper thing to send."""
+    height, width = pixels.shape[:2]
+    cv2.cvtColor(pixels, cv2.COLOR_BGRA2YUV_I420, into.reshape(height * 3 // 2, width))

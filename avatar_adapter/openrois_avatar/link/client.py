@@ -19,7 +19,7 @@ import selectors
 import socket
 import time
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from itertools import count
 from types import TracebackType
@@ -29,7 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrois_avatar.link.address import ADDRESS_VARIABLE, SECRET_VARIABLE, connect_socket, parse_address
-from openrois_avatar.link.media import Doorbell, Encoded, check_picture
+from openrois_avatar.link.media import Doorbell, Encoded, check_picture, picture_size
 from openrois_avatar.link.messages import Bye, Command, Event, Hello, LinkError, Log, RingPlace, Welcome
 from openrois_avatar.link.outbox import MAX_AUDIO_BLOCKS, Outbox
 from openrois_avatar.link.protocol import Audio, Message, Parser, PixelFormat, Sender, Video
@@ -139,6 +139,38 @@ class LinkClient:
             self._writer.show(Doorbell(*shape, slot, bottom_up))
         else:
             self._writer.show(Video(*shape, pixels if isinstance(pixels, bytes) else view, bottom_up))
+
+    def draw_video(
+        self,
+        draw: Callable[[NDArray[np.uint8]], None],
+        width: int,
+        height: int,
+        format: PixelFormat,
+        timestamp_ns: int,
+    ) -> None:
+        """Send a picture as `send_video` does, which `draw` writes straight into the ring: it is copied once less.
+
+        `draw` gets a flat array for the bytes of the picture, without padding, that holds anything; it writes all of
+        them, and touches them no more when it has returned. Without a ring the array is memory of this process. What
+        `draw` raises is raised here, and no picture is sent.
+
+        Raises:
+            LinkError: there can be no such picture.
+        """
+        stride = width * (4 if format is PixelFormat.BGRA else 1)
+        size = picture_size(width, height, stride, format)
+        sequence = next(self._numbers)
+        shape = sequence, timestamp_ns, width, height, stride, format
+        begun = None if self._ring is None else self._ring.begin(sequence, size)
+        if self._ring is None or begun is None:
+            pixels = np.empty(size, np.uint8)
+            draw(pixels)
+            self._writer.show(Video(*shape, pixels.data))
+        else:
+            slot, room = begun
+            draw(np.frombuffer(room, np.uint8))
+            self._ring.finish(sequence, slot)
+            self._writer.show(Doorbell(*shape, slot))
 
     def send_encoded(self, data: bytes, width: int, height: int, timestamp_ns: int, *, keyframe: bool) -> bool:
         """Send a picture that was encoded here: an H.264 access unit in Annex B form, constrained baseline.

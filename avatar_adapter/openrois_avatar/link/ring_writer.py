@@ -36,7 +36,20 @@ class RingWriter:
 
     def write(self, sequence: int, pixels: memoryview) -> int | None:
         """Write a picture into the next slot and give its number; None if it is too large for one."""
-        if len(pixels) > self._place.slot_bytes - SLOT_HEAD:
+        begun = self.begin(sequence, len(pixels))
+        if begun is None:
+            return None
+        slot, room = begun
+        room[:] = pixels
+        self.finish(sequence, slot)
+        return slot
+
+    def begin(self, sequence: int, size: int) -> tuple[int, memoryview] | None:
+        """Give the next slot, and its room for a picture of so many bytes, which may be written until `finish`.
+
+        None if it is too large for a slot. A picture that is never finished has only cost the slot its former one.
+        """
+        if size > self._place.slot_bytes - SLOT_HEAD:
             return None
         slot, self._next = self._next, (self._next + 1) % self._place.slots
         start = slot * self._place.slot_bytes
@@ -44,8 +57,10 @@ class RingWriter:
         # A round through a lock is the only barrier that Python has: the pixels change after the lock word says so.
         with self._barrier:
             pass
-        self._memory[start + SLOT_HEAD : start + SLOT_HEAD + len(pixels)] = pixels
+        return slot, self._memory[start + SLOT_HEAD : start + SLOT_HEAD + size]
+
+    def finish(self, sequence: int, slot: int) -> None:
+        """Note that the picture is in its slot: nothing is written there any more."""
         with self._barrier:
             pass
-        self._locks[start // 8] = (2 * sequence + 2) & _UINT64
-        return slot
+        self._locks[slot * self._place.slot_bytes // 8] = (2 * sequence + 2) & _UINT64

@@ -1,3 +1,4 @@
+from collections.abc import Callable
 from itertools import pairwise
 from math import pi
 from pathlib import Path
@@ -100,12 +101,14 @@ class Link:
         due = [time for time in self.voice if time <= self.clock.time]
         return [self.voice.pop(time) for time in sorted(due)]
 
-    def send_video(
-        self, pixels: memoryview, width: int, height: int, stride: int, format: PixelFormat, timestamp_ns: int
+    def draw_video(
+        self, draw: Callable[[Pixels], None], width: int, height: int, format: PixelFormat, timestamp_ns: int
     ) -> None:
-        assert (width, height, stride) == (SIZE.width, SIZE.height, SIZE.width)
+        assert (width, height) == (SIZE.width, SIZE.height)
         assert timestamp_ns <= self.clock.time * 1e9
-        self.pictures.append((timestamp_ns, pixels, format))
+        pixels = np.empty(width * height * 3 // 2, np.uint8)
+        draw(pixels)
+        self.pictures.append((timestamp_ns, pixels.data, format))
 
     def send_audio(self, samples: Samples, timestamp_ns: int) -> None:
         self.blocks.append((timestamp_ns, samples))

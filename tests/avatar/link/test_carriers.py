@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from openrois_avatar.link.client import LinkClient
-from openrois_avatar.link.messages import Completed, Event, Hello, Log, VideoShape
+from openrois_avatar.link.messages import Completed, Event, Hello, LinkError, Log, VideoShape
 from openrois_avatar.link.protocol import PixelFormat
 from openrois_avatar.link.ring import SLOTS, Ring
 from openrois_avatar.link.server import LinkServer
@@ -90,10 +90,52 @@ async def test_pictures_arrive_as_they_are(world: World, pictures: AsyncIterator
     assert link.dropped_video == world.server.video.dropped == 0
 
 
+async def test_pictures_are_drawn_where_the_adapter_reads_them(world: World, pictures: AsyncIterator[RawVideo]) -> None:
+    link = await world.join()
+    rooms: list[NDArray[np.uint8]] = []
+
+    def draw(number: int) -> Callable[[NDArray[np.uint8]], None]:
+        def into(room: NDArray[np.uint8]) -> None:
+            rooms.append(room)
+            room[:] = planes(number).ravel()
+
+        return into
+
+    for number in range(2 * SLOTS + 1):
+        link.draw_video(draw(number), WIDTH, HEIGHT, PixelFormat.I420, 1)
+        picture = await anext(pictures)
+        assert (picture.sequence, picture.format, picture.width, picture.height) == (number, "i420", WIDTH, HEIGHT)
+        np.testing.assert_array_equal(picture.data, planes(number))
+    assert np.shares_memory(rooms[0], rooms[SLOTS]) is world.ring
+    assert link.dropped_video == world.server.video.dropped == 0
+
+
+async def test_a_picture_that_fails_to_be_drawn_is_not_sent(world: World, pictures: AsyncIterator[RawVideo]) -> None:
+    link = await world.join()
+
+    def fail(room: NDArray[np.uint8]) -> None:
+        room[:] = 1
+        raise ZeroDivisionError
+
+    for number in range(2 * SLOTS):
+        with pytest.raises(ZeroDivisionError):
+            link.draw_video(fail, WIDTH, HEIGHT, PixelFormat.I420, 1)
+        send(link, planes(number), 1)
+        np.testing.assert_array_equal((await anext(pictures)).data, planes(number))
+
+
+async def test_a_picture_that_cannot_be_is_not_drawn(world: World) -> None:
+    link = await world.join()
+    with pytest.raises(LinkError, match="must be even"):
+        link.draw_video(lambda _room: pytest.fail("it was drawn"), WIDTH + 1, HEIGHT, PixelFormat.I420, 0)
+
+
 async def test_every_layout_is_understood(world: World, pictures: AsyncIterator[RawVideo]) -> None:
     link = await world.join("bgra")
     bgra = RANDOM.integers(0, 256, (HEIGHT, WIDTH, 4), np.uint8)
     link.send_video(bgra[::-1].copy(), WIDTH, HEIGHT, WIDTH * 4, PixelFormat.BGRA, 0, bottom_up=True)
+    np.testing.assert_array_equal((await anext(pictures)).data, bgra)
+    link.draw_video(lambda room: room.__setitem__(slice(None), bgra.ravel()), WIDTH, HEIGHT, PixelFormat.BGRA, 0)
     np.testing.assert_array_equal((await anext(pictures)).data, bgra)
     link.send_video(nv12(planes(3), 80), WIDTH, HEIGHT, 80, PixelFormat.NV12, 0, bottom_up=True)
     np.testing.assert_array_equal((await anext(pictures)).data, planes(3))
