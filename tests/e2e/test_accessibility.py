@@ -80,6 +80,8 @@ async def _meet_the_driven(visit: Visit) -> None:
     """Wait until the page shows an avatar that another visitor drives."""
     await visit.plays(1)
     await expect(visit.item("handover")).to_contain_text("Another visitor has control")
+    for name in ("viewpoint", "control-toggle"):
+        await expect(visit.item(name)).to_be_disabled()
 
 
 async def test_what_a_finger_presses_is_as_large_as_a_finger(browser: Browser, avatar: Demo) -> None:

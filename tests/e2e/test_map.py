@@ -102,8 +102,10 @@ async def test_it_is_stopped_and_what_is_out_of_reach_is_named(guest: Visit) -> 
 async def test_the_red_button_and_its_key_stop_everything(guest: Visit) -> None:
     await _figure(guest)
     await _follow(guest)
-    await guest.page.keyboard.press("x")
+    await guest.item("viewpoint").focus()
+    await guest.page.keyboard.press("x")  # it stops from within a list, too
     await all_stopped(guest)
+    await expect(guest.item("viewpoint")).to_have_value("automatic")
     assert await outcome(guest, "avatar/follower", "start") == "ABORT"
     await guest.press("stop-all")
     await all_stopped(guest)

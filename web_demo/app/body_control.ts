@@ -55,6 +55,8 @@ export class BodyControl {
   #refs: readonly string[] = [];
   #present = false;
   readonly #leases = new Map<string, LeaseStatus>();
+  /** The newest reading of each lease: gateways may answer an older one later. */
+  readonly #readings = new Map<string, symbol>();
   #holding: Holding | null = null;
   #taking: Promise<Holding> | null = null;
   #declined = false;
@@ -281,8 +283,11 @@ export class BodyControl {
     const all = this.#refs;
     if (this.#present && this.#client.state.name === "connected") {
       const read = async (ref: string): Promise<void> => {
+        const reading = Symbol(ref);
+        this.#readings.set(ref, reading);
         const status = await this.#client.control.status(ref).catch(() => null);
-        if (status && all === this.#refs) this.#leases.set(ref, status);
+        const isNewest = all === this.#refs && reading === this.#readings.get(ref);
+        if (status && isNewest) this.#leases.set(ref, status);
       };
       await Promise.all(refs.map(read));
     }

@@ -75,7 +75,10 @@ export class Control {
     const teleoperation = new Teleoperation(this.#client, this.#media, componentRef);
     this.#teleoperation = teleoperation;
     for (const name of ["refused", "stopped"] as const)
-      teleoperation.on(name, (reason) => this.#say(sentence(plainReason(reason))));
+      teleoperation.on(name, (reason) => {
+        // What is still on its way when control has ended is refused, too: that says nothing new.
+        if (this.#detach) this.#say(sentence(plainReason(reason)));
+      });
     teleoperation.on("ended", (reason) => {
       if (teleoperation === this.#teleoperation) this.ended(sentence(plainReason(reason)));
     });

@@ -42,6 +42,16 @@ export function icon(...paths: string[]): SVGSVGElement {
   return svg;
 }
 
+const LETTERS = ["text", "search", "url", "email", "tel", "password", "number"].map(
+  (type) => `input[type=${type}]`,
+);
+const TEXT_FIELDS = ["textarea", "input:not([type])", ...LETTERS].join();
+
+/** Whether letters that are typed at this element become text. */
+export function takesLetters(target: EventTarget | null): boolean {
+  return target instanceof HTMLElement && (target.isContentEditable || target.matches(TEXT_FIELDS));
+}
+
 /** Sets a text only when it differs, so that screen readers do not hear it twice. */
 export function setText(element: Element, text: string): void {
   if (element.textContent !== text) element.textContent = text;

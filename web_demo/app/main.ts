@@ -174,7 +174,7 @@ function standingChanged(): void {
   operator.barred = present === null ? AWAY : token.counts ? why(seat) : watching;
   for (const card of [videoCard, audioCard]) card.present = present !== null;
   gaze.setComponent(why(seat) === "" ? (present?.gaze ?? null) : null);
-  map.watching = watching !== "";
+  map.viewBarred = why(seat);
   map.barred = why(present?.navigation ?? null);
   handover.watching = watching !== "";
   handover.shown = present !== null;

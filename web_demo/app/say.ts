@@ -67,6 +67,10 @@ export class SayLine {
       event.preventDefault();
       this.#input.value = this.#last;
     });
+    // In full screen what lies upon the picture stands above this form.
+    new ResizeObserver(() =>
+      document.documentElement.style.setProperty("--say-height", `${this.#form.offsetHeight}px`),
+    ).observe(this.#form);
     this.#render();
   }
 
@@ -166,7 +170,7 @@ export class SayLine {
   async #speak({ text, ssml, language }: Utterance): Promise<State> {
     const speech = this.#speech;
     if (!speech) return "failed";
-    const performance = ++this.#performance;
+    this.#performance += 1;
     const parameters = {
       ...(ssml ? { ssml_text: text } : { speech_text: text }),
       ...(language !== "" && { language }),
@@ -181,7 +185,7 @@ export class SayLine {
     }
     const { state, text: words } = await describeEnd(speech.perform(parameters), BUSY);
     this.#words.end();
-    if (performance === this.#performance) this.#show(state, words);
+    this.#show(state, words);
     return state;
   }
 

@@ -8,7 +8,10 @@ export interface Shortcut {
   run(key: string): void;
 }
 
-/** Keys work everywhere but where text is typed; there only Escape does, which also leaves the field. */
+/**
+ * Keys work everywhere but in fields, which have keys of their own; there only Escape does, which also leaves the field.
+ * STOP is pressed in `StopButton`, wherever no text is typed.
+ */
 export function installShortcuts(shortcuts: readonly Shortcut[]): void {
   const dialog = byRole("help", HTMLDialogElement);
   const help: Shortcut = { keys: ["?"], label: "This list", run: () => dialog.showModal() };

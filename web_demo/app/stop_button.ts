@@ -2,7 +2,7 @@
 
 import { RoISError } from "../sdk/index.ts";
 import type { Client } from "../sdk/index.ts";
-import { byTestId, setText } from "./dom.ts";
+import { byTestId, setText, takesLetters } from "./dom.ts";
 import { describeFailure } from "./outcome.ts";
 import { explain } from "./permission.ts";
 import { sentence } from "./plain_words.ts";
@@ -32,8 +32,11 @@ export class StopButton {
   }
 
   #keyDown(event: KeyboardEvent): void {
-    const typed = event.target instanceof HTMLElement && event.target.matches("input, textarea, select");
-    if (event.key !== KEY || typed || event.ctrlKey || event.metaKey || event.altKey || event.repeat) return;
+    const { key, ctrlKey, metaKey, altKey, repeat } = event;
+    if (key.toLowerCase() !== KEY || ctrlKey || metaKey || altKey || repeat) return;
+    if (takesLetters(event.target)) return;
+    // A list would choose what begins with this letter.
+    event.preventDefault();
     event.stopPropagation();
     void this.press();
   }

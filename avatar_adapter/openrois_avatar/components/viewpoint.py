@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from openrois.adapter import BadParameter, Component, ComponentStatus, command, event, query
+from openrois.adapter import BadParameter, Component, ComponentStatus, Unsupported, command, event, query
 from openrois_avatar.body import Body
 
 __all__ = ["Viewpoint"]
@@ -26,8 +26,8 @@ class Viewpoint(Component, authority="OpenRoIS", function="function"):
         self._engine_status = engine_status
 
     def condition(self) -> ComponentStatus:
-        """Follow the game engine; ERROR where that offers no viewpoints."""
-        return self._engine_status() if self._viewpoints() else ComponentStatus.ERROR
+        """Follow the game engine."""
+        return self._engine_status()
 
     @query
     async def available_viewpoints(self) -> tuple[str, ...]:
@@ -41,11 +41,17 @@ class Viewpoint(Component, authority="OpenRoIS", function="function"):
 
     @command
     async def choose(self, viewpoint: str) -> None:
-        """Show the avatar from a viewpoint, to every viewer."""
+        """Show the avatar from a viewpoint, to every viewer.
+
+        Raises:
+            Unsupported: the game engine offers no viewpoints at all.
+            BadParameter: it does not offer this one.
+        """
         offered = self._viewpoints()
+        if not offered:
+            raise Unsupported("the game engine offers no viewpoints to choose from")
         if viewpoint not in offered:
-            there = ", ".join(offered) or "none"
-            raise BadParameter(f"there is no viewpoint {viewpoint!r}; available_viewpoints: {there}")
+            raise BadParameter(f"there is no viewpoint {viewpoint!r}; available_viewpoints: {', '.join(offered)}")
         if viewpoint != self._current():
             self._body.show_from(viewpoint)
             self.viewpoint_changed(viewpoint)

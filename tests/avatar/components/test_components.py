@@ -180,5 +180,12 @@ async def test_a_viewpoint_that_the_engine_does_not_have_is_refused(stage: Stage
     with pytest.raises(BadParameter, match="no viewpoint 'moon'; available_viewpoints: automatic, face"):
         await choose(stage, "moon")
     assert stage.told == []
+
+
+async def test_an_engine_without_viewpoints_supports_no_choice_of_them(stage: Stage) -> None:
     stage.viewpoints = ()
-    assert await values(stage, "viewpoint", "component_status") == {"status": "ERROR"}
+    assert await values(stage, "viewpoint", "component_status") == {"status": "READY"}
+    assert await values(stage, "viewpoint", "viewpoint") == {"viewpoint": ""}
+    with pytest.raises(Unsupported, match="the game engine offers no viewpoints"):
+        await choose(stage, "face")
+    assert stage.told == []

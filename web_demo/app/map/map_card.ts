@@ -122,9 +122,9 @@ export class MapCard {
     this.#look();
   }
 
-  /** The token does not let the viewpoint be chosen. */
-  set watching(watching: boolean) {
-    this.#viewpoint.disabled = watching;
+  /** Why the viewpoint cannot be chosen now; empty where it can. */
+  set viewBarred(barred: string) {
+    this.#viewpoint.barred = barred;
   }
 
   /** Why the avatar cannot be sent anywhere now; empty where it can. */

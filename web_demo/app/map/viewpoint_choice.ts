@@ -4,6 +4,7 @@ import type { Client, Subscription } from "../../sdk/index.ts";
 import { ComponentWatch, isUsable } from "../component_status.ts";
 import { make } from "../dom.ts";
 import { Viewpoint } from "../own_components.ts";
+import { explain } from "../permission.ts";
 
 /** Of the engines that come with the avatar; others name theirs as they like. */
 const WORDS: Readonly<Record<string, string>> = {
@@ -41,8 +42,10 @@ export class ViewpointChoice {
     this.#watch.watch(componentRef);
   }
 
-  set disabled(disabled: boolean) {
-    this.#select.disabled = disabled;
+  /** Why none can be chosen now; empty where one can. */
+  set barred(barred: string) {
+    this.#select.disabled = barred !== "";
+    explain(this.#select, barred);
   }
 
   async #read(): Promise<void> {

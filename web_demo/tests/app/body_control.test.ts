@@ -147,6 +147,29 @@ it("waits in line for what is another's, and has all of it or nothing then", asy
   expect(verbs().slice(-3)).toEqual([...BODY].reverse().map((ref) => `release ${ref}`));
 });
 
+it("shows the answer to asking again, also where an older one comes later", async () => {
+  held.set(SEAT, "anna");
+  body.setComponents(BODY);
+  await settle();
+  const granted = body.request();
+  granted.catch(() => undefined);
+  await settle();
+  const answers: ((position: number) => void)[] = [];
+  gateway.on("openrois.lease.query", async () => {
+    const place = await new Promise<number>((resolve) => answers.push(resolve));
+    return { lease: { state: "HELD", holder: "anna", position: place } };
+  });
+  tell("declined", { component_ref: SEAT, request_id: "r", reason: "its holder keeps it" });
+  const asked = body.askAgain();
+  await settle();
+  for (const answer of answers.splice(1)) answer(1);
+  await settle();
+  answers[0]?.(0);
+  await asked;
+  await settle();
+  expect(body.standing).toEqual({ kind: "waiting", holder: "anna", position: 1, declined: false });
+});
+
 it("forgets a request when its time is over", async () => {
   await body.take();
   tell("requested", { component_ref: SEAT, request_id: "r1", subject: "ben", answer_ms: 1000 });

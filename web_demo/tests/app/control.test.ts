@@ -6,13 +6,16 @@ import type { Client } from "../../sdk/rois/client.ts";
 import { stubPage } from "../support/elements.ts";
 import type { FakeElement } from "../support/elements.ts";
 
-const { commands } = vi.hoisted(() => ({ commands: [] as string[] }));
+const { commands, tell } = vi.hoisted(() => ({
+  commands: [] as string[],
+  tell: new Map<string, (reason: string) => void>(),
+}));
 
 vi.mock("../../sdk/media/index.ts", () => ({
   Teleoperation: class {
     operating = false;
     readonly componentRef = "a/teleoperation";
-    on = (): void => undefined;
+    on = (name: string, listener: (reason: string) => void): void => void tell.set(name, listener);
     attach = () => () => undefined;
     start = async (): Promise<void> => {
       commands.push("start");
@@ -29,6 +32,7 @@ vi.mock("../../sdk/media/index.ts", () => ({
 let uses: number;
 let control: Control;
 let button: FakeElement;
+let words: FakeElement;
 const settle = (): Promise<unknown> => vi.advanceTimersByTimeAsync(50);
 
 beforeEach(() => {
@@ -44,6 +48,7 @@ beforeEach(() => {
   control = new Control({} as Client, {} as InputMedia, body, find("video") as unknown as HTMLElement);
   control.setComponent("a/teleoperation");
   button = find("control-toggle");
+  words = find("control-words");
 });
 
 afterEach(() => {
@@ -69,4 +74,14 @@ it("gives back what is granted while it drives already", async () => {
   button.click();
   await settle();
   expect(uses).toBe(0);
+});
+
+it("says why control has ended, and not that what was still on its way is refused", async () => {
+  button.click();
+  await settle();
+  tell.get("refused")?.("the way is blocked");
+  expect(words.textContent).toBe("The way is blocked");
+  control.ended("You have handed over control to ben.");
+  tell.get("refused")?.("Teleoperation has to be bound and started first");
+  expect(words.textContent).toBe("You have handed over control to ben.");
 });

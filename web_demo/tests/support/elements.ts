@@ -12,6 +12,12 @@ export class FakeElement extends EventTarget {
   readonly style = { setProperty: () => undefined };
   readonly classList = { toggle: () => undefined };
   readonly #attributes = new Map<string, string>();
+  readonly #selector: string;
+
+  constructor(selector = "") {
+    super();
+    this.#selector = selector;
+  }
 
   setAttribute(name: string, value: string): void {
     this.#attributes.set(name, value);
@@ -23,6 +29,12 @@ export class FakeElement extends EventTarget {
 
   removeAttribute(name: string): void {
     this.#attributes.delete(name);
+  }
+
+  /** Knows lists of simple selectors, and compares them with that by which it was found. */
+  matches(selectors: string): boolean {
+    const own = this.#selector === "input" ? "input:not([type])" : this.#selector;
+    return selectors.split(",").includes(own);
   }
 
   append(): void {}
@@ -40,7 +52,7 @@ export class FakeElement extends EventTarget {
 export function stubPage(): (testId: string) => FakeElement {
   const elements = new Map<string, FakeElement>();
   const find = (selector: string): FakeElement => {
-    const element = elements.get(selector) ?? new FakeElement();
+    const element = elements.get(selector) ?? new FakeElement(selector);
     elements.set(selector, element);
     return element;
   };
