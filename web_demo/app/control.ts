@@ -80,7 +80,7 @@ export class Control {
         if (this.#detach) this.#say(sentence(plainReason(reason)));
       });
     teleoperation.on("ended", (reason) => {
-      if (teleoperation === this.#teleoperation) this.ended(sentence(plainReason(reason)));
+      if (teleoperation === this.#teleoperation) this.#ended(sentence(plainReason(reason)));
     });
     if (this.#pads.pad) this.#padChanged(this.#pads.pad);
   }
@@ -125,14 +125,20 @@ export class Control {
     }
   }
 
-  /** The avatar is not driven any more, though this page did not end it. @param why in a sentence */
-  ended(why: string): void {
+  /** The body was handed over, or lost. @param why in a sentence, whatever the end of driving said before */
+  lost(why: string): void {
+    this.#ended("");
+    this.#say(why);
+  }
+
+  /** The avatar is not driven any more, though this page did not end it. @param why in a sentence; empty for no words */
+  #ended(why: string): void {
     const was = this.#detach !== null;
     const giveBack = this.#giveBack;
     this.#giveBack = null;
     this.#show(false);
     giveBack?.();
-    if (was) this.#say(why);
+    if (was && why !== "") this.#say(why);
   }
 
   async #start(teleoperation: Teleoperation, giveBack: GiveBack): Promise<void> {

@@ -81,7 +81,7 @@ const control = new Control(client, receiver, body, stage.video);
 const handover = new Handover(body, (giveBack) => control.drive(giveBack));
 const stopButton = new StopButton(client, () => say.stop());
 body.onLost = (why) => {
-  control.ended(why);
+  control.lost(why);
   if (token.counts) operator.off(why);
 };
 operator.onChange = () => {

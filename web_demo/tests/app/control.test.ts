@@ -81,7 +81,8 @@ it("says why control has ended, and not that what was still on its way is refuse
   await settle();
   tell.get("refused")?.("the way is blocked");
   expect(words.textContent).toBe("The way is blocked");
-  control.ended("You have handed over control to ben.");
+  tell.get("ended")?.("ABORT");
+  control.lost("You have handed over control to ben.");
   tell.get("refused")?.("Teleoperation has to be bound and started first");
   expect(words.textContent).toBe("You have handed over control to ben.");
 });
