@@ -44,7 +44,7 @@ class Unsupported(RoISError):
 
 
 class OutOfResources(RoISError):
-    """Somebody else holds what is needed, or a limit is reached."""
+    """Another application holds what is needed, or a limit is reached."""
 
     return_code = ReturnCode.OUT_OF_RESOURCES
     completed_status = CompletedStatus.OUT_OF_RESOURCES

@@ -110,7 +110,7 @@ def add_access_options(parser: argparse.ArgumentParser) -> None:
         "--auth-key",
         type=Path,
         metavar="FILE",
-        help="what tokens are signed with, as `openrois token new-key` makes it: whoever opens the page needs one",
+        help="what tokens are signed with, as `openrois token new-key` makes it: each visitor of the page needs one",
     )
 
 

@@ -207,7 +207,7 @@ class Legs:
         Raises:
             ComponentFailed: the game engine is gone, or has no figure that walks.
         """
-        self._replace("somebody drives the figure by hand")
+        self._replace("an operator drives the figure by hand")
         self.send(Drive(ahead, left, turn))
 
     def halt(self, reason: str) -> None:

@@ -236,7 +236,9 @@ class AvatarStreams:
             possible = ", ".join(published.directions)
             raise Unsupported(f"{params.component_ref} has no streams of direction {transport.direction!r}: {possible}")
         if direction != "recvonly" and params.component_ref in self._senders:
-            raise OutOfResources(f"somebody sends to {params.component_ref} already, and only one can at a time")
+            raise OutOfResources(
+                f"another application sends to {params.component_ref} already, and only one can at a time"
+            )
         codecs = encoding.codecs if direction == "sendonly" else published.choose(encoding.codecs)
         session = self.sessions.open(self._session_name(client), may_bind=params.may_bind)
         session.ice_servers = params.ice_servers

@@ -105,7 +105,7 @@ def flaw_of_address(url: str) -> str:
     except ValueError:
         return "it is no address"
     if parts.scheme == "http" and not is_loopback(host):
-        return "what comes over http can be anybody's: only https, except from this machine"
+        return "what comes over http can come from anyone on the way: only https, except from this machine"
     if parts.scheme not in ("http", "https") or not host:
         return "it is no https address"
     return "it carries a password" if parts.username is not None else ""

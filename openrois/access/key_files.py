@@ -79,7 +79,7 @@ def read_signing_key(path: Path) -> tuple[str, Any]:
         if _PRIVATE not in text:
             key = parse_key(text)
             if key.algorithm != "HS256":
-                raise ValueError("nobody can sign with a public key: the private one is needed")
+                raise ValueError("a public key cannot sign: give the private one")
             _warn_of_readers(path)
             return key.algorithm, key.material
         _warn_of_readers(path)

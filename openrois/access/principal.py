@@ -72,7 +72,7 @@ ALLOWED: Final[Mapping[str, frozenset[Role]]] = MappingProxyType(
 
 @dataclass(frozen=True, slots=True)
 class Principal:
-    """Somebody who has proven who it is.
+    """A subject that has proven its identity.
 
     Attributes:
         subject: who it is.

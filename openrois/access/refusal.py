@@ -17,7 +17,7 @@ class Refusal(StrEnum):
     ALGORITHM = "algorithm"
     """No key here is for its algorithm."""
     UNKNOWN_KEY = "unknown-key"
-    """Nobody here knows the key that it names."""
+    """The key that it names is not known here."""
     KEYS_UNAVAILABLE = "keys-unavailable"
     """The issuer's keys cannot be had."""
     SIGNATURE = "signature"

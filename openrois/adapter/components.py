@@ -184,11 +184,11 @@ class SpeechRecognition(BasicComponent, implements=SPEECH_RECOGNITION):
 
     @event
     def speech_input_started(self, timestamp: datetime | None = None) -> None:
-        """Somebody began to speak."""
+        """A person began to speak."""
 
     @event
     def speech_input_finished(self, timestamp: datetime | None = None) -> None:
-        """Somebody stopped speaking."""
+        """A person stopped speaking."""
 
     @event
     def speech_recognized(self, recognized_text: tuple[str, ...], timestamp: datetime | None = None) -> None:

@@ -91,7 +91,7 @@ class DeadMan:
             return await asyncio.ensure_future(work)
         if self._is_uncontrolled(component_ref, component):
             work.close()
-            raise Aborted(f"{component.name} does not move: nobody has control")
+            raise Aborted(f"{component.name} does not move: no application has control")
         moving = _Moving(component_ref, component, max(component.dead_man - ALLOWANCE, 0.0))
         task = asyncio.ensure_future(work)
         self._begin(moving)
@@ -121,7 +121,7 @@ class DeadMan:
                 self._trip_component(told.component_ref, "control has changed hands, or connections")
         elif held is not None and held[0] is client:
             del self._holders[told.component_ref]
-            self._trip_component(told.component_ref, "nobody has control any more")
+            self._trip_component(told.component_ref, "no application has control any more")
 
     def forget(self, client: Client) -> None:
         """Learn that an application is gone: what moves for it stops."""

@@ -120,7 +120,7 @@ def event(function: _Sync | None = None, /, *, name: str = "") -> _Sync | Callab
 
     def decorate(function: _Sync) -> _Sync:
         if iscoroutinefunction(function):
-            raise TypeError(f"{function.__qualname__} is an event: write `def`, announcing one waits for nobody")
+            raise TypeError(f"{function.__qualname__} is an event: write `def`, announcing one does not wait")
 
         @wraps(function)
         def announce(self: Any, /, *values: Any, **named: Any) -> None:

@@ -240,7 +240,7 @@ class _Reader:
         except TypeError:
             raise TypeError(f"{place}: {annotation} has no text on the wire") from None
         if code.endswith("[]") and "list[" in str(annotation):
-            raise TypeError(f"{place}: write `tuple[..., ...]`: a list could be changed without anybody noticing")
+            raise TypeError(f"{place}: write `tuple[..., ...]`: a list could be changed unnoticed")
         data = Data(description=field.description, source="OpenRoIS", read_only=field.read_only)
         standard = self._kind.parameters
         if standard is not None and name in standard.model_fields:

@@ -103,13 +103,13 @@ class GestureRecognized(Payload):
 
 
 class SpeechInputStarted(Payload):
-    """Somebody began to speak."""
+    """A person began to speak."""
 
     timestamp: Timestamp
 
 
 class SpeechInputFinished(Payload):
-    """Somebody stopped speaking."""
+    """A person stopped speaking."""
 
     timestamp: Timestamp
 
@@ -248,8 +248,8 @@ SPEECH_RECOGNITION: Final = ComponentType(
         ),
     ),
     events=(
-        EventType("speech_input_started", "Somebody began to speak.", SpeechInputStarted),
-        EventType("speech_input_finished", "Somebody stopped speaking.", SpeechInputFinished),
+        EventType("speech_input_started", "A person began to speak.", SpeechInputStarted),
+        EventType("speech_input_finished", "A person stopped speaking.", SpeechInputFinished),
         EventType("speech_recognized", "Something was said.", SpeechRecognized),
     ),
     parameters=SpeechRecognitionParameters,

@@ -265,11 +265,11 @@ class SpeechRecognition(RoISCommon):
         return (await self.query("recognizable_languages", RecognizableLanguagesResult)).languages
 
     def speech_input_started(self, *, buffer: int = BUFFER) -> Subscription[SpeechInputStarted]:
-        """Somebody began to speak. `buffer` is how many may wait to be read."""
+        """A person began to speak. `buffer` is how many may wait to be read."""
         return self.event("speech_input_started", SpeechInputStarted, buffer=buffer)
 
     def speech_input_finished(self, *, buffer: int = BUFFER) -> Subscription[SpeechInputFinished]:
-        """Somebody stopped speaking. `buffer` is how many may wait to be read."""
+        """A person stopped speaking. `buffer` is how many may wait to be read."""
         return self.event("speech_input_finished", SpeechInputFinished, buffer=buffer)
 
     def speech_recognized(self, *, buffer: int = BUFFER) -> Subscription[SpeechRecognized]:

@@ -114,7 +114,7 @@ class ControlChanged(Notice):
 
 @dataclass(frozen=True, slots=True)
 class ControlRequested(Notice):
-    """Somebody asks for a component that this application holds: `client.control.grant` or `decline` answers.
+    """Another application asks for a component that this one holds: `client.control.grant` or `decline` answers.
 
     Attributes:
         component_ref: the component.

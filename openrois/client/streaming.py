@@ -69,7 +69,7 @@ class Streaming(ComponentProxy):
         try:
             await self.disconnect_stream((await connecting).stream_id)
         except (RoISError, ConnectionLost) as error:
-            _log.debug("a stream that nobody waits for any more is not given back: %s", error)
+            _log.debug("a stream that is not waited for any more is not given back: %s", error)
 
     async def disconnect_stream(self, stream_id: str) -> None:
         """End a stream.

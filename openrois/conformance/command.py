@@ -80,7 +80,7 @@ def _read(arguments: Sequence[str]) -> argparse.Namespace:
         "--component",
         action=_Once,
         metavar="REF",
-        help="try this component of somebody else, too: bind and release it, ask its queries, subscribe to its events",
+        help="try this component of another maker, too: bind and release it, ask its queries, subscribe to its events",
     )
     parser.add_argument(
         "--timeout", type=float, default=5.0, metavar="SECONDS", help="how long to wait for anything (%(default)s)"

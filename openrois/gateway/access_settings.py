@@ -71,7 +71,7 @@ class Encryption(SettingsGroup):
 
     tls_cert: Path | None = setting(None, "the certificate with its chain, in PEM", metavar="FILE")
     tls_key: Path | None = setting(None, "its private key, in PEM", metavar="FILE")
-    tls_elsewhere: bool = setting(False, "something in front of the gateway does TLS, and nobody else reaches it")
+    tls_elsewhere: bool = setting(False, "something in front of the gateway does TLS, and nothing else reaches it")
 
     @model_validator(mode="after")
     def _check_encryption(self) -> Self:

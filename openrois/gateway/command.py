@@ -73,7 +73,7 @@ def _cannot_start(error: OSError, settings: GatewaySettings) -> str:
         return f"{error.filename} cannot be written: {why}"
     if error.errno == errno.EADDRINUSE:
         return f"{where} is taken; is a gateway running already? Another port: --port"
-    return f"nobody can listen at {where}: {error.strerror or error}"
+    return f"cannot listen at {where}: {error.strerror or error}"
 
 
 async def _run(settings: GatewaySettings) -> None:

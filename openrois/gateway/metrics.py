@@ -158,7 +158,7 @@ GATEWAY: Final[tuple[Figure[EngineHost], ...]] = (
     Figure(
         "openrois_gateway_leases",
         "gauge",
-        "Components that somebody holds.",
+        "Components that an application holds.",
         lambda h: len(h.leases.model.holding.held()),
     ),
     Figure(

@@ -156,11 +156,11 @@ class Operation(SettingsGroup):
     log_format: Literal["text", "json"] = setting("text", "log lines for people or JSON objects", metavar="FORMAT")
     log_file: Path | None = setting(None, "append log lines instead of writing them to standard error", metavar="FILE")
     metrics: str | None = setting(None, "serve figures for Prometheus there, at /metrics", metavar="HOST:PORT")
-    metrics_token: str = setting("", "what whoever reads the figures shows as a bearer token", secret=True)
+    metrics_token: str = setting("", "bearer token that readers of the figures have to show", secret=True)
     drain: float = setting(
         20.0, "seconds that what runs has to end when the gateway is told to stop", metavar="SECONDS"
     )
-    journal: Path | None = setting(None, "keep what runs, for whoever asks after a restart", metavar="FILE")
+    journal: Path | None = setting(None, "keep what runs, for applications that ask after a restart", metavar="FILE")
     audit_file: Path | None = setting(None, "append who did what and what was refused, as JSON lines", metavar="FILE")
 
     @model_validator(mode="after")

@@ -61,7 +61,7 @@ class _Leases:
 
     def _require_leased(self, component_ref: str) -> None:
         if self._app.engine.require(component_ref).function is not ComponentFunction.ACTUATION:
-            raise Unsupported(f"{component_ref} is no actuation component: nobody holds it for itself")
+            raise Unsupported(f"{component_ref} is no actuation component: it cannot be held")
 
     async def query(self, params: LeaseParams) -> LeaseResult:
         self._require_leased(params.component_ref)

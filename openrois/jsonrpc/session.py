@@ -53,7 +53,7 @@ _FLUSH_TIMEOUT: Final = 1.0
 
 
 class _MethodNotFound(Exception):
-    """Nobody serves the method that was asked."""
+    """The method that was asked is not served."""
 
 
 class _Ended(Exception):

@@ -27,7 +27,7 @@ class Why(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class Lost:
-    """Somebody holds a component no more. `epoch` is the one that is over."""
+    """A component is held no more. `epoch` is the one that is over."""
 
     component_ref: str
     holder: object
@@ -37,7 +37,7 @@ class Lost:
 
 @dataclass(frozen=True, slots=True)
 class Gained:
-    """Somebody holds a component from now on."""
+    """An application holds a component from now on."""
 
     component_ref: str
     holder: object

@@ -13,7 +13,7 @@ MAX_WAITING: Final = 16
 
 @dataclass(eq=False, slots=True)
 class Request:
-    """Somebody wants a component that another one holds.
+    """An application wants a component that another one holds.
 
     Attributes:
         request_id: by which the holder answers it.

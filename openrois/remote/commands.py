@@ -62,7 +62,7 @@ class RemoteCommands:
 
     def __init__(self, before: Callable[[], None]) -> None:
         self._before = before
-        self.strays = Tally(_log, "ends of commands that nobody waits for")
+        self.strays = Tally(_log, "ends of commands that are not waited for")
         self._running: dict[str, RemoteCommand] = {}
         self._unsent: set[RemoteCommand] = set()
         self._used: Remembered[None] = Remembered(MAX_USED, MAX_USED_TEXT)

@@ -105,7 +105,9 @@ async def serve_engine(
 
 def _tell_unasked(session: RpcSession, url: str) -> None:
     if not session.requests:
-        _log.warning("nobody at %s asks this adapter anything: a gateway takes adapters at ws://HOST:PORT/adapter", url)
+        _log.warning(
+            "no gateway at %s asks this adapter anything: a gateway takes adapters at ws://HOST:PORT/adapter", url
+        )
 
 
 def _end_waiting(host: EngineHost, app: ApplicationSession) -> None:

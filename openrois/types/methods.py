@@ -147,7 +147,7 @@ METHODS: Final[tuple[MethodType, ...]] = (
         "openrois.lease.take",
         LeaseParams,
         LeaseResult,
-        "Have it, whoever holds it.",
+        "Take it from its holder.",
         "openrois.lease",
     ),
     MethodType("openrois.lease.token", NoParams, LeaseTokenResult, "Ask for a resume token.", "openrois.lease"),
@@ -191,7 +191,7 @@ NOTIFICATIONS: Final[tuple[NotificationType, ...]] = (
     NotificationType(
         LeaseRequestedNotification.method,
         LeaseRequestedNotification,
-        "Somebody asks for a component that the application holds.",
+        "Another application asks for a component that this one holds.",
         "openrois.lease",
     ),
     NotificationType(

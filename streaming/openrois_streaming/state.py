@@ -46,9 +46,9 @@ class StreamInput(Enum):
     STALLED = "stalled"
     """Media was measured not to reach the other end."""
     SUSPEND = "suspend"
-    """Somebody wants it suspended."""
+    """A party wants it suspended."""
     RESUME = "resume"
-    """Nobody wants it suspended any more."""
+    """No party wants it suspended any more."""
     END = "end"
 
 

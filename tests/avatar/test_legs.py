@@ -124,7 +124,7 @@ async def test_a_hand_comes_first(stage: Stage) -> None:
     walking = stage.run("Follow")
     await settle()
     stage.legs.drive(0.5, 0.0, -0.25)
-    with pytest.raises(Aborted, match="somebody drives the figure by hand"):
+    with pytest.raises(Aborted, match="an operator drives the figure by hand"):
         await walking
     assert stage.told[1:] == [Halt(), Drive(0.5, 0.0, -0.25)]
 

@@ -50,7 +50,7 @@ async def test_the_avatar_looks_only_where_it_is_let_and_remembers_a_face_by_its
     await visit.press("sight-switch")
     await expect(visit.item("camera-toggle")).to_contain_text("Sent, looked at")
     face = visit.item("face")
-    await expect(face).to_have_text("Somebody", timeout=PATIENCE * 1000)
+    await expect(face).to_have_text("A person", timeout=PATIENCE * 1000)
     box, preview = await face.bounding_box(), await visit.item("preview").bounding_box()
     assert box is not None
     assert preview is not None
@@ -62,7 +62,7 @@ async def test_the_avatar_looks_only_where_it_is_let_and_remembers_a_face_by_its
     await expect(face).to_have_text("Eileen", timeout=PATIENCE * 1000)
     await expect(visit.item("sight-words")).to_have_text("It sees Eileen")
     await visit.page.get_by_role("button", name="Forget Eileen").click()
-    await expect(face).to_have_text("Somebody", timeout=PATIENCE * 1000)
+    await expect(face).to_have_text("A person", timeout=PATIENCE * 1000)
 
     await visit.press("sight-switch")
     await expect(face).to_have_count(0)
@@ -76,7 +76,7 @@ async def _enrol(visit: Visit) -> None:
     words = visit.item("sight-words")
     for _ in range(3):
         await visit.press("enrol")
-        await expect(words).to_have_text(re.compile("^It sees Eileen|^Nobody was enrolled"))
+        await expect(words).to_have_text(re.compile("^It sees Eileen|^No person was enrolled"))
         if "Eileen" in await words.inner_text():
             return
-        await expect(words).not_to_contain_text("Nobody")
+        await expect(words).not_to_contain_text("No person")

@@ -100,7 +100,7 @@ async def _reaction(line: Line, hello: Hello, patience: Patience) -> Finding:
     took = time.monotonic() - began
     wrong = {
         "": f"{name} was not completed within {patience.react:g} s",
-        "ABORT": f"{name} was completed with ABORT, and nobody had stopped it",
+        "ABORT": f"{name} was completed with ABORT, although it had not been stopped",
         "ERROR": f"{name} was completed with ERROR, and HELLO lists it",
     }
     faults = [wrong[status]] if status in wrong else []
@@ -267,7 +267,7 @@ async def _walk(line: Line, patience: Patience) -> Finding:
 async def _halt(line: Line, patience: Patience) -> Finding:
     start = _place(line)
     if start is None:
-        return not_tried("halt", "nobody knows where the figure is", MESSAGES)
+        return not_tried("halt", "it is not known where the figure is", MESSAGES)
     id = next(_ids)
     line.tell(Walk(id, (Waypoint(start.x - 3 * _STEP, start.y),), _SPEED))
     line.tell(Halt())
@@ -303,5 +303,5 @@ def _answers(line: Line) -> Finding:
     twice = sorted({id for id in ids if ids.count(id) > 1})
     strange = sorted({id for id in ids if not id.startswith("check-")})
     faults = [f"{', '.join(twice)} completed more than once"] if twice else []
-    faults += [f"{', '.join(strange)} completed, and nobody had asked for it"] if strange else []
+    faults += [f"{', '.join(strange)} completed without having been asked for"] if strange else []
     return judged("answers", faults, f"{len(ids)} completed, each once", MESSAGES)

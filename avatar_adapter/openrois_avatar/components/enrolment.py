@@ -58,7 +58,7 @@ class Enrolment(Component, authority="OpenRoIS", function="function"):
         if not self._camera.is_connected:
             raise ComponentFailed("no camera is connected")
         if self._enrolling:
-            raise ComponentFailed("somebody is being enrolled already")
+            raise ComponentFailed("another person is being enrolled already")
         if self._gallery.is_full and name not in self._gallery.names:
             raise OutOfResources(f"at most {MAX_ENROLLED} persons can be enrolled")
         self._enrolling = True
@@ -76,7 +76,7 @@ class Enrolment(Component, authority="OpenRoIS", function="function"):
             name: as it was enrolled
         """
         if not self._gallery.forget(name):
-            raise BadParameter(f"nobody is enrolled as {name!r}")
+            raise BadParameter(f"no person is enrolled as {name!r}")
 
     @query(result="names")
     async def enrolled(self) -> tuple[str, ...]:
@@ -91,7 +91,7 @@ class Enrolment(Component, authority="OpenRoIS", function="function"):
                 async with asyncio.timeout(self._patience):
                     await looks.enough.wait()
         except TimeoutError:
-            raise ComponentFailed(f"nobody was enrolled: {looks.trouble}") from None
+            raise ComponentFailed(f"no person was enrolled: {looks.trouble}") from None
         finally:
             leave()
         return looks.taken

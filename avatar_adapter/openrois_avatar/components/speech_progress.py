@@ -34,7 +34,7 @@ class SpeechProgress(Component, authority="OpenRoIS", function="actuation"):
         attention: notices that somebody speaks to the avatar.
     """
 
-    barge_in: bool = parameter(False, description="whether the avatar stops speaking when somebody speaks to it")
+    barge_in: bool = parameter(False, description="whether the avatar stops speaking when a person speaks to it")
 
     def __init__(self, voice: Voice, attention: Attention) -> None:
         super().__init__()
@@ -114,7 +114,7 @@ class SpeechProgress(Component, authority="OpenRoIS", function="actuation"):
 
     def _spoken_to(self, _at: float) -> None:
         if self.barge_in:
-            self._voice.interrupt("somebody spoke, and the avatar stopped")
+            self._voice.interrupt("a person spoke, and the avatar stopped")
 
     def _progressed(self, progress: Progress) -> None:
         at = datetime.fromtimestamp(progress.at, UTC)

@@ -95,7 +95,7 @@ def vision() -> Finding:
         chosen(FACE_RECOGNIZERS, PatternRecognizer),
         chosen(GESTURE_READERS, HeadReader),
     )
-    return _sense("vision", "the avatar sees nobody", backends)
+    return _sense("vision", "the avatar sees no faces", backends)
 
 
 def _sense(name: str, otherwise: str, backends: Sequence[Backend]) -> Finding:

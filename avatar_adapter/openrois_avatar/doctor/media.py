@@ -79,7 +79,7 @@ async def _type(sink: MeasuringSink, keys: _Keys) -> float | None:
 def _typed(seconds: float | None) -> Finding:
     if seconds is not None:
         return Finding(Level.OK, "input", f"a key was there after {1000 * seconds:.0f} ms")
-    advice = "Streams work without, but nobody can operate a figure by hand."
+    advice = "Streams work without, but no visitor can operate a figure by hand."
     return Finding(Level.WARN, "input", "no key came over the data channels", advice)
 
 

@@ -88,7 +88,7 @@ class Guests:
                 group.create_task(self._repeat())
         finally:
             leave()
-            self._pilot.lose("nobody is to operate any more")
+            self._pilot.lose("no player is to operate any more")
 
     async def _repeat(self) -> None:
         """Tell again what is held since a moment ago, and what came faster than it is passed on."""

@@ -181,7 +181,7 @@ def _fingers(name: str, data: bytes) -> tuple[Field, ...]:
         raise MessageError(f"{name}: it ends within uint8")
     structure = _TOUCH[:1] + _TOUCH[1:] * data[1]
     if len(structure) > FIELDS_LIMIT:
-        raise MessageError(f"{name}: more fingers than anybody has")
+        raise MessageError(f"{name}: more fingers than a person has")
     return structure
 
 

@@ -27,7 +27,8 @@ class PixelStreaming:
 def add_pixel_streaming_options(parser: argparse.ArgumentParser) -> None:
     """Add `--pixel-streaming` and what belongs to it."""
     group = parser.add_argument_group(
-        "Pixel Streaming", "whoever reaches the signaling server sees and hears the avatar, without asking the gateway"
+        "Pixel Streaming",
+        "every client that reaches the signaling server sees and hears the avatar, without asking the gateway",
     )
     group.add_argument(
         "--pixel-streaming",
@@ -63,7 +64,7 @@ def pixel_streaming(chosen: argparse.Namespace) -> PixelStreaming | None:
         raise ValueError(f"--pixel-streaming: {url!r} is no address such as ws://127.0.0.1:8888")
     if not chosen.pixel_streaming_anywhere and not is_loopback(host):
         raise ValueError(
-            f"--pixel-streaming: {host} is not this machine, and whoever reaches a signaling server can look:"
+            f"--pixel-streaming: {host} is not this machine, and every client that reaches a signaling server can look:"
             " --pixel-streaming-anywhere allows it"
         )
     return PixelStreaming(url, chosen.pixel_streaming_id or chosen.engine_id, chosen.pixel_streaming_input)

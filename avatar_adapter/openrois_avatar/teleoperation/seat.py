@@ -95,7 +95,9 @@ class Seat:
             OutOfResources: nobody holds it, as far as this adapter was told.
         """
         if self._holder is None:
-            raise OutOfResources(f"nobody has bound {self.component_ref}, or the gateway does not tell who")
+            raise OutOfResources(
+                f"no application has bound {self.component_ref}, or the gateway does not tell which one"
+            )
         vacated: asyncio.Future[str] = asyncio.get_running_loop().create_future()
         self._pilot, self._vacated = pilot, vacated
         try:

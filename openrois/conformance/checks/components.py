@@ -211,4 +211,4 @@ async def _component_bind(stage: Stage) -> None:
         expect("another's", await other.code("rois.command.bind", component_ref=stage.component), wanted)
         await app.granted("rois.command.release", component_ref=stage.component)
     else:
-        stage.remark("somebody else has it bound")
+        stage.remark("another application has it bound")

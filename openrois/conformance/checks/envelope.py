@@ -140,7 +140,7 @@ async def _stray_answers(stage: Stage) -> None:
     answer = await app.answer_to({**CONNECT, "id": "after"})
     if "error" in answer:
         expect("the error's code", answer["error"]["code"], -32600)
-        stage.remark("a response that nobody asked for is answered with an error; ours is silent")
+        stage.remark("a response that was not asked for is answered with an error; ours is silent")
         await app.response("after")
     await _serves(app)
 

@@ -278,7 +278,7 @@ async def _holder(stage: Stage) -> None:
     await other.granted("rois.system.disconnect")
     gone = ("openrois.client_gone", {"client_id": theirs["client_id"]})
     given_back = (HOLDER, {**theirs, "holds": False})
-    await second.until(lambda: gone in second.asked or given_back in second.asked, "say that nobody holds it any more")
+    await second.until(lambda: gone in second.asked or given_back in second.asked, "say that it is held no more")
     for each in (app, other):
         each.told.clear()
 

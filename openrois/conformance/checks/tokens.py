@@ -22,7 +22,7 @@ async def _token_refresh(stage: Stage) -> None:
     token = stage.setting.applications.credentials.newest()
     if refused["return_code"] == "BAD_PARAMETER":
         if token is None:
-            raise Deviation("a gateway that asks for tokens to let nobody in without", "this connection")
+            raise Deviation("a gateway that asks for tokens to let no client in without", "this connection")
         stage.setting.transcript.hide(token)
         await app.granted(REFRESH, token=token)
     await app.granted("rois.system.connect")

@@ -117,4 +117,6 @@ async def _origin_foreign(stage: Stage) -> None:
         if "403" not in deviation.came:
             raise
         return
-    stage.remark("pages of other sites are let in: whoever opens one lets it operate every robot that can be reached")
+    stage.remark(
+        "pages of other sites are let in: a person that opens one lets it operate every robot that can be reached"
+    )

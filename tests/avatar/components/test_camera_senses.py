@@ -234,7 +234,7 @@ class TestEnrolment:
         assert await self.names(stage) == ["Ann"]
         await self.forget(stage, "Ann")
         assert await self.names(stage) == []
-        with pytest.raises(BadParameter, match="nobody is enrolled as 'Ann'"):
+        with pytest.raises(BadParameter, match="no person is enrolled as 'Ann'"):
             await self.forget(stage, "Ann")
 
     @pytest.mark.parametrize("name", ["", "x" * 65, "a\nb"])

@@ -209,7 +209,7 @@ async def test_one_that_the_engine_breaks_off_is_aborted(stage: Stage) -> None:
 async def test_a_hand_that_drives_comes_first(stage: Stage) -> None:
     running = await stage.begin(line="[3000,0]")
     stage.legs.drive(0, 1, 0)
-    with pytest.raises(Aborted, match="somebody drives the figure by hand"):
+    with pytest.raises(Aborted, match="an operator drives the figure by hand"):
         await running
     await stage.run(1)
     assert (stage.engine.x, stage.engine.y) == pytest.approx((0, 0.5))

@@ -163,7 +163,7 @@ async def test_who_barges_in_is_let_speak(stage: Stage) -> None:
     stage.attention.speech_began.tell(stage.clock.now())
     await settle()
     assert stage.commands[-1] == Silence()
-    with pytest.raises(Aborted, match=r"somebody spoke, and the avatar stopped at the word 'one' \(character 0\)"):
+    with pytest.raises(Aborted, match=r"a person spoke, and the avatar stopped at the word 'one' \(character 0\)"):
         await speaking
     stage.attention.speech_began.tell(stage.clock.now())
     assert len([kind for kind, _ in stage.events if kind == "speech_ended"]) == 1
@@ -185,7 +185,7 @@ async def test_a_real_voice_in_the_microphone_barges_in() -> None:
             assert Silence() not in stage.commands
     await settle()
     assert stage.commands[-1] == Silence()
-    with pytest.raises(Aborted, match="somebody spoke, and the avatar stopped at the word 'one'"):
+    with pytest.raises(Aborted, match="a person spoke, and the avatar stopped at the word 'one'"):
         await speaking
 
 

@@ -139,4 +139,4 @@ async def test_the_end_of_all_stops_the_figure() -> None:
     Player(room).holds_w()
     running.cancel()
     await settle()
-    assert room.halted() == ["nobody is to operate any more"]
+    assert room.halted() == ["no player is to operate any more"]

@@ -48,7 +48,7 @@ def test_messages_are_read_and_written_as_the_front_end_packs_them(packed: str, 
         ("06", "LatencyTest: it ends within string"),
         ("06 0200 6100", "LatencyTest: its text ends too early"),
         ("50", "TouchStart: it ends within uint8"),
-        ("50 ff", "TouchStart: more fingers than anybody has"),
+        ("50 ff", "TouchStart: more fingers than a person has"),
     ],
 )
 def test_what_is_wrong_is_named(packed: str, problem: str) -> None:

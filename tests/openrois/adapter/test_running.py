@@ -77,7 +77,7 @@ class TestServe:
         async with gateway() as running, serve(Navigation(), engine_id="robot", gateway=running.url):
             await until(running.engine, lambda ids: "robot" in ids)
             assert await findings(running.engine) == []
-            with pytest.raises(Aborted, match="nobody has control"):
+            with pytest.raises(Aborted, match="no application has control"):
                 await running.engine.invoke("robot/navigation", "start")
 
     async def test_the_environment_says_where_the_gateway_is(self, monkeypatch: pytest.MonkeyPatch) -> None:

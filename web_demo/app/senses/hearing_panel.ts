@@ -11,7 +11,7 @@ import { Wanted } from "./wanted.ts";
 
 /** So many sentences are kept in view. */
 const KEPT = 3;
-const BUSY = "Somebody else has it now";
+const BUSY = "Another visitor uses it now";
 
 export class HearingPanel {
   readonly element = make("div", { class: "sense" });

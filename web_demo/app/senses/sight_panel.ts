@@ -14,7 +14,7 @@ import { Wanted } from "./wanted.ts";
 const FRESH = 1500;
 /** Milliseconds for which it stands why something failed. */
 const READABLE = 4000;
-const BUSY = "Somebody else has it now";
+const BUSY = "Another visitor uses it now";
 const KEPT = "A face is kept in the avatar's memory and nowhere else, and is gone when the avatar ends.";
 
 export class SightPanel {
@@ -100,7 +100,7 @@ export class SightPanel {
     this.#form.hidden = !on || this.#enrolment === null;
     if (!wanted) this.#show([]);
     if (began) {
-      this.#say("Nobody is seen yet");
+      this.#say("No person in view yet");
       void this.#list();
     }
     this.#words.hidden = !on;
@@ -126,7 +126,7 @@ export class SightPanel {
   #draw({ ref, name, gesture }: Face, place: Box): void {
     const box = this.#drawn.get(ref) ?? make("div", { "data-testid": "face" }, make("span"));
     box.className = name === "" ? "box" : "box known";
-    if (box.firstElementChild) setText(box.firstElementChild, [name || "Somebody", gesture].join(" ").trim());
+    if (box.firstElementChild) setText(box.firstElementChild, [name || "A person", gesture].join(" ").trim());
     for (const [side, share] of Object.entries(place))
       box.style.setProperty(side, `${(100 * share).toFixed(2)}%`);
     if (this.#drawn.has(ref)) return;
@@ -186,9 +186,9 @@ export class SightPanel {
 }
 
 function peopleWords(faces: readonly Face[]): string {
-  if (faces.length === 0) return "Nobody is seen";
+  if (faces.length === 0) return "No person in view";
   const strangers = faces.filter(({ name }) => name === "").length;
   const names = faces.flatMap(({ name }) => (name === "" ? [] : name));
-  const others = strangers === 0 ? [] : [strangers === 1 ? "somebody" : `${strangers} people`];
+  const others = strangers === 0 ? [] : [strangers === 1 ? "a person" : `${strangers} people`];
   return `It sees ${[...names, ...others].join(" and ")}`;
 }

@@ -29,9 +29,11 @@ describe("what leaves this machine", () => {
 describe("deviceTrouble", () => {
   it("is about the device first, then about the stream", () => {
     const device = { kind: "refused", detail: "Allow it." } as const;
-    const stream = { kind: "refused", detail: "somebody sends already" } as const;
+    const stream = { kind: "refused", detail: "another application sends already" } as const;
     expect(deviceTrouble(device, stream)).toBe("Allow it.");
-    expect(deviceTrouble(null, stream)).toBe("The avatar does not take it: somebody sends already.");
+    expect(deviceTrouble(null, stream)).toBe(
+      "The avatar does not take it: another application sends already.",
+    );
     expect(deviceTrouble(null, { kind: "unsupported", detail: "UNSUPPORTED" })).toBe(
       "The avatar does not take it.",
     );

@@ -302,9 +302,9 @@ namespace OpenRoIS.Components
 
         public static class Events
         {
-            /// <summary>Somebody began to speak.</summary>
+            /// <summary>A person began to speak.</summary>
             public const string SpeechInputStarted = "speech_input_started";
-            /// <summary>Somebody stopped speaking.</summary>
+            /// <summary>A person stopped speaking.</summary>
             public const string SpeechInputFinished = "speech_input_finished";
             /// <summary>Something was said.</summary>
             public const string SpeechRecognized = "speech_recognized";

@@ -91,7 +91,7 @@ namespace OpenRoIS
         /// <summary>Keep it.</summary>
         public static readonly Method<LeaseRequestParams, ReturnResult> LeaseDecline =
             new Method<LeaseRequestParams, ReturnResult>("openrois.lease.decline");
-        /// <summary>Have it, whoever holds it.</summary>
+        /// <summary>Take it from its holder.</summary>
         public static readonly Method<LeaseParams, LeaseResult> LeaseTake =
             new Method<LeaseParams, LeaseResult>("openrois.lease.take");
         /// <summary>Ask for a resume token.</summary>
@@ -149,7 +149,7 @@ namespace OpenRoIS
         /// <summary>A component has another holder, or another queue.</summary>
         public static readonly Notification<LeaseChangedNotification> LeaseChanged =
             new Notification<LeaseChangedNotification>("openrois.lease.changed");
-        /// <summary>Somebody asks for a component that the application holds.</summary>
+        /// <summary>Another application asks for a component that this one holds.</summary>
         public static readonly Notification<LeaseRequestedNotification> LeaseRequested =
             new Notification<LeaseRequestedNotification>("openrois.lease.requested");
         /// <summary>The holder keeps the component, or does not answer.</summary>

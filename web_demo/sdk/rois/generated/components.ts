@@ -243,14 +243,14 @@ export interface RecognizableLanguagesResult {
 }
 const RECOGNIZABLE_LANGUAGES_RESULT: Types<RecognizableLanguagesResult> = { languages: "string[]" };
 
-/** Somebody began to speak. */
+/** A person began to speak. */
 export interface SpeechInputStarted {
   /** when it was measured */
   readonly timestamp: Date;
 }
 const SPEECH_INPUT_STARTED: Types<SpeechInputStarted> = { timestamp: "DateTime" };
 
-/** Somebody stopped speaking. */
+/** A person stopped speaking. */
 export interface SpeechInputFinished {
   /** when it was measured */
   readonly timestamp: Date;
@@ -291,10 +291,10 @@ export class SpeechRecognition extends RoISCommon<SpeechRecognitionParameters> {
     return this.query("recognizable_languages", RECOGNIZABLE_LANGUAGES_RESULT, condition);
   }
 
-  /** Somebody began to speak. */
+  /** A person began to speak. */
   readonly speechInputStarted = this.event("speech_input_started", SPEECH_INPUT_STARTED);
 
-  /** Somebody stopped speaking. */
+  /** A person stopped speaking. */
   readonly speechInputFinished = this.event("speech_input_finished", SPEECH_INPUT_FINISHED);
 
   /** Something was said. */

@@ -118,7 +118,7 @@ export interface Methods {
   readonly "openrois.lease.grant": { params: LeaseRequestParams; result: ReturnResult };
   /** Keep it. */
   readonly "openrois.lease.decline": { params: LeaseRequestParams; result: ReturnResult };
-  /** Have it, whoever holds it. */
+  /** Take it from its holder. */
   readonly "openrois.lease.take": { params: LeaseParams; result: LeaseResult };
   /** Ask for a resume token. */
   readonly "openrois.lease.token": { params: NoParams; result: LeaseTokenResult };
@@ -158,7 +158,7 @@ export interface Notifications {
   readonly "rois.stream.notify_stream_status": StreamStatusNotification;
   /** A component has another holder, or another queue. */
   readonly "openrois.lease.changed": LeaseChangedNotification;
-  /** Somebody asks for a component that the application holds. */
+  /** Another application asks for a component that this one holds. */
   readonly "openrois.lease.requested": LeaseRequestedNotification;
   /** The holder keeps the component, or does not answer. */
   readonly "openrois.lease.declined": LeaseDeclinedNotification;
