@@ -357,4 +357,4 @@ async def test_an_adapter_that_nobody_asks_says_so(
         async with asyncio.timeout(60):
             while "asks this adapter anything" not in caplog.text:  # noqa: ASYNC110 - a log wakes nobody
                 await asyncio.sleep(0.01)
-    assert f"nobody at {url} asks" in caplog.text
+    assert f"no gateway at {url} asks" in caplog.text
