@@ -22,7 +22,7 @@ const sharedSdk = {
   },
 };
 
-/** The inspector is a file of its own, which the page loads when somebody looks at it. */
+/** The inspector is a file of its own, which the page loads when it is opened. */
 const loadedLater = {
   name: "loaded-later",
   setup({ onResolve }) {

@@ -149,7 +149,7 @@ export class BodyControl {
   }
 
   /**
-   * The same, and asks whoever holds a part of it: waits in line until that part is given back or handed over.
+   * The same, and asks the application that holds a part of it: waits in line until that part is given back or handed over.
    *
    * @throws RoISError (OUT_OF_RESOURCES: this page has left the line) | what `take` throws
    */

@@ -1,4 +1,4 @@
-/** Captions on the picture: what the avatar says, whoever lets it speak. */
+/** Captions on the picture: what the avatar says, at whatever application's request. */
 
 import type { Client, Subscription } from "../sdk/index.ts";
 import { Caption } from "./caption_text.ts";

@@ -6,7 +6,7 @@ import type { Client, ComponentStatus } from "../sdk/index.ts";
 /** Milliseconds between two questions while the component cannot be used. */
 const ASK_AGAIN = 5000;
 
-/** Null: there is no such component, or nobody can be asked. */
+/** Null: there is no such component, or it cannot be asked. */
 export type Availability = ComponentStatus | null;
 
 export class ComponentWatch {
@@ -49,7 +49,7 @@ export class ComponentWatch {
   }
 }
 
-/** BUSY means that it works for somebody; whether for us, bind will tell. */
+/** BUSY means that it works for an application; whether for this one, bind will tell. */
 export function isUsable(status: Availability): boolean {
   return status === "READY" || status === "BUSY" || status === "WARNING";
 }

@@ -27,7 +27,7 @@ export function filled(db: number): number {
   return Math.min(1, Math.max(0, 1 - db / QUIETEST));
 }
 
-/** Returns the level in words; a number that changes all the time says less to whoever hears it read aloud. */
+/** Returns the level in words; a number that changes all the time says less where it is read aloud. */
 export function spoken({ rms, peak }: Level): string {
   if (peak >= -1) return "too loud";
   if (rms >= -30) return "loud";

@@ -73,7 +73,7 @@ export class DeviceControl {
     this.#render();
   }
 
-  /** Controls another stream; null while there is nobody to send to. */
+  /** Controls another stream; null while there is no avatar to send to. */
   watch(stream: LocalStream | null): void {
     if (stream === this.#stream) return;
     this.#stopListening?.();

@@ -1,4 +1,4 @@
-/** The strip that says who has control of the avatar: one may ask for it, and whoever has it is asked. */
+/** The strip that says who has control of the avatar: one may ask for it, and the holder is asked. */
 
 import type { BodyControl, GiveBack } from "./body_control.ts";
 import { byRole, byTestId, setText } from "./dom.ts";
@@ -36,7 +36,7 @@ export class Handover {
     this.render();
   }
 
-  /** Whoever only watches asks for nothing, and is told so. */
+  /** A visitor who may only watch asks for nothing, and is told so. */
   set watching(watching: boolean) {
     this.#watching = watching;
     this.render();

@@ -127,7 +127,7 @@ function isFailure({ kind, message }: Traffic): boolean {
   return typeof code === "string" && code !== "OK";
 }
 
-/** A secret is nothing to look at: whoever sees the page could use it. */
+/** A secret is nothing to look at: every person who sees the page could use it. */
 function withoutSecrets(traffic: Traffic): Traffic {
   if (!TELLS_SECRETS.has(traffic.method)) return traffic;
   const hide = (name: string, value: unknown): unknown => (SECRETS.has(name) && value !== null ? "…" : value);

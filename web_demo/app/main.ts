@@ -97,7 +97,7 @@ if (before?.muted === true) sound.muted = true;
 overlay.shown = before?.statistics ?? false;
 if (before && before.picture !== "") void stage.picture.restore(before.picture).then(render, () => undefined);
 
-/** Somebody has pasted a token: the next attempt shows it at once. */
+/** The visitor has pasted a token: the next attempt shows it at once. */
 function takeToken(text: string): boolean {
   if (!token.give(text)) return false;
   client.retryNow();
@@ -180,7 +180,7 @@ function standingChanged(): void {
   handover.shown = present !== null;
 }
 
-/** Milliseconds since the last frame was shown; a picture that nobody can see does not age. */
+/** Milliseconds since the last frame was shown; a picture that cannot be seen does not age. */
 function frameAge(): number | null {
   const hidden = document.visibilityState !== "visible" || views.current !== "avatar";
   if (hidden || stage.frameAge === null) return null;
@@ -244,7 +244,7 @@ function render(): void {
       frameAge: frameAge(),
     },
   });
-  // What is wrong with the avatar is of no concern to whoever looks at the inspector.
+  // What is wrong with the avatar is of no concern to users of the inspector.
   const concerns =
     views.current === "avatar" || trouble?.kind === "no-gateway" || trouble?.kind === "no-token";
   banner.render(concerns ? trouble : null);

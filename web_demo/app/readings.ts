@@ -98,7 +98,7 @@ export class Readings {
     this.#presented = 0;
     this.#presentedAt = now;
     const frozen = this.#freezes.take(now);
-    // What nobody can see, or nobody wants to move, is not frozen.
+    // What cannot be seen, or is not wanted to move, is not frozen.
     const moving = this.#stream?.desire === "running" && document.visibilityState === "visible";
     if (!moving) this.#freezes.pause();
     const received = this.#video.at(now);

@@ -58,7 +58,7 @@ export class PageToken {
   }
 
   /**
-   * Takes the token out of the address, `#token=…`: browsers send this part to nobody, and where it does not stand any
+   * Takes the token out of the address, `#token=…`: browsers send this part to no server, and where it does not stand any
    * more it is in no history and no bookmark.
    */
   takeFrom(

@@ -57,7 +57,7 @@ class PersonLocalization(CameraSense, Localizing, components.PersonLocalization)
 
 
 class PersonIdentification(CameraSense, components.PersonIdentification):
-    """Tells who is there, of those that were enrolled, when somebody is recognised who was not there before.
+    """Tells who is there, of those that were enrolled, when a person is recognised who was not there before.
 
     Args:
         watch: what looks at the camera.

@@ -58,7 +58,7 @@ export class CommandCard implements Card {
     return values.length === 0 ? unit : { ...unit, arguments: values };
   }
 
-  /** An engine's answer to what does not fit may be just what somebody wants to see. */
+  /** An engine's answer to what does not fit may be just what the user wants to see. */
   #askWhether(): void {
     const anyway = button("Send it anyway", () => void this.#execute(), "quiet");
     this.#misfit.refused({ code: "not sent", sentence: "A value does not fit its type." }, anyway);

@@ -1,4 +1,4 @@
-/** Which components this session has bound, as the wire tells it: whoever on the page bound them. Pure. */
+/** Which components this session has bound, as the wire tells it, whatever part of the page bound them. Pure. */
 
 import type { Json, Traffic } from "../../sdk/index.ts";
 

@@ -88,7 +88,7 @@ export class Inspector {
     if (!this.#tree.element.checkVisibility()) this.#place.querySelector("h2")?.focus();
   }
 
-  /** Components are asked for their status only while somebody looks. */
+  /** Components are asked for their status only while the inspector is in view. */
   set shown(shown: boolean) {
     this.#shown = shown;
     this.#watchStatus();

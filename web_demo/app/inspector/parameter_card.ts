@@ -76,7 +76,7 @@ export class ParameterCard implements Card {
     const changed = new Set(this.#changed);
     for (const field of this.#form.fields) {
       field.mayBeEmpty = this.#valueOf(field) === "";
-      // What somebody is typing stays.
+      // What the user is typing stays.
       if (!changed.has(field)) field.text = this.#valueOf(field);
     }
     this.#render();

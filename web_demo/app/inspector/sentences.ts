@@ -1,4 +1,4 @@
-/** What an answer means, in words for whoever tries a component out. Pure. */
+/** What an answer means, in words for users who try a component out. Pure. */
 
 import { ConnectionLost, RequestTimeout, RoISError, RpcError } from "../../sdk/index.ts";
 import type { CompletedStatus, ComponentStatus, Json, ReturnCode } from "../../sdk/index.ts";
@@ -69,7 +69,7 @@ export function refusal(attempt: Attempt, error: unknown): Refusal {
   return { code: "error", sentence: error instanceof Error ? error.message : String(error) };
 }
 
-/** Returns what an answer means in general, and then why it came in this case, where somebody has said so. */
+/** Returns what an answer means in general, and then why it came in this case, where a reason was given. */
 function explained(general: string, reason: string): string {
   return reason ? `${general.split(/[.:]/, 1)[0] ?? ""}: ${reason}` : general;
 }
@@ -102,7 +102,7 @@ const COMPLETED: Readonly<Record<CompletedStatus, string>> = {
   TIMEOUT: "Not done in the time it may take",
 };
 
-/** Returns how a command ended, in words, and why where somebody has said so. */
+/** Returns how a command ended, in words, and why where a reason was given. */
 export function completedWords(status: CompletedStatus, reason = ""): string {
   const words = COMPLETED[status] ?? `Ended with ${String(status)}`;
   return reason ? `${words.replace(/ \(.*/, "")}: ${reason}` : words;

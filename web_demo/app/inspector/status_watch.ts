@@ -5,9 +5,9 @@ import type { Client, ComponentStatus } from "../../sdk/index.ts";
 
 /** Milliseconds between two rounds of questions. */
 const ROUND = 2000;
-/** Those that nobody looks at closely are asked in every so manieth round. */
+/** Those that are not looked at closely are asked in every so manieth round. */
 const EVERY = 3;
-/** How many questions are unanswered at a time: whoever looks must not be in the way of whoever acts. */
+/** How many questions are unanswered at a time: questions must not be in the way of commands. */
 const AT_ONCE = 4;
 
 const STATUS_TYPE = "component_status";

@@ -135,7 +135,7 @@ export class MapCard {
     this.#render();
   }
 
-  /** Whether anybody can see it: what nobody sees is not asked for. */
+  /** Whether it can be seen: what is not seen is not asked for. */
   set shown(shown: boolean) {
     if (shown === this.#shown) return;
     this.#shown = shown;
@@ -256,7 +256,7 @@ export class MapCard {
     this.#view.showCursor(at);
   }
 
-  /** A place is gone to; of somebody it is asked first what is meant. */
+  /** A place is gone to; of a person it is asked first what is meant. */
   #choose(point: Point, further: boolean): void {
     this.#choice.replaceChildren();
     if (this.#walks !== true || this.#barred !== "") return;

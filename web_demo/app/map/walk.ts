@@ -1,4 +1,4 @@
-/** Sending the avatar somewhere, or after somebody; and what becomes of it, in words. */
+/** Sending the avatar somewhere, or after a person; and what becomes of it, in words. */
 
 import { CommandFailed, Follow, Navigation } from "../../sdk/index.ts";
 import type { Client, Subscription } from "../../sdk/index.ts";
@@ -130,7 +130,7 @@ export class Walk {
       () => ["done", `Arrived after ${((Date.now() - began) / 1000).toFixed(1)} s`] as const,
       (error: unknown) => failure(error),
     );
-    // A walk that the next one has ended is nobody's concern any more.
+    // A walk that the next one has ended is of no concern any more.
     if (number !== this.#number) return;
     [this.#targets, this.#followed] = [[], null];
     this.#show(state, outcome);

@@ -50,7 +50,7 @@ export function inMirror({ left, top, width, height }: Box, picture: number, pre
   };
 }
 
-/** Returns what somebody does who makes a gesture, such as `nods`. */
+/** Returns what a person does who makes a gesture, such as `nods`. */
 export function gestureWords(gestureRef: string): string {
   if (gestureRef === "") return "";
   const code = gestureRef.split(":").at(-1) ?? "";
