@@ -52,7 +52,7 @@ class Setting:
         transcript: keeps what is said during a check.
         probe: the suite's adapter, where there is one.
         extensions: those that the gateway speaks.
-        component: a component of somebody else that may be tried.
+        component: a component of another maker that may be tried.
     """
 
     applications: Door
@@ -92,7 +92,7 @@ class Stage:
 
     @property
     def component(self) -> str:
-        """The component of somebody else that may be tried."""
+        """The component of another maker that may be tried."""
         return self.setting.component or ""
 
     def ref(self, name: str) -> str:

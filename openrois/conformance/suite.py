@@ -90,7 +90,7 @@ async def visit(
         url: where applications connect.
         patience: seconds to wait for anything.
         adapter: whether the suite may dial in as an adapter.
-        component: a component of somebody else that may be tried.
+        component: a component of another maker that may be tried.
         credentials: what the suite shows where it connects.
         adapter_credentials: what its adapters show, unless that is the same.
 
