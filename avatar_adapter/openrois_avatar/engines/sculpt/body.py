@@ -1,5 +1,7 @@
 """Neck, shoulders, jumper and collar: fields and meshes in body space."""
 
+from typing import Final
+
 import numpy as np
 
 from openrois_avatar.engines import palette
@@ -9,7 +11,7 @@ from openrois_avatar.engines.sculpt.distance import Array, carve, cone, ellipsoi
 from openrois_avatar.engines.sculpt.head import smooth
 from openrois_avatar.engines.sculpt.mesh import Mesh, compact, grid_faces, grid_normals, polygonised, without
 from openrois_avatar.engines.sculpt.part import Part, Shape, State, both_ways, stepped, still, towards
-from openrois_avatar.engines.sculpt.rig import NECK, head_turn
+from openrois_avatar.engines.sculpt.rig import NECK, Space, head_turn
 from openrois_avatar.engines.sculpt.shading import CLOTH, SKIN, Surface, linear
 
 SHOULDER = (1.10, 0.30, -1.90)
@@ -17,6 +19,8 @@ SHOULDER = (1.10, 0.30, -1.90)
 _ANGLES, _AROUND = 48, 6
 _NECK_HOLE = ((0.0, 0.16, -1.42), (0.575, 0.56, 0.40))
 """Centre and radii of the ellipsoid that cuts the jumper's neck opening."""
+_NAPE: Final = 0.55
+"""How far back the skin begins that only a view of the whole figure shows, in dm."""
 
 
 def torso_field(points: Array) -> Array:
@@ -39,7 +43,13 @@ def neck_field(points: Array) -> Array:
 
 def jumper_field(points: Array) -> Array:
     """The jumper: a layer over the body with a round neck opening."""
-    return carve(torso_field(points) - 0.045, ellipsoid(points, *_NECK_HOLE), 0.04)
+    return carve(torso_field(points) - 0.045, neck_hole(points), 0.04)
+
+
+def neck_hole(points: Array) -> Array:
+    """The jumper's neck opening: behind, it ends where band and collar lie."""
+    end = -1.19 - 1.4 * np.maximum(0.25 - points[:, 1], 0.0)
+    return np.maximum(ellipsoid(points, *_NECK_HOLE), (end - points[:, 2]) * 0.6)
 
 
 def neckline(turn: Array) -> Array:
@@ -99,16 +109,25 @@ def shoulder_lift(pose: Pose, side: int) -> float:
 
 
 def parts() -> list[Part]:
-    """Neck, jumper, neckband and collar."""
-    return [_neck(), _jumper(), _band(), *(_leaf(side) for side in (1, -1))]
+    """Neck, nape, jumper, neckband and collar."""
+    return [*_neck(), _jumper(), _band(), *(_leaf(side) for side in (1, -1))]
 
 
-def _neck() -> Part:
+def _neck() -> list[Part]:
+    """Neck and nape: one surface in two parts, of which the close view shows the first."""
     points, normals, faces = polygonised(neck_field, (-0.8, -0.6, -2.00), (0.8, 0.9, -0.55), 0.09)
-    covered = ellipsoid(points, _NECK_HOLE[0], np.asarray(_NECK_HOLE[1]) + 0.08) > 0
-    faces = without(faces, (covered & (points[:, 2] < _NECK_HOLE[0][2])) | (points[:, 1] > 0.55))
+    behind = points[:, 1] > _NAPE
+    aside = (neck_hole(points) > 0.08) & (points[:, 2] < _NECK_HOLE[0][2])
+    covered = np.where(points[:, 1] > 0.25, points[:, 2] < -1.20, aside)
     openness = paint.veil(occlusion(neck_field, points, normals)) * _chin_shadow(points)
-    neck = compact(Mesh(points, normals, faces, paint.neck(points), openness))
+    front = without(faces, covered | behind)
+    back = without(faces[behind[faces].all(axis=1)], covered)
+    neck, nape = (compact(Mesh(points, normals, shown, paint.neck(points), openness)) for shown in (front, back))
+    return [_turning("neck", "body", neck), _turning("nape", "back", nape)]
+
+
+def _turning(name: str, space: Space, neck: Mesh) -> Part:
+    """Skin that goes along with the head, the more the higher it is."""
     share = smooth((neck.vertices[:, 2] + 1.50) / 0.75)[:, None]
 
     def shape(pose: Pose) -> Shape:
@@ -118,7 +137,7 @@ def _neck() -> Part:
     def state(pose: Pose) -> State:
         return stepped(pose.head_yaw, pose.head_pitch, pose.head_roll)
 
-    return Part("neck", "body", neck.faces, Surface(neck.albedo, neck.openness, SKIN, 0.04), shape, state)
+    return Part(name, space, neck.faces, Surface(neck.albedo, neck.openness, SKIN, 0.04), shape, state)
 
 
 def _chin_shadow(points: Array) -> Array:

@@ -80,10 +80,11 @@ def _ear() -> list[Part]:
     ]
 
 
-def _patched(grid: Array, skin: Array) -> Array:
-    """Normals of a patch of skin that become those of the face under its last rings."""
+def _patched(grid: Array, skin: Array, smoothed: npt.ArrayLike = 0.0) -> Array:
+    """Normals of a patch of skin that become those of the face: under its last rings, and where it is `smoothed`."""
     normals = -grid_normals(grid, closed=True)
-    share = head.smooth((np.arange(len(grid)) - len(grid) + 5) / 3)[:, None, None]
+    border = head.smooth((np.arange(len(grid)) - len(grid) + 5) / 3)[:, None]
+    share = np.maximum(border, smoothed)[:, :, None]
     normals = normals * (1 - share) + skin * share
     return np.asarray(normals / np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-9))
 
@@ -132,7 +133,7 @@ def _lips(depth: head.DepthMap, shadow: paint.Shadow) -> Part:
 
     def shape(pose: Pose) -> Shape:
         grid = model.grid(pose.mouth)
-        return Shape(grid.reshape(-1, 3), _patched(grid, model.skin_normals).reshape(-1, 3))
+        return Shape(grid.reshape(-1, 3), _patched(grid, model.skin_normals, model.smoothed).reshape(-1, 3))
 
     return Part(
         "lips", "head", grid_faces(mouth.RINGS, mouth.SPOKES, closed=True)[:, ::-1], surface, shape, _mouth_state

@@ -105,7 +105,8 @@ def in_patch(points: Array, margin: float) -> npt.NDArray[np.bool_]:
     x, z, front = np.abs(points[:, 0]) - EYE[0], points[:, 2], points[:, 1] < -0.25
     outwards, inwards, high = (extent - margin for extent in EYE_PATCH)
     eye = (x / np.where(x > 0, outwards, inwards)) ** 2 + ((z - EYE[2]) / high) ** 2
-    width, above, below = (extent - margin for extent in MOUTH_PATCH)
+    # Wide lips come near the border of theirs.
+    width, above, below = (extent - margin / 2 for extent in MOUTH_PATCH)
     mouth = (points[:, 0] / width) ** 2 + ((z - MOUTH[2]) / np.where(z > MOUTH[2], above, below)) ** 2
     return np.asarray(front & ((eye < 1) | (mouth < 1)))
 

@@ -8,7 +8,7 @@ from openrois_avatar.engines.sculpt.distance import Array, Field, Triple, cone, 
 from openrois_avatar.engines.sculpt.mesh import Mesh, compact, polygonised
 from openrois_avatar.engines.sculpt.part import Part, mirrored_mesh, still
 from openrois_avatar.engines.sculpt.rig import ANKLE, HIP, KNEE, Space
-from openrois_avatar.engines.sculpt.shading import CLOTH, SKIN, linear
+from openrois_avatar.engines.sculpt.shading import CLOTH, linear
 
 _CELL = 0.17
 _WAIST, _HEM = -3.1, -5.0
@@ -65,8 +65,7 @@ def sculpted(field: Field, low: Triple, high: Triple, cell: float, colour: str) 
 
 def parts() -> list[Part]:
     """Everything, for the spaces that `rig.leg_frames` places."""
-    nape = sculpted(_nape_field, (-0.6, -0.2, -2.5), (0.6, 1.1, -0.2), _CELL, palette.SKIN)
-    made = [still("jumper_back", "back", _back(), CLOTH), still("nape", "back", nape, SKIN)]
+    made = [still("jumper_back", "back", _back(), CLOTH)]
     shapes = meshes()
     made.append(still("hips", "hips", shapes.pop("hips"), CLOTH))
     spaces: dict[str, tuple[Space, Space]] = {
@@ -78,10 +77,6 @@ def parts() -> list[Part]:
         left, right = spaces[name]
         made += [still(name, left, mesh, CLOTH), still(name, right, mirrored_mesh(mesh), CLOTH)]
     return made
-
-
-def _nape_field(points: Array) -> Array:
-    return cone(points, (0.0, 0.28, -0.60), (0.0, 0.34, -1.50), 0.32, 0.30)
 
 
 def _back() -> Mesh:

@@ -48,6 +48,9 @@ class Lips:
         """Normals of the face under every vertex at rest, (RINGS, SPOKES, 3)."""
         self._rest = self._with_relief(surface)
         ring = np.arange(RINGS)
+        # Beside the corners the skin folds when they rise: it is lit as the face is, or it shows dark patches.
+        self.smoothed = smooth((ring - BORDER) / 2)[:, None] * smooth((np.abs(_ACROSS) - 0.45) / 0.35)
+        """How far the skin around the lips is lit as the face under it, (RINGS, SPOKES) 0..1."""
         self._near_lip = (1 - smooth((ring - BORDER - 1) / (RINGS - BORDER - 2)))[:, None]
         where = jaw_share(surface)
         at_lip = np.where(_UPPER, 0.38 * (1 - _MIDDLE**0.35), 0.38 + 0.62 * _MIDDLE**0.35)

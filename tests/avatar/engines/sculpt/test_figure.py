@@ -9,7 +9,9 @@ from openrois_avatar.engines.animation.pose import Arm, Leg, Mouth, Pose
 from openrois_avatar.engines.animation.visemes import SHAPES
 from openrois_avatar.engines.sculpt import arms, figure
 from openrois_avatar.engines.sculpt.distance import Array
-from openrois_avatar.engines.sculpt.head import EYE, EYE_RADIUS, MOUTH
+from openrois_avatar.engines.sculpt.hair import locks
+from openrois_avatar.engines.sculpt.head import EYE, EYE_RADIUS, MOUTH, DepthMap
+from openrois_avatar.engines.sculpt.mouth import BORDER, INSIDE, RINGS, SPOKES, Lips
 from openrois_avatar.engines.sculpt.part import Part
 from openrois_avatar.engines.sculpt.rig import ANKLE, HIP, KNEE, Space, standing
 
@@ -144,6 +146,73 @@ def gap(parts: list[Part], lid: float) -> float:
     """The widest opening between the lids of the left eye, in dm."""
     grid = vertices(parts, "lid", Pose(lid_left=lid, lid_right=lid)).reshape(-1, 48, 3)
     return float((grid[1, 1:24, 2] - grid[1, :24:-1, 2]).max())
+
+
+@pytest.mark.parametrize("shape", list(SHAPES.values()), ids=list(SHAPES))
+def test_the_skin_beside_the_corners_of_the_mouth_is_lit_as_the_face_is(parts: list[Part], shape: Mouth) -> None:
+    lips = named(parts, "lips").shape(Pose(mouth=shape))
+    face = Lips(DepthMap()).skin_normals
+    normals = lips.normals.reshape(RINGS, SPOKES, 3)
+    across = np.abs(np.cos(np.arange(SPOKES) * 2 * np.pi / SPOKES))
+    beside = (slice(BORDER + 2, None), across > 0.8)
+    assert np.einsum("ijk,ijk->ij", normals[beside], face[beside]).min() > 0.98
+
+
+@pytest.mark.parametrize("shape", list(SHAPES.values()), ids=list(SHAPES))
+def test_the_face_leaves_room_for_lips_of_every_shape(parts: list[Part], shape: Mouth) -> None:
+    pose = Pose(mouth=shape)
+    skull = named(parts, "skull")
+    corners = skull.shape(pose).vertices[skull.faces]
+    corners = corners[(corners[:, :, 1] < -0.25).all(axis=1)]
+    red = vertices(parts, "lips", pose).reshape(RINGS, SPOKES, 3)[INSIDE : BORDER + 1].reshape(-1, 3)
+    assert not within(red[:, (0, 2)], corners[:, :, (0, 2)]).any()
+
+
+def within(points: Array, triangles: Array) -> Array:
+    """Which points (n, 2) lie within any of the triangles (m, 3, 2)."""
+    sides = []
+    for first in range(3):
+        start, end = triangles[:, first], triangles[:, (first + 1) % 3]
+        along, there = (end - start)[None], points[:, None] - start[None]
+        sides.append(along[..., 0] * there[..., 1] - along[..., 1] * there[..., 0])
+    turns: Array = np.stack(sides)
+    return np.asarray(np.any(np.all(turns >= 0, axis=0) | np.all(turns <= 0, axis=0), axis=1))
+
+
+def test_neck_and_nape_are_one_skin(parts: list[Part]) -> None:
+    neck, nape = named(parts, "neck"), named(parts, "nape")
+    for pose in (Pose(), Pose(head_yaw=0.5, head_pitch=0.2)):
+        shown = {tuple(row) for row in np.round(neck.shape(pose).vertices, 9)}
+        edge = [index for index, row in enumerate(np.round(nape.shape(pose).vertices, 9)) if tuple(row) in shown]
+        assert len(edge) > 8
+        front = {
+            tuple(row): normal
+            for row, normal in zip(np.round(neck.shape(pose).vertices, 9), neck.shape(pose).normals, strict=True)
+        }
+        for index in edge:
+            row = tuple(np.round(nape.shape(pose).vertices[index], 9))
+            assert np.allclose(front[row], nape.shape(pose).normals[index])
+
+
+def test_no_skin_shows_through_the_back_of_the_jumper(parts: list[Part]) -> None:
+    for name in ("neck", "nape"):
+        points = vertices(parts, name, Pose())
+        behind = points[(points[:, 1] > 0.3) & (points[:, 2] < -1.32)]
+        assert len(behind) == 0, name
+    cloth = vertices(parts, "jumper", Pose())
+    # Where there was a hole under the collar there is cloth.
+    there = (np.abs(cloth[:, 0]) < 0.15) & (cloth[:, 1] > 0.6) & (cloth[:, 2] < -1.25) & (cloth[:, 2] > -1.6)
+    assert there.sum() >= 4
+
+
+def test_both_sides_of_the_hair_meet_at_the_hair_line() -> None:
+    made = locks()
+    first = [made[10][0], made[len(made) // 2 + 10][0]]
+    falling, tucked = (grid[0].mean(axis=0) for grid in first)
+    assert np.linalg.norm(falling - tucked) < 0.1
+    # The scalp ends above, so that its edge is under them.
+    assert falling[2] < 1.02
+    assert tucked[2] < 1.02
 
 
 def test_a_blink_closes_the_lids(parts: list[Part]) -> None:
