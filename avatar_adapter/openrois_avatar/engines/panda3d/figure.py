@@ -66,7 +66,7 @@ class _Group:
         """
         self._node.set_mat(matrix(frame))
         rotation = frame.rotation
-        changed = [entry for entry in self._entries if entry.part.state(pose) != entry.state]
+        changed = [entry for entry in self._entries if entry.becomes(entry.part.state(pose))]
         relit = [entry.place for entry in changed if self._reshape(entry, pose)]
         if changed:
             self._solid.move(self._vertices)
@@ -85,7 +85,6 @@ class _Group:
     def _reshape(self, entry: "_Entry", pose: Pose) -> bool:
         """Whether the part must be lit anew."""
         shape = entry.part.shape(pose)
-        entry.state = entry.part.state(pose)
         self._vertices[entry.place] = shape.vertices
         if shape.openness is not None:
             self._lighting.set_openness(entry.place, shape.openness)
@@ -103,3 +102,8 @@ class _Entry:
         self.part, self.place = part, place
         self.state: State | None = None
         self.source: Array | None = None
+
+    def becomes(self, state: State) -> bool:
+        """Note what it is to look like; whether that is something else than before."""
+        changed, self.state = state != self.state, state
+        return changed

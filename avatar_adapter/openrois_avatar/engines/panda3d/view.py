@@ -1,5 +1,6 @@
 """Off-screen buffers of Panda3D's software renderer, and how pictures leave them."""
 
+from dataclasses import dataclass
 from typing import Final
 
 import cv2
@@ -19,13 +20,15 @@ from panda3d.core import (
 )
 
 from openrois_avatar.engines.room.shot import DISTANCE, SPAN, Shot
-from openrois_avatar.engines.settings import Pixels
+from openrois_avatar.engines.settings import Picture, Pixels
 
 _OVERSAMPLING: Final = 3, 2
 """A buffer is larger than its picture by this ratio: the renderer itself does not smooth edges.
 
 Three pixels become two by linear interpolation, which for this ratio nearly is the mean over the area that a pixel
 covers, and a sixth of what OpenCV takes for that."""
+_LACKING: Final = 0.5
+"""The renderer fills a buffer from its first pixel to the middle of its last."""
 _OWN: Final = 0.5
 """Tangent of half the angle from the lower edge to the upper of what the figure's own eyes see."""
 _NEAR_WALL, _FAR_WALL = 60.0, 160.0
@@ -38,31 +41,54 @@ load_prc_file_data(
 )
 
 
+@dataclass(frozen=True, slots=True)
+class Area:
+    """A part of a picture, in its pixels from the upper left; all are even, so that two areas have no pixel between."""
+
+    left: int
+    top: int
+    width: int
+    height: int
+
+    @property
+    def pixels(self) -> tuple[slice, slice]:
+        """The rows and columns of an array."""
+        return slice(self.top, self.top + self.height), slice(self.left, self.left + self.width)
+
+
+def middle(picture: Picture, width: float, top: float = 0.0, bottom: float = 1.0) -> Area:
+    """The area in the middle of a picture between two levels; all in heights of the picture."""
+    first, end = (2 * round(picture.height * level / 2) for level in (top, bottom))
+    left = max(0, 2 * round((picture.width - picture.height * width) / 4))
+    return Area(left, first, picture.width - 2 * left, end - first)
+
+
 class View:
-    """A camera on a scene that draws the middle `columns` of a picture `height` pixels high.
+    """A camera on a scene that draws an area of a picture.
 
     Raises:
         RuntimeError: Panda3D cannot draw here.
     """
 
-    def __init__(self, scene: NodePath, columns: int, height: int) -> None:
+    def __init__(self, scene: NodePath, picture: Picture, area: Area) -> None:
+        self.area = area
         self._texture = Texture()
-        larger, smaller = _OVERSAMPLING
-        self._buffer = _opened(columns * larger // smaller, height * larger // smaller)
+        left, top, width, height = (_enlarged(each) for each in (area.left, area.top, area.width, area.height))
+        whole_width, whole_height = _enlarged(picture.width), _enlarged(picture.height)
+        self._buffer = _opened(width, height)
         self._buffer.add_render_texture(self._texture, GraphicsOutput.RTM_copy_ram)
         self._buffer.set_clear_color((0, 0, 0, 0))
         self._lens = PerspectiveLens()
         self._lens.set_near_far(4.0, _NEAR_WALL)
-        self._far, self._own = (_fields(tangent, columns / height) for tangent in (SPAN / 2 / DISTANCE, _OWN))
+        # As high as the whole picture is one; so every area of it has the same pixels.
+        one = whole_height - _LACKING
+        self._lens.set_film_size((width - _LACKING) / one, (height - _LACKING) / one)
+        self._lens.set_film_offset((left + (width - whole_width) / 2) / one, -(top + (height - whole_height) / 2) / one)
         self._camera: NodePath = scene.attach_new_node(Camera("camera", self._lens))
         self._buffer.make_display_region().set_camera(self._camera)
         self._shot: Shot | None = None
-        self._small = np.empty((height, columns, 4), np.uint8)
-
-    def middle(self, width: int) -> slice:
-        """The columns that it draws of a picture of this width."""
-        first = (width - self._small.shape[1]) // 2
-        return slice(first, first + self._small.shape[1])
+        self.turn(False)
+        self._small = np.empty((area.height, area.width, 4), np.uint8)
 
     def turn(self, on: bool) -> None:
         """Let Panda3D draw this view with every frame from now on, or not."""
@@ -78,12 +104,12 @@ class View:
         if shot == self._shot:
             return
         self._shot = shot
-        self._lens.set_fov(*(self._own if shot.own else self._far))
+        self._lens.set_focal_length(0.5 / (_OWN if shot.own else SPAN / 2 / DISTANCE))
         self._lens.set_far(_NEAR_WALL if shot.is_close else _FAR_WALL)
         self._camera.set_pos_hpr(shot.x, shot.y, shot.z, *np.degrees((shot.heading, -shot.tilt)).tolist(), 0.0)
 
     def read(self) -> Pixels:
-        """What was drawn last as BGRA, (height, columns, 4), top row first; a view of an array that is used again."""
+        """What was drawn last as BGRA, (height, width, 4), top row first; a view of an array that is used again."""
         size = (self._small.shape[1], self._small.shape[0])
         cv2.resize(self.read_large(), size, dst=self._small, interpolation=cv2.INTER_LINEAR)
         # Panda3D's rows run from the bottom up.
@@ -93,6 +119,35 @@ class View:
         """What was drawn last in all its pixels, bottom row first; the next picture changes them."""
         width, height = self._buffer.get_x_size(), self._buffer.get_y_size()
         return np.frombuffer(self._texture.get_ram_image(), np.uint8).reshape(height, width, 4)
+
+
+class Screen:
+    """What draws the views of a process: those that are asked for, and no others."""
+
+    def __init__(self) -> None:
+        self._engine = GraphicsEngine.get_global_ptr()
+        self._on: tuple[View, ...] = ()
+
+    def draw(self, shot: Shot, *views: View) -> None:
+        """Draw these views from there."""
+        for view in self._on:
+            view.turn(view in views)
+        for view in views:
+            view.turn(True)
+            view.aim(shot)
+        self._on = views
+        self._engine.render_frame()
+
+    def close(self, *views: View) -> None:
+        """Draw these views no more."""
+        self._on = tuple(view for view in self._on if view not in views)
+        for view in views:
+            view.close()
+
+
+def _enlarged(pixels: int) -> int:
+    larger, smaller = _OVERSAMPLING
+    return pixels * larger // smaller
 
 
 def _opened(width: int, height: int) -> GraphicsOutput:
@@ -108,9 +163,3 @@ def _opened(width: int, height: int) -> GraphicsOutput:
     if buffer is None:
         raise RuntimeError("Panda3D cannot open an off-screen buffer here")
     return buffer
-
-
-def _fields(tangent: float, aspect: float) -> tuple[float, float]:
-    """How many degrees a picture covers from side to side and from edge to edge, by half of the latter's tangent."""
-    across, along = (float(np.degrees(2 * np.arctan(each))) for each in (tangent * aspect, tangent))
-    return across, along

@@ -1,0 +1,99 @@
+"""The figure at rest: its head is drawn for every picture, its body once that has moved as far as can be seen."""
+
+from collections.abc import Mapping, Sequence
+from typing import Final
+
+from panda3d.core import NodePath
+
+from openrois_avatar.engines.animation.pose import Pose
+from openrois_avatar.engines.panda3d import sight
+from openrois_avatar.engines.panda3d.backdrop import Backdrop
+from openrois_avatar.engines.panda3d.figure import Figure
+from openrois_avatar.engines.panda3d.view import Screen, View, middle
+from openrois_avatar.engines.room.shot import HOME_SHOT
+from openrois_avatar.engines.sculpt import figure
+from openrois_avatar.engines.sculpt.part import Part
+from openrois_avatar.engines.sculpt.rig import Frame, Space
+from openrois_avatar.engines.settings import Picture, Pixels
+
+_CHIN: Final = 0.60
+"""The level below everything of the head of a figure at rest, in heights of the picture from its top."""
+_CROWN: Final = 0.04
+"""And the level above it."""
+_HEAD_WIDTH, _BODY_WIDTH = 0.54, 0.72
+"""How wide what moves is above the former level, and below it, in heights of the picture."""
+# What moves something of the body by about 0.001 dm in the picture: a sixth of a pixel where it is 720 high.
+_SWAY: Final = 0.0002
+_TURN: Final = 0.003
+_BREATH: Final = 0.025
+_SHRUG: Final = 0.0025
+_REACH: Final = 0.0015
+
+_Stance = tuple[float, ...]
+
+
+class Resting:
+    """Draws a figure that stands where it begins, and moves no more than `sight.AT_REST`."""
+
+    def __init__(self, parts: Sequence[Part], picture: Picture, screen: Screen) -> None:
+        self._screen = screen
+        self._heads, self._bodies = NodePath("head at rest"), NodePath("body at rest")
+        self._open_views(picture)
+        body = [part for part in parts if part.space == "body"]
+        self._head = Figure("head", _front(parts, self._heads, self._head_view, screen), self._heads)
+        """With what is seen of the body beside it."""
+        self._body = Figure("body", _front(body, self._bodies, self._body_view, screen), self._bodies)
+        self._backdrops: dict[View, Backdrop] = {}
+        self._drawn: _Stance | None = None
+        """The body's when it was drawn last; None where it is not in the picture."""
+
+    def resize(self, picture: Picture) -> None:
+        """Draw into pictures of another size from now on; `set_room` says anew what is behind."""
+        self._screen.close(self._head_view, self._body_view)
+        self._open_views(picture)
+
+    def _open_views(self, picture: Picture) -> None:
+        self._head_view = View(self._heads, picture, middle(picture, _HEAD_WIDTH, _CROWN, _CHIN))
+        self._body_view = View(self._bodies, picture, middle(picture, _BODY_WIDTH, _CHIN))
+
+    def set_room(self, room: Pixels) -> None:
+        """Say what is behind it: a picture without the figure."""
+        self._backdrops = {view: Backdrop(room, view.area) for view in (self._head_view, self._body_view)}
+        self._drawn = None
+
+    def forget(self) -> None:
+        """Say that something else has been drawn into the picture."""
+        self._drawn = None
+
+    def draw(self, pose: Pose, frames: Mapping[Space, Frame], relight: float, picture: Pixels) -> None:
+        """Draw it into a picture that shows nothing of it but what this drew before."""
+        visible = figure.visible(pose)
+        stance = _stance(pose)
+        views = [self._head_view]
+        self._head.update(pose, frames, visible, relight)
+        if self._drawn is None or any(abs(one - other) > 1 for one, other in zip(stance, self._drawn, strict=True)):
+            self._body.update(pose, frames, visible, relight)
+            self._drawn = stance
+            views.append(self._body_view)
+        self._screen.draw(HOME_SHOT, *views)
+        for view in views:
+            self._backdrops[view].lay_under(view.read(), picture)
+
+
+def _front(parts: Sequence[Part], scene: NodePath, view: View, screen: Screen) -> list[Part]:
+    """What is seen of some parts."""
+
+    def draw() -> Pixels:
+        screen.draw(HOME_SHOT, view)
+        return view.read_large()
+
+    return sight.front(parts, sight.AT_REST, scene, draw)
+
+
+def _stance(pose: Pose) -> _Stance:
+    """What the body looks like, in steps that cannot be told from one to the next."""
+    turns = pose.head_yaw / _TURN, pose.head_pitch / _TURN, pose.head_roll / _TURN
+    sways = pose.twist / _SWAY, pose.side / _SWAY, pose.lean / _SWAY
+    shrugs = pose.shoulder_left / _SHRUG, pose.shoulder_right / _SHRUG
+    arms = (value / _REACH for arm in (pose.left, pose.right) for value in (arm.out, arm.y, arm.z, arm.swivel))
+    return *turns, *sways, *shrugs, pose.breath / _BREATH, *arms
