@@ -79,17 +79,26 @@ async def test_two_people_cannot_speak_through_it_at_once(browser: Browser, avat
 async def test_a_reaction_is_seen_and_ends_by_itself_or_by_the_next_one(guest: Visit) -> None:
     buttons = guest.page.locator("button.reaction")
     await expect(buttons).to_have_count(12)
-    for number in range(4):
+    for number in range(2):
         await guest.watch("picture", *_PICTURE)
         await buttons.nth(number).click()
+        await _performed(guest, number)
         await guest.until(f"probe.watched.picture.some(({{ away }}) => away > {_MOVED})")
-        if number % 2:
-            name = await buttons.nth(number).locator("span").inner_text()
-            ended = re.compile(rf"^{name}: done after \d\.\d s$")
-            await expect(guest.item("reaction-state")).to_have_text(ended)
-            assert await outcome(guest, "avatar/reaction", "start") == "OK"
+    # The next one is pressed at once: on a busy machine the first may be over before a change of the picture is seen.
+    await guest.watch("picture", *_PICTURE)
+    await buttons.nth(2).click()
+    await guest.page.keyboard.press("4")
+    await _performed(guest, 3)
+    await guest.until(f"probe.watched.picture.some(({{ away }}) => away > {_MOVED})")
     set_and_start = [each["status"] for each in guest.told("rois.command.completed")]
-    assert Counter(set_and_start) == {"OK": 4 + 2, "ABORT": 2}
+    assert Counter(set_and_start) == {"OK": 4 + 3, "ABORT": 1}
+
+
+async def _performed(guest: Visit, number: int) -> None:
+    """Wait until the page says that it has ended; the words go away after some seconds, what was watched does not."""
+    name = await guest.page.locator("button.reaction").nth(number).locator("span").inner_text()
+    await expect(guest.item("reaction-state")).to_have_text(re.compile(rf"^{name}: done after \d+\.\d s$"))
+    assert await outcome(guest, "avatar/reaction", "start") == "OK"
 
 
 async def test_it_looks_where_the_picture_is_clicked(guest: Visit) -> None:

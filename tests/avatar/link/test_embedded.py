@@ -14,7 +14,7 @@ from openrois_avatar.link import embedded
 from openrois_avatar.link.embedded import LONGEST_DELAY, QUIT_TIMEOUT, EmbeddedEngine
 from openrois_avatar.link.messages import Completed, Event, Hello, LinkError, Log, Pause, React, Silence
 from openrois_streaming.source import RawAudio
-from openrois_streaming.supervision import HUNG
+from openrois_streaming.supervision import HUNG, LOOK_INTERVAL
 
 from tests.support.streaming import VirtualClock, settle
 
@@ -118,16 +118,19 @@ async def test_an_engine_that_hangs_is_replaced() -> None:
         pid = pid_of(engine)
         async with engine.video.open() as pictures:
             for _ in range(4):
-                await anext(pictures)
+                # A picture that came while the clock was going on is older than it looks.
+                while engine.last_sign_at != clock.now():
+                    await anext(pictures)
                 await clock.advance(HUNG - 0.1)
         assert witness.lost.empty()
         engine.send(React("1", "freeze"))
         assert await witness.events.get() == Log("freeze")
-        while not is_gone(pid):
-            await clock.advance(HUNG)
+        # Not a moment longer: while its process ends, no time may pass in which the next one would be started.
+        await clock.advance(HUNG + LOOK_INTERVAL)
         assert await witness.lost.get() == "the engine does not respond"
         while not clock.sleepers:
             await settle()
+        assert is_gone(pid)
         await clock.advance(LONGEST_DELAY)
         assert int((await witness.back.get()).version) != pid
 
