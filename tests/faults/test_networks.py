@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 from openrois_streaming.testing import Impairments
 
-from tests.support.seeds import SOME
+from tests.support.seeds import lasting
 from tests.support.spectator import AUDIO, VIDEO
 from tests.support.stage import stage
 
@@ -17,7 +17,7 @@ FREEZE = 3.0
 """Seconds that a picture may stand at a loss of 5 %; on a machine that has time it takes less than one."""
 
 
-@pytest.mark.parametrize("seed", SOME)
+@pytest.mark.parametrize("seed", lasting(0))
 async def test_f34_losses_alone_and_in_bursts(seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     loss, burst = LOSSES[seed % 4], (None, 3.0)[seed // 2 % 2]
     async with stage(seed, tmp_path, caplog) as on:
@@ -38,7 +38,7 @@ async def test_f34_losses_alone_and_in_bursts(seed: int, tmp_path: Path, caplog:
         assert app.byes == app.errors == []
 
 
-@pytest.mark.parametrize("seed", SOME)
+@pytest.mark.parametrize("seed", lasting())
 async def test_f35_late_disordered_and_doubled(seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     async with stage(seed, tmp_path, caplog) as on:
         on.place.relay.change(delay=0.3, jitter=0.1)
@@ -59,7 +59,7 @@ async def test_f35_late_disordered_and_doubled(seed: int, tmp_path: Path, caplog
         assert app.byes == app.errors == []
 
 
-@pytest.mark.parametrize("seed", SOME)
+@pytest.mark.parametrize("seed", lasting())
 async def test_f36_bandwidth_that_collapses_and_returns(
     seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
