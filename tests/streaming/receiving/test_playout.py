@@ -127,10 +127,11 @@ class TestClocks:
     @pytest.mark.timeout(900)
     @pytest.mark.parametrize("drift", [200e-6, -200e-6])
     def test_after_half_an_hour_sound_is_as_late_as_in_the_beginning(self, drift: float) -> None:
-        hearing = listen(microphone(1800, drift=drift), 1800)
+        # A microphone whose clock is fast has said all that it says a third of a second before the end.
+        hearing = listen(microphone(1800, drift=drift), 1799)
         assert hearing.playout.figures.concealed == 0
-        for at in (600, 1200, 1790):
-            assert abs(hearing.median(at) + drift * at - LATE) < 0.04
+        late = [hearing.median(at, at + 5) + drift * at for at in (600, 1200, 1790)]
+        assert all(abs(each - LATE) < 0.04 for each in late), late
 
     def test_a_source_that_starts_anew_is_heard(self) -> None:
         second = [(3 + at, timestamp + 10**7, data) for at, timestamp, data in microphone(3)]
