@@ -2,8 +2,9 @@
 
 `python -m benchmarks.handover`, in the repository. An engine in a process of its own, made with the Python client,
 sends pictures at a steady pace; what counts is the time from before `send_video` until the adapter has the picture in
-memory of its own, as the encoders take it (NV12 is I420 by then). The ways take turns, and with them what the machine
-itself takes for the like (`floor`).
+memory of its own, as the encoders take it (NV12 is I420 by then). `ring, drawn` is for an engine that draws into the
+ring (`draw_video`): its picture lies there already, and nothing is copied on its side. The ways take turns, and with
+them what the machine itself takes for the like (`floor`).
 """
 
 import argparse
@@ -14,11 +15,13 @@ import statistics
 import sys
 import time
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 import uvloop
+from numpy.typing import NDArray
 from openrois_avatar.link.address import ADDRESS_VARIABLE, SECRET_VARIABLE
 from openrois_avatar.link.client import connect_from_environment
 from openrois_avatar.link.messages import Event, Hello, Log, VideoShape
@@ -29,7 +32,7 @@ from openrois_streaming.testing.delays import percentile
 from benchmarks.handover.floor import KINDS, floor
 from openrois.bench.conditions import conditions, load
 
-WAYS: Final = {"ring": "unix", "ring, TCP": "tcp", "Unix": "unix", "TCP": "tcp"}
+WAYS: Final = {"ring": "unix", "ring, drawn": "unix", "ring, TCP": "tcp", "Unix": "unix", "TCP": "tcp"}
 """What is compared, and the socket of each."""
 FLOORS: Final = {"floor of ring": "ring", "floor of Unix": "Unix", "floor of TCP": "TCP"}
 """What no engine and no adapter on this machine would be faster than, by much."""
@@ -43,13 +46,21 @@ def size(chosen: argparse.Namespace) -> int:
     return int(chosen.width * chosen.height * (8 if chosen.format == "bgra" else 3) // 2)
 
 
+def _copy(pixels: NDArray[np.uint8], room: NDArray[np.uint8]) -> None:
+    room[:] = pixels
+
+
+def _leave(_: NDArray[np.uint8]) -> None:
+    """Leave the picture that lies there."""
+
+
 def engine(chosen: argparse.Namespace) -> None:
     """Be the engine: send pictures at the pace, then tell what they cost, and end."""
     shape = VideoShape(chosen.width, chosen.height, chosen.fps, chosen.format)
     pixel_format = PixelFormat[chosen.format.upper()]
     stride = chosen.width * (4 if pixel_format is PixelFormat.BGRA else 1)
     pictures = [np.random.default_rng(seed).integers(0, 256, size(chosen), np.uint8) for seed in range(KINDS)]
-    with connect_from_environment(Hello("benchmark", "1", shape, ring=chosen.engine == "ring")) as link:
+    with connect_from_environment(Hello("benchmark", "1", shape, ring=chosen.engine.startswith("ring"))) as link:
         start, cpu = time.monotonic(), 0.0
         for number in range(WARM + chosen.frames):
             if number == WARM:
@@ -57,7 +68,13 @@ def engine(chosen: argparse.Namespace) -> None:
             link.poll_commands(max(0.0, start + number / chosen.fps - time.monotonic()))
             pixels = pictures[number % KINDS]
             now = time.monotonic_ns()
-            link.send_video(pixels, chosen.width, chosen.height, stride, pixel_format, now)
+            if chosen.engine != "ring, drawn":
+                link.send_video(pixels, chosen.width, chosen.height, stride, pixel_format, now)
+            elif number < WARM:
+                # More pictures than the ring has slots: each holds one when the counting begins.
+                link.draw_video(partial(_copy, pixels), chosen.width, chosen.height, pixel_format, now)
+            else:
+                link.draw_video(_leave, chosen.width, chosen.height, pixel_format, now)
         link.poll_commands(0.1)
         link.send_event(Log(json.dumps({"cpu": time.process_time() - cpu, "dropped": link.dropped_video})))
         link.poll_commands(0.1)
@@ -86,7 +103,7 @@ async def handed_over(chosen: argparse.Namespace, way: str) -> dict[str, Any]:
     async with LinkServer.listen(address, on_event=told) as server:
         reading = asyncio.create_task(read(server))
         environment = {**os.environ, ADDRESS_VARIABLE: server.address, SECRET_VARIABLE: server.secret}
-        arguments = ["--engine", way.partition(",")[0], "--frames", chosen.frames, "--fps", chosen.fps]
+        arguments = ["--engine", way, "--frames", chosen.frames, "--fps", chosen.fps]
         arguments += ["--width", chosen.width, "--height", chosen.height, "--format", chosen.format]
         process = await asyncio.create_subprocess_exec(
             sys.executable, "-m", "benchmarks.handover", *map(str, arguments), env=environment
