@@ -30,7 +30,7 @@ AVATAR = (
     f"{audience.PLAYOUT} s are counted and three times the jitter",
     f"the last one counts, up to {audience.LONGEST:g} s",
     f"At most {markup.MAX_TEXT:,} characters",
-    f"nobody is there after {watch.BLIND:g} s",
+    f"no person is there after {watch.BLIND:g} s",
     f"who is away for more than {tracks.PERSON_MEMORY:g} s comes back",
     f"shows {math.degrees(box.FIELD_OF_VIEW):.0f} degrees on its longer side, a face of {box.FACE_WIDTH} m",
     f"each faster than {head_gestures._SLOWEST} s; a tilt is {math.degrees(head_gestures._TILTED):.0f} degrees",

@@ -156,7 +156,7 @@ class Operation(SettingsGroup):
     log_format: Literal["text", "json"] = setting("text", "log lines for people or JSON objects", metavar="FORMAT")
     log_file: Path | None = setting(None, "append log lines instead of writing them to standard error", metavar="FILE")
     metrics: str | None = setting(None, "serve figures for Prometheus there, at /metrics", metavar="HOST:PORT")
-    metrics_token: str = setting("", "bearer token that readers of the figures have to show", secret=True)
+    metrics_token: str = setting("", "the bearer token that readers of the figures have to show", secret=True)
     drain: float = setting(
         20.0, "seconds that what runs has to end when the gateway is told to stop", metavar="SECONDS"
     )

@@ -41,8 +41,8 @@ def test_a_flaw_names_the_file_and_not_what_is_in_it(tmp_path: Path) -> None:
         assert "canary" not in str(refused.value)
 
 
-def test_nobody_signs_with_a_public_key(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="the private one is needed"):
+def test_a_public_key_signs_nothing(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="give the private one"):
         read_signing_key(key_file(tmp_path, pem(Keys().p256)))
     with pytest.raises(ValueError, match="key"):
         read_signing_key(key_file(tmp_path, "-----BEGIN PRIVATE KEY-----\nxx\n-----END PRIVATE KEY-----"))

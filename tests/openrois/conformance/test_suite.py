@@ -325,7 +325,7 @@ OTHERWISE: list[tuple[str, dict[str, Any], str, str]] = [
     ("integers are read laxly", asked("rois.command.execute", no_delays), "params-integers", "a delay_time of"),
     ("numbers are read laxly", {"to_gateway": lax_numbers}, "frame-not-a-number", "they are no JSON"),
     ("envelopes are strict", {"to_gateway": strict_envelopes}, "frame-extra-members", "further members"),
-    ("foreign answers are answered", {"to_gateway": strict_envelopes}, "frame-stray-answers", "nobody asked for"),
+    ("foreign answers are answered", {"to_gateway": strict_envelopes}, "frame-stray-answers", "was not asked for"),
 ]  # fmt: skip
 
 
