@@ -87,14 +87,14 @@ def _measured(
     size: str, checkouts: Mapping[str, Path], chosen: argparse.Namespace
 ) -> dict[str, dict[str, list[float]]]:
     """Seconds a picture of each round, by scene and checkout."""
-    runs: dict[str, dict[str, list[float]]] = {scene: {name: [] for name in checkouts} for scene in SCENES}
+    runs: dict[str, dict[str, list[float]]] = {scene: {name: [] for name in checkouts} for scene in chosen.scenes}
     with ExitStack() as stack:
         drawers = {
             name: stack.enter_context(_drawer(checkout, chosen.engine, *size.split("x")))
             for name, checkout in checkouts.items()
         }
         for number in range(chosen.rounds + 1):
-            for scene, name in product(SCENES, drawers):
+            for scene, name in product(chosen.scenes, drawers):
                 still = "-" if chosen.stills is None else str(chosen.stills / f"{scene}-{size}-{name}.png")
                 taken = drawers[name].draw(scene, still)
                 if number:  # the first warms up
@@ -108,6 +108,7 @@ def main() -> None:
     parser.add_argument("--other", type=Path, metavar="FOLDER", help="a checkout to compare with")
     parser.add_argument("--engine", choices=("panda3d", "puppet"), default="panda3d", help="(%(default)s)")
     parser.add_argument("--sizes", nargs="+", default=["640x360", "1280x720"], metavar="WIDTHxHEIGHT")
+    parser.add_argument("--scenes", nargs="+", choices=SCENES, default=SCENES, help="(all)")
     parser.add_argument("--rounds", type=int, default=20, help="of a second of pictures (%(default)s)")
     parser.add_argument("--stills", type=Path, metavar="FOLDER", help="write pictures there")
     parser.add_argument("--json", type=Path, metavar="FILE", help="write all figures there")

@@ -204,7 +204,9 @@ class Animator:
 
 
 def _with_busy_arms(walking: Mapping[str, float], *gestures: Mapping[str, float]) -> dict[str, float]:
-    """Steps without the swing of an arm that has something else to do."""
+    """Steps without the swing of an arm that has something else to do; empty while it stands."""
+    if not walking:
+        return {}
     free = {}
     for side in ("left.", "right."):
         busy = sum(abs(gesture.get(f"{side}{axis}", 0.0)) for gesture in gestures for axis in ("out", "y", "z"))

@@ -53,7 +53,8 @@ class Solid:
         # Drawn in the order of the scene, nearest first: what is hidden later is not coloured.
         self.path: NodePath = parent.attach_new_node(node)
         self.path.set_bin("unsorted", 0)
-        self._geometry = node.modify_geom(0)
+        # Asked for once: with every picture Panda3D would copy what it then writes over.
+        self._data = node.modify_geom(0).modify_vertex_data()
 
     def move(self, vertices: Floats) -> None:
         """Replace the vertices, (n, 3)."""
@@ -68,8 +69,7 @@ class Solid:
         show(self.path, visible)
 
     def _write(self, array: int, values: Floats | Bytes) -> None:
-        buffer = self._geometry.modify_vertex_data().modify_array(array)
-        memoryview(buffer).cast("B")[:] = values.data.cast("B")
+        memoryview(self._data.modify_array(array)).cast("B")[:] = values.data.cast("B")
 
 
 def show(node: NodePath, visible: bool) -> None:

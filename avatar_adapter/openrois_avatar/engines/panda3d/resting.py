@@ -22,7 +22,8 @@ _CROWN: Final = 0.04
 """And the level above it."""
 _HEAD_WIDTH, _BODY_WIDTH = 0.54, 0.72
 """How wide what moves is above the former level, and below it, in heights of the picture."""
-# What moves something of the body by about 0.001 dm in the picture: a sixth of a pixel where it is 720 high.
+# What moves something of the body by about 0.001 dm in the picture: a sixth of a pixel where that is 720 high.
+_HEIGHT: Final = 720
 _SWAY: Final = 0.0002
 _TURN: Final = 0.003
 _BREATH: Final = 0.025
@@ -53,6 +54,8 @@ class Resting:
         self._open_views(picture)
 
     def _open_views(self, picture: Picture) -> None:
+        self._seen = _HEIGHT / picture.height
+        """How far the body moves before that is a sixth of a pixel, in the steps of a stance."""
         self._head_view = View(self._heads, picture, middle(picture, _HEAD_WIDTH, _CROWN, _CHIN))
         self._body_view = View(self._bodies, picture, middle(picture, _BODY_WIDTH, _CHIN))
 
@@ -71,7 +74,7 @@ class Resting:
         stance = _stance(pose)
         views = [self._head_view]
         self._head.update(pose, frames, visible, relight)
-        if self._drawn is None or any(abs(one - other) > 1 for one, other in zip(stance, self._drawn, strict=True)):
+        if self._drawn is None or _moved(self._drawn, stance) > self._seen:
             self._body.update(pose, frames, visible, relight)
             self._drawn = stance
             views.append(self._body_view)
@@ -91,9 +94,14 @@ def _front(parts: Sequence[Part], scene: NodePath, view: View, screen: Screen) -
 
 
 def _stance(pose: Pose) -> _Stance:
-    """What the body looks like, in steps that cannot be told from one to the next."""
+    """What the body looks like, in steps of about 0.001 dm in the picture."""
     turns = pose.head_yaw / _TURN, pose.head_pitch / _TURN, pose.head_roll / _TURN
     sways = pose.twist / _SWAY, pose.side / _SWAY, pose.lean / _SWAY
     shrugs = pose.shoulder_left / _SHRUG, pose.shoulder_right / _SHRUG
     arms = (value / _REACH for arm in (pose.left, pose.right) for value in (arm.out, arm.y, arm.z, arm.swivel))
     return *turns, *sways, *shrugs, pose.breath / _BREATH, *arms
+
+
+def _moved(before: _Stance, now: _Stance) -> float:
+    """By how many steps the body has moved."""
+    return max([abs(one - other) for one, other in zip(before, now, strict=True)])

@@ -110,6 +110,7 @@ def front(parts: Sequence[Part], extent: Extent, scene: NodePath, draw: Callable
     return [
         cut(part, _with_neighbours(part.faces, seen)) if extent.calm or part.name in _STIFF else part
         for part, seen in zip(shown, drawing.seen, strict=True)
+        if seen.any()
     ]
 
 

@@ -1,6 +1,7 @@
 """The parts of the head that are skin: skull and jaw, lids, lips, ears."""
 
 from collections.abc import Callable
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
@@ -42,9 +43,14 @@ def parts(depth: head.DepthMap, shadow: paint.Shadow) -> list[Part]:
 
 def lid_state(pose: Pose, side: int) -> tuple[float, float, float]:
     """Lid, squint and wide of one eye, with the part of it that follows the gaze up and down."""
-    lid = pose.lid_left if side > 0 else pose.lid_right
-    follow = max(-pose.gaze_pitch, 0.0) * 0.9 - max(pose.gaze_pitch, 0.0) * 0.4
-    values = stepped(min(max(lid + (1 - lid) * follow, -0.15), 1.0), pose.squint, pose.wide)
+    return _lid_state(pose.lid_left if side > 0 else pose.lid_right, pose.gaze_pitch, pose.squint, pose.wide)
+
+
+# Lids, lashes and eyeball of an eye ask for it in turn.
+@lru_cache(maxsize=4)
+def _lid_state(lid: float, gaze_pitch: float, squint: float, wide: float) -> tuple[float, float, float]:
+    follow = max(-gaze_pitch, 0.0) * 0.9 - max(gaze_pitch, 0.0) * 0.4
+    values = stepped(min(max(lid + (1 - lid) * follow, -0.15), 1.0), squint, wide)
     return values[0], values[1], values[2]
 
 

@@ -4,6 +4,8 @@ Everything is made for the left eye (x > 0) and mirrored. Grids are (rings, spok
 corner over the upper lid to the inner corner and back along the lower lid.
 """
 
+from functools import lru_cache
+
 import numpy as np
 
 from openrois_avatar.engines.sculpt.distance import Array
@@ -17,8 +19,13 @@ _ACROSS, _HEIGHT = np.cos(_ANGLE), np.sin(_ANGLE)
 _IS_UPPER = _HEIGHT >= 0
 
 
+# Lids, lashes and eyeball of an eye ask for it in turn.
+@lru_cache(maxsize=4)
 def lid_line(lid: float, squint: float, wide: float) -> tuple[Array, Array]:
-    """The opening between the lids as (x, z) offsets from the eye's centre, one per spoke; lid 0 open .. 1 closed."""
+    """The opening between the lids as (x, z) offsets from the eye's centre, one per spoke; lid 0 open .. 1 closed.
+
+    The arrays are shared: a caller does not change them.
+    """
     x = HALF_WIDTH * _ACROSS
     corner = 0.022 * _ACROSS
     arch = np.abs(_HEIGHT) ** 0.85

@@ -95,7 +95,7 @@ def plain(colour: str, count: int, finish: Finish, openness: npt.ArrayLike = 1.0
 
 def stepped(*values: float) -> State:
     """Values rounded to steps too small to see, so that a part is not made anew for nothing."""
-    return tuple(round(value * 250) / 250 for value in values)
+    return tuple([round(value * 250) / 250 for value in values])
 
 
 def towards(normals: Array, axis: Array) -> Array:
