@@ -93,6 +93,7 @@ def test_a_second_demo_on_the_same_port_says_so_in_one_line(tmp_path: Path) -> N
         assert demo.process.poll() is None
 
 
+@pytest.mark.long
 def test_a_port_is_free_again_at_once(tmp_path: Path) -> None:
     with running_demo(tmp_path) as demo:
         with socket.create_connection(("127.0.0.1", demo.port)):

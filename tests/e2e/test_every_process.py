@@ -110,6 +110,7 @@ async def watched(browser: Browser, tmp_path: Path, monkeypatch: pytest.MonkeyPa
         assert left_over(Path(folder)) == []
 
 
+@pytest.mark.long
 async def test_each_process_dies(watched: Watched) -> None:
     await watched.live()
     for name in PROCESSES:

@@ -59,6 +59,7 @@ async def test_the_latency_that_is_shown_is_that_of_a_stamp(visit: Visit) -> Non
     await _agree(visit)
 
 
+@pytest.mark.long
 async def test_firefox_shows_it_too(firefox_program: Path, demo: Demo, tmp_path: Path) -> None:
     async with firefox_at(firefox_program, tmp_path, demo.page) as firefox:
         await _agree(firefox)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.support.seeds import SOME
+from tests.support.seeds import SOME, lasting
 from tests.support.spectator import AUDIO, VIDEO, Spectator
 from tests.support.stage import SMALL_GAME, Stage, stage
 
@@ -45,7 +45,7 @@ async def test_f30_f32_an_engine_that_is_lost_is_started_again(
         assert on.engine().pid != first.pid
 
 
-@pytest.mark.parametrize("seed", SOME)
+@pytest.mark.parametrize("seed", lasting(0))
 async def test_f31_an_engine_that_stands_still(seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     async with stage(seed, tmp_path, caplog, game=SMALL_GAME) as on:
         app, video, audio = await watching(on)

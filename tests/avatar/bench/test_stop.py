@@ -7,6 +7,7 @@ SMALL = StopSettings(seconds=1.0, dead_man=1, reports=1_000, strangers=500, view
 
 
 @pytest.mark.media
+@pytest.mark.long
 async def test_stop_and_the_dead_mans_switch_are_measured_beside_floods() -> None:
     told: list[str] = []
     async with asyncio.timeout(120):

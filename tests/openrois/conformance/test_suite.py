@@ -362,6 +362,7 @@ WITHOUT_APPLICATIONS = {
 """Checks that look at an adapter's connection alone; gateways that are wrong there are above."""
 
 
+@pytest.mark.long
 async def test_no_check_passes_at_a_gateway_that_does_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     """Whatever a gateway answers to everything, no check takes it for conformant."""
     always: set[str] = {check.id for check in ALL_CHECKS}
