@@ -42,7 +42,14 @@ def interrupt_while_the_adapter_is_stopped(demo: Demo) -> None:
     demo.process.send_signal(signal.SIGINT)
 
 
-@pytest.mark.parametrize("stop", [ctrl_c_twice, interrupt, interrupt_while_the_adapter_is_stopped])
+@pytest.mark.parametrize(
+    "stop",
+    [
+        pytest.param(ctrl_c_twice, marks=pytest.mark.long),
+        interrupt,
+        pytest.param(interrupt_while_the_adapter_is_stopped, marks=pytest.mark.long),
+    ],
+)
 def test_a_demo_that_is_stopped_leaves_nothing_behind(tmp_path: Path, stop: Callable[[Demo], None]) -> None:
     with running_demo(tmp_path) as demo:
         assert demo.ready == f"ready http://127.0.0.1:{demo.port}/"

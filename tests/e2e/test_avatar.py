@@ -125,6 +125,7 @@ async def test_a_crashed_game_engine_leaves_its_picture_and_comes_back(guest: Vi
     await expect(guest.page.locator("button.reaction").first).to_be_enabled(timeout=15_000)
 
 
+@pytest.mark.long
 async def test_the_page_is_worth_a_picture(guest: Visit, tmp_path: Path) -> None:
     """`OPENROIS_WRITE_SCREENSHOTS=1` makes the pictures of the README and the docs: it waves, and it walks."""
     write = os.environ.get("OPENROIS_WRITE_SCREENSHOTS") == "1"

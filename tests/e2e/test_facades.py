@@ -16,6 +16,7 @@ pytestmark = [
 ]
 
 
+@pytest.mark.long
 async def test_the_page_plays_what_comes_straight_from_a_game_engine(browser: Browser, tmp_path: Path) -> None:
     async with (
         house("unreal") as here,

@@ -23,6 +23,7 @@ _MOVED: Final = 1.0
 """By how much a picture differs from an earlier one, in luma and on average, when somebody makes a gesture in it."""
 
 
+@pytest.mark.long
 async def test_the_page_shows_godot_and_godot_obeys_the_page(guest: Visit, tmp_path: Path) -> None:
     await guest.plays(10)
     await guest.watch("picture", 0.0, 0.0, 1.0, 0.94)

@@ -66,6 +66,7 @@ async def test_firefox_shows_it_too(firefox_program: Path, demo: Demo, tmp_path:
         assert firefox.complaints == []
 
 
+@pytest.mark.long
 async def test_pictures_that_an_engine_has_encoded_itself_have_it_too(browser: Browser, encoding: Demo) -> None:
     async with visiting(browser, encoding.page) as visit:
         await _agree(visit)

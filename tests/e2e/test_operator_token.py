@@ -46,6 +46,7 @@ async def _give(visit: Visit, token: str) -> None:
     await visit.item("token").press("Enter")
 
 
+@pytest.mark.long
 async def test_an_operator_comes_with_a_token_and_operates_until_it_ends(browser: Browser, coming: Guarded) -> None:
     url = coming.gateway.url
     async with visiting(browser, url, tolerated=_REFUSED, ignore_https_errors=True) as visit:

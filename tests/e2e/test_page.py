@@ -136,7 +136,14 @@ _REACHED: Final = """(names) => names.filter((name) => {
 
 
 @pytest.mark.parametrize(
-    "size", [(1920, 1080), (1366, 768), (768, 1024), (390, 844), (844, 390)], ids="{0[0]}x{0[1]}".format
+    "size",
+    [
+        (1366, 768),
+        (390, 844),
+        (844, 390),
+        *(pytest.param(size, marks=pytest.mark.long) for size in ((1920, 1080), (768, 1024))),
+    ],
+    ids="{0[0]}x{0[1]}".format,
 )
 async def test_stop_picture_and_text_box_stay_wherever_the_page_is_scrolled_to(
     guest: Visit, size: tuple[int, int]
@@ -175,6 +182,7 @@ async def test_every_text_can_be_read(browser: Browser, avatar: Demo, scheme: st
         assert [each for each in found if each["ratio"] < _READABLE] == []
 
 
+@pytest.mark.long
 async def test_light_and_dark_are_remembered(guest: Visit) -> None:
     background = "getComputedStyle(document.body).backgroundColor"
     light = await guest.read(background)

@@ -48,6 +48,7 @@ async def test_the_tone_of_every_second_is_heard(visit: Visit) -> None:
     await visit.until(_SECOND_BY_SECOND)
 
 
+@pytest.mark.long
 async def test_the_figures_beside_the_picture_are_true(visit: Visit) -> None:
     await visit.plays(45)
     for name, least, most in (("fps", 25, 35), ("latency", 0, 500), ("rtt", 0, 200), ("bitrate", 20e3, 5e6)):
@@ -78,6 +79,7 @@ async def test_a_suspended_picture_stands_still_and_resumes_without_negotiation(
     assert await visit.stream_id("video") == stream_id
 
 
+@pytest.mark.long
 async def test_suspended_sound_is_silent_and_resumes_without_negotiation(visit: Visit) -> None:
     await visit.plays()
     await visit.status("audio", "RUNNING")
@@ -97,6 +99,7 @@ async def test_suspended_sound_is_silent_and_resumes_without_negotiation(visit: 
     assert len(visit.told("signaling.offer")) == offers
 
 
+@pytest.mark.long
 async def test_a_disconnected_picture_stays_and_connects_again_as_another_stream(visit: Visit) -> None:
     await visit.plays()
     await visit.status("audio", "RUNNING")

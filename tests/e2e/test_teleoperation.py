@@ -91,6 +91,7 @@ _PAD = """
 """
 
 
+@pytest.mark.long
 async def test_a_gamepad_is_announced_and_drives(drivers: Drivers) -> None:
     visit, engine = drivers.visit, drivers.engine
     await visit.page.evaluate(f"() => {{ {_PAD} }}")
@@ -174,6 +175,7 @@ async def test_a_finger_walks_with_the_stick_and_another_one_looks(browser: Brow
         assert await visit.read("scrollY") == 0
 
 
+@pytest.mark.long
 async def test_another_way_changes_nothing_and_a_page_that_is_closed_lets_go(
     drivers: Drivers, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -177,6 +177,7 @@ async def test_a_killed_adapter_fails_what_ran_and_its_successor_does_it_again(d
         assert on.ends(speech) == on.ends(walk) == ["ERROR"]
 
 
+@pytest.mark.long
 async def test_what_ran_when_the_gateway_was_killed_is_in_the_hands_of_whoever_comes_next(demo: Demo) -> None:
     async with stage(demo) as orphan:
         speech, walk = await orphan.speak(), await orphan.walk()

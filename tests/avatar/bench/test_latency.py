@@ -18,6 +18,7 @@ def check(seen: Observation, viewer: str) -> None:
         assert 0 < series.median <= series.p95 < 5000, name
 
 
+@pytest.mark.long
 @pytest.mark.media
 async def test_a_viewer_without_a_browser_measures_the_whole_path() -> None:
     told: list[str] = []

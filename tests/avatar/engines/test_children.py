@@ -33,12 +33,11 @@ from tests.support.engine_child import PATIENCE, Child, difference, luma, runnin
 
 pytestmark = [pytest.mark.engine, pytest.mark.timeout(120)]
 
-ENGINES = ("panda3d", "puppet")
 # Where the mouth is while the avatar looks ahead, in a picture of 640 x 360.
 MOUTH_ROWS, MOUTH_COLUMNS = slice(160, 205), slice(290, 350)
 
 
-@pytest.fixture(params=ENGINES)
+@pytest.fixture(params=["panda3d", pytest.param("puppet", marks=pytest.mark.long)])
 def engine(request: pytest.FixtureRequest) -> str:
     name: str = request.param
     works, hint = import_module(f"openrois_avatar.engines.{name}").available()
