@@ -188,6 +188,7 @@ class TestNoGateway:
 
     async def test_who_waits_no_longer_ends_it(self) -> None:
         async def keep_silent(connection: ServerConnection) -> None:
+            await connection.recv()
             process.send_signal(signal.SIGINT)
             await connection.wait_closed()
 
