@@ -64,6 +64,7 @@ async def test_it_stops_in_the_middle_of_a_word(guest: Visit) -> None:
     await guest.until("probe.sound.slice(-20).every(({ rms }) => rms < 0.001)")
 
 
+@pytest.mark.long
 async def test_two_people_cannot_speak_through_it_at_once(browser: Browser, avatar: Demo, guest: Visit) -> None:
     async with visiting(browser, avatar.page) as other:
         await meet(other)
@@ -76,6 +77,7 @@ async def test_two_people_cannot_speak_through_it_at_once(browser: Browser, avat
         await guest.until(f"{SAYING} === 'stopped'")
 
 
+@pytest.mark.long
 async def test_a_reaction_is_seen_and_ends_by_itself_or_by_the_next_one(guest: Visit) -> None:
     buttons = guest.page.locator("button.reaction")
     await expect(buttons).to_have_count(12)

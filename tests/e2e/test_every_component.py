@@ -40,6 +40,7 @@ def operator(devices: Devices, flite: None, pocketsphinx: None) -> None:
 
 
 @pytest.mark.timeout(300)
+@pytest.mark.long
 async def test_every_component_does_what_it_is_for(browser: Browser, avatar: Demo) -> None:
     async with visiting(browser, avatar.page) as visit:
         await meet(visit)

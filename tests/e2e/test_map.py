@@ -71,6 +71,7 @@ async def test_a_click_sends_the_avatar_there_and_it_arrives(guest: Visit) -> No
     assert await guest.read("document.querySelectorAll('.map-target').length") == 0
 
 
+@pytest.mark.long
 async def test_it_comes_back_to_where_it_began(guest: Visit) -> None:
     await _figure(guest)
     await _click(guest, 0.6, 0.4)

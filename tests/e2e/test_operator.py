@@ -38,6 +38,7 @@ async def test_microphone_and_camera_reach_the_avatar_and_are_let_go(visit: Visi
     await visit.status("video", "RUNNING")
 
 
+@pytest.mark.long
 async def test_the_avatar_looks_only_where_it_is_let_and_remembers_a_face_by_its_name(visit: Visit) -> None:
     await visit.plays(1)
     await visit.press("camera-toggle")

@@ -115,6 +115,7 @@ _DARK = """
 """A page that is loaded again as it was left: picture and sound, which keep a slow machine busy, are off."""
 
 
+@pytest.mark.long
 async def test_control_is_asked_for_kept_and_handed_over(browser: Browser, coming: Guarded) -> None:
     url, trust = coming.gateway.url, ssl.create_default_context(cafile=coming.folder / "ca.pem")
     async with (

@@ -284,6 +284,7 @@ def _spoken(visit: Visit) -> list[tuple[str, str]]:
     ]
 
 
+@pytest.mark.long
 async def test_sentences_wait_for_each_other_and_what_waits_is_seen_and_removed(guest: Visit) -> None:
     first = "First of all an avatar that is about to be interrupted says what takes it a few seconds."
     await say(guest, first)

@@ -93,6 +93,7 @@ async def scenery(browser: Browser, front_end: bytes) -> AsyncIterator[Scenery]:
         yield Scenery(visit, signaling, scene)
 
 
+@pytest.mark.long
 async def test_it_shows_the_avatar_and_operates_it_and_comes_back_when_the_signaling_server_was_gone(
     scenery: Scenery,
 ) -> None:

@@ -94,6 +94,7 @@ async def test_the_way_of_the_media_is_replaced_by_another_under_a_running_pictu
     await visit.status("audio", "RUNNING")
 
 
+@pytest.mark.long
 async def test_a_page_that_is_loaded_again_shows_what_it_showed(visit: Visit) -> None:
     await visit.plays()
     await visit.status("audio", "RUNNING")

@@ -118,6 +118,7 @@ async def test_a_disconnected_picture_stays_and_connects_again_as_another_stream
     assert await visit.stream_id("audio") == audio_id
 
 
+@pytest.mark.long
 async def test_disconnected_sound_leaves_the_picture_alone_and_connects_again(visit: Visit) -> None:
     await visit.plays()
     await visit.status("audio", "RUNNING")
