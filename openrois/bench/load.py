@@ -74,7 +74,7 @@ class Application(asyncio.Protocol):
         self._transport: asyncio.Transport = transport
 
     def connection_lost(self, error: Exception | None) -> None:
-        """Note the end, and fail whoever waits for the opening."""
+        """Note the end, and fail the opening where it is still waited for."""
         self.closed.set()
         if not self.opened.done():
             self.opened.set_exception(BenchFailed(f"the gateway ended a connection: {error}"))

@@ -80,7 +80,7 @@ def _copy(database: sqlite3.Connection, path: Path) -> None:
         sqlite3.Error: likewise.
     """
     written = path.with_name(f"{path.name}.new")
-    # VACUUM INTO takes an empty file, and this one is readable for nobody else from the start.
+    # VACUUM INTO takes an empty file, and this one is readable for its owner alone from the start.
     file = os.open(written, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600)
     try:
         database.execute("VACUUM INTO ?", (str(written),))
