@@ -19,6 +19,8 @@ OK = 0
 PATIENCE = 10.0
 REPEATED = 0.5
 """Seconds after which a request is sent again: UDP loses some."""
+INVITATIONS = 4
+"""Nonces tried for one request: a request that was sent twice is answered with two, of which the first is stale."""
 
 
 @dataclass
@@ -64,10 +66,12 @@ class TurnClient(asyncio.DatagramProtocol):
 
     async def ask(self, method: int, *attributes: tuple[int, object]) -> int:
         """Ask, again with what the server wants to be proven; return 0 or the error code."""
-        before = self.nonce
-        code = await self._ask(method, attributes)
-        is_invited = code in {401, 438} and self.username and self.nonce != before
-        return await self._ask(method, attributes) if is_invited else code
+        for _ in range(INVITATIONS):
+            before = self.nonce
+            code = await self._ask(method, attributes)
+            if code not in {401, 438} or not self.username or self.nonce == before:
+                break
+        return code
 
     async def _ask(self, method: int, attributes: tuple[tuple[int, object], ...]) -> int:
         message, transaction = self._message(method, list(attributes))
