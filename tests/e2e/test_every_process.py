@@ -13,7 +13,7 @@ import pytest_asyncio
 from playwright.async_api import Browser, expect
 
 from tests.support.browser import GATEWAY_AWAY, Visit, visiting
-from tests.support.conversation import meet, outcome, say
+from tests.support.conversation import SAYING, meet, say
 from tests.support.demo import Demo, running_demo
 
 pytestmark = [pytest.mark.browser, pytest.mark.engine, pytest.mark.asyncio(loop_scope="session")]
@@ -63,10 +63,8 @@ class Watched:
         """Wait until the avatar is seen, heard and does what it is told, each process once."""
         async with asyncio.timeout(BACK):
             await self._seen()
-            while True:
-                await say(self.visit, "Hello.")
-                if await outcome(self.visit, _VOICE, "start") == "OK":
-                    break
+            while not await self._speaks():
+                pass
             while not self.complete():  # noqa: ASYNC110 - the system tells nobody
                 await asyncio.sleep(0.1)
 
@@ -76,6 +74,16 @@ class Watched:
         for kind in ("video", "audio"):
             await self.visit.status(kind, "RUNNING")
         await expect(self.visit.item("say-text")).to_be_enabled(timeout=BACK * 1000)
+
+    async def _speaks(self) -> bool:
+        """Say a sentence, wait until the page has done with it, and return whether it was spoken to its end."""
+        before = len(self.visit.executed(_VOICE, "start"))
+        await say(self.visit, "Hello.")
+        await self.visit.until(f"!['speaking', 'paused'].includes({SAYING})")
+        # A command that was refused, because the adapter has just died, has no end.
+        started = self.visit.executed(_VOICE, "start")[before:]
+        told = [each for one in started for each in self.visit.told("rois.command.completed", command_id=one)]
+        return [each["status"] for each in told] == ["OK"]
 
     async def harm(self, name: str, how: signal.Signals) -> None:
         """Harm a process, and wait until all is live again, with another one in its place."""
@@ -89,8 +97,7 @@ class Watched:
         async with asyncio.timeout(BACK):
             while than in self.running().get(name, []):
                 if name == "speech":
-                    await say(self.visit, "Hello.")
-                    await outcome(self.visit, _VOICE, "start")
+                    await self._speaks()
                 await asyncio.sleep(0.1)
 
 

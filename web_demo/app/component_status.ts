@@ -1,6 +1,6 @@
 /** Whether a component can be used, asked again until it can. */
 
-import { onlyComponent, resultValue } from "../sdk/index.ts";
+import { onlyComponent, resultValue, RoISError } from "../sdk/index.ts";
 import type { Client, ComponentStatus } from "../sdk/index.ts";
 
 /** Milliseconds between two questions while the component cannot be used. */
@@ -11,12 +11,13 @@ export type Availability = ComponentStatus | null;
 
 export class ComponentWatch {
   readonly #client: Client;
-  readonly #onChange: (status: Availability) => void;
+  readonly #onChange: (status: Availability) => Promise<void> | void;
   #componentRef: string | null = null;
   #timer: ReturnType<typeof setTimeout> | undefined;
   #round = 0;
 
-  constructor(client: Client, onChange: (status: Availability) => void) {
+  /** @param onChange where its promise rejects, status and all that follows from it are asked again */
+  constructor(client: Client, onChange: (status: Availability) => Promise<void> | void) {
     this.#client = client;
     this.#onChange = onChange;
   }
@@ -26,15 +27,19 @@ export class ComponentWatch {
     this.#componentRef = componentRef;
     this.#round += 1;
     clearTimeout(this.#timer);
-    if (componentRef === null) this.#onChange(null);
+    if (componentRef === null) void this.#onChange(null);
     else void this.#ask(this.#round);
   }
 
   async #ask(round: number): Promise<void> {
     const status = await this.#status();
     if (round !== this.#round) return;
-    this.#onChange(status);
-    if (isUsable(status)) return;
+    const answered = await Promise.resolve(this.#onChange(status)).then(
+      () => true,
+      // What it does not have at all it will not have later.
+      (error: unknown) => error instanceof RoISError && error.returnCode === "UNSUPPORTED",
+    );
+    if (round !== this.#round || (answered && isUsable(status))) return;
     this.#timer = setTimeout(() => void this.#ask(round), ASK_AGAIN);
   }
 

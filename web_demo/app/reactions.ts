@@ -28,7 +28,7 @@ export class Reactions {
     this.#watch = new ComponentWatch(client, (status) => {
       this.#usable = isUsable(status);
       this.#render();
-      if (this.#usable) void this.#fill();
+      return this.#usable ? this.#fill() : undefined;
     });
   }
 
@@ -81,8 +81,9 @@ export class Reactions {
       this.#render();
       this.#state.show("", false);
       this.#section.hidden = refs.length === 0;
-    } catch {
+    } catch (error) {
       this.#state.show("The avatar does not tell its reactions.", false);
+      throw error;
     }
   }
 

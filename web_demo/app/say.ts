@@ -38,6 +38,7 @@ export class SayLine {
   readonly #onCut: (cut: Promise<unknown>) => void;
   #speech: SpeechSynthesis | null = null;
   #usable = false;
+  #hasLanguages = false;
   #barred = "";
   #performance = 0;
   /** Whether what waits is being spoken, one after the other. */
@@ -189,10 +190,10 @@ export class SayLine {
     return state;
   }
 
-  #available(status: Availability): void {
+  #available(status: Availability): Promise<void> | void {
     const usable = isUsable(status);
-    if (usable && !this.#usable) void this.#fillLanguages();
     this.#usable = usable;
+    if (!usable) this.#hasLanguages = false;
     if (usable && this.#state.dataset["state"] === "unavailable") this.#show("idle", "");
     if (!usable && status !== null) {
       this.#show(
@@ -201,6 +202,7 @@ export class SayLine {
       );
     }
     this.#render();
+    return usable && !this.#hasLanguages ? this.#fillLanguages() : undefined;
   }
 
   async #fillLanguages(): Promise<void> {
@@ -225,9 +227,11 @@ export class SayLine {
       );
       this.#language.value = selected;
       this.#language.hidden = named.length === 0;
+      this.#hasLanguages = true;
       this.#renderHint();
-    } catch {
+    } catch (error) {
       this.#language.hidden = true;
+      throw error;
     }
   }
 

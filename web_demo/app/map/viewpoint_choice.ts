@@ -26,8 +26,8 @@ export class ViewpointChoice {
   constructor(client: Client) {
     this.#client = client;
     this.#watch = new ComponentWatch(client, (status) => {
-      if (isUsable(status)) void this.#read();
-      else this.element.hidden = true;
+      if (!isUsable(status)) this.element.hidden = true;
+      return isUsable(status) ? this.#read() : undefined;
     });
     this.#select.addEventListener("change", () => void this.#choose());
   }
@@ -51,9 +51,12 @@ export class ViewpointChoice {
   async #read(): Promise<void> {
     const viewpoint = this.#viewpoint;
     if (!viewpoint) return;
-    this.#changes ??= viewpoint.changed.subscribe(({ viewpoint: name }) => (this.#select.value = name));
-    await this.#changes.catch(() => (this.#changes = null));
     try {
+      this.#changes ??= viewpoint.changed.subscribe(({ viewpoint: name }) => (this.#select.value = name));
+      await this.#changes.catch((error: unknown) => {
+        this.#changes = null;
+        throw error;
+      });
       const { available_viewpoints: names } = await viewpoint.available();
       const { viewpoint: current } = await viewpoint.current();
       if (viewpoint !== this.#viewpoint) return;
@@ -62,8 +65,9 @@ export class ViewpointChoice {
       );
       this.#select.value = current;
       this.element.hidden = names.length < 2;
-    } catch {
+    } catch (error) {
       this.element.hidden = true;
+      throw error;
     }
   }
 
@@ -71,7 +75,8 @@ export class ViewpointChoice {
     try {
       await this.#viewpoint?.choose(this.#select.value);
     } catch {
-      void this.#read();
+      // Shows what holds, now or as soon as that can be asked.
+      this.#watch.watch(this.#viewpoint?.componentRef ?? null);
     }
   }
 }

@@ -80,7 +80,7 @@ describe("ComponentWatch", () => {
       results: [{ name: "status", data_type_ref: "x", value: status }],
     }));
     const seen: Availability[] = [];
-    const watch = new ComponentWatch(client, (each) => seen.push(each));
+    const watch = new ComponentWatch(client, (each) => void seen.push(each));
     await client.connect();
     watch.watch("a/speech");
     await vi.advanceTimersByTimeAsync(5000);
@@ -98,7 +98,7 @@ describe("ComponentWatch", () => {
   it("forgets what it asked about before", async () => {
     const seen: Availability[] = [];
     gateway.on("rois.query.query", () => ({ return_code: "UNSUPPORTED" }));
-    const watch = new ComponentWatch(client, (each) => seen.push(each));
+    const watch = new ComponentWatch(client, (each) => void seen.push(each));
     watch.watch("a/speech");
     watch.watch(null);
     await vi.advanceTimersByTimeAsync(20_000);
