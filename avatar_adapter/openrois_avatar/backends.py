@@ -2,6 +2,7 @@
 
 import logging
 from collections.abc import Callable, Iterable
+from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from typing import Protocol, TypeVar
 
@@ -21,10 +22,16 @@ class Backend(Protocol):
 _BackendT = TypeVar("_BackendT", bound=Backend)
 
 
+@cache
+def installed(group: str) -> tuple[EntryPoint, ...]:
+    """Return the entry points of a group. To find them, files of all that is installed are read: that is done once."""
+    return tuple(entry_points(group=group))
+
+
 def chosen(
     group: str,
     offline: Callable[[], _BackendT],
-    find: Callable[..., Iterable[EntryPoint]] = entry_points,
+    find: Callable[[str], Iterable[EntryPoint]] = installed,
 ) -> _BackendT:
     """Return the first backend of a group, by name, that works here; if there is none, the offline one.
 
@@ -33,7 +40,7 @@ def chosen(
         offline: makes the one that always comes with the package.
         find: looks entry points up.
     """
-    for point in sorted(find(group=group), key=lambda each: each.name):
+    for point in sorted(find(group), key=lambda each: each.name):
         try:
             backend: _BackendT = point.load()()
             works, reason = backend.available()

@@ -27,7 +27,8 @@ class Speech:
         began: from the request to the first sound.
         lasted: from the first sound to the last.
         liveliness: how much more the region of the mouth changed from frame to frame than before.
-        mouth_after_sound: from the first sound to the first movement of the mouth.
+        mouth_after_sound: from when a tenth of the sound was heard to when a tenth of the mouth's movement was seen; a
+            glance to the side or a blink before the first word is no more than that.
     """
 
     noise: float
@@ -88,17 +89,23 @@ async def speak(visit: Visit, text: str) -> Speech:
     await visit.until(f"{SAYING} === 'done'")
     ended = await visit.read("performance.now()")
 
-    sound = await visit.read("probe.sound")
-    heard = [each["at"] for each in sound if each["at"] > asked and each["rms"] > _LOUD]
-    mouth = await visit.seen("mouth")
-    before = [each["step"] for each in mouth if each["at"] < asked]
-    meanwhile = [each for each in mouth if asked < each["at"] < ended]
+    sound = [(each["at"], each["rms"]) for each in await visit.read("probe.sound")]
+    heard = [(at, rms) for at, rms in sound if at > asked and rms > _LOUD]
+    mouth = [(each["at"], each["step"]) for each in await visit.seen("mouth")]
+    before = [step for at, step in mouth if at < asked]
+    meanwhile = [(at, step) for at, step in mouth if asked < at < ended]
     still = max(3.0, 1.2 * max(before))
-    opened = next(each["at"] for each in meanwhile if each["step"] > still)
+    moved = [(at, step - still) for at, step in meanwhile if step > still]
     return Speech(
-        noise=max(each["rms"] for each in sound if each["at"] < asked),
-        began=heard[0] - asked,
-        lasted=heard[-1] - heard[0],
-        liveliness=mean(each["step"] for each in meanwhile) / mean(before),
-        mouth_after_sound=opened - heard[0],
+        noise=max(rms for at, rms in sound if at < asked),
+        began=heard[0][0] - asked,
+        lasted=heard[-1][0] - heard[0][0],
+        liveliness=mean(step for _, step in meanwhile) / mean(before),
+        mouth_after_sound=_tenth(moved) - _tenth(heard),
     )
+
+
+def _tenth(samples: list[tuple[float, float]]) -> float:
+    """When a tenth of all that is sampled had come; each is a moment and how much came then."""
+    rest = sum(amount for _, amount in samples) / 10
+    return next(at for at, amount in samples if (rest := rest - amount) <= 0)

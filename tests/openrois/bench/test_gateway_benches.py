@@ -18,6 +18,7 @@ async def test_rpc_measures_gateway_and_floor() -> None:
     assert report.pipelined.per_second > 0
 
 
+@pytest.mark.long
 def test_events_reach_everybody_who_may_hear_them(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "events.json"
     asked = ["events", "--rounds", "1", "--seconds", "0.2", "--clients", "3", "--tls", "--auth", "--json", str(file)]
@@ -28,6 +29,7 @@ def test_events_reach_everybody_who_may_hear_them(tmp_path: Path, capsys: pytest
     assert 0 < figures["first"]["p50"] <= figures["last"]["p50"]
 
 
+@pytest.mark.long
 def test_idle_connections_stay(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "idle.json"
     assert command.main(["idle", "--connections", "5", "--seconds", "0.1", "--json", str(file)]) == 0

@@ -128,7 +128,7 @@ async def compare(wire: Wire, method: str, build: Callable[[str], Any], hidden: 
     assert told[0] == told[1], f"{method} tells {hidden} from {missing}"
 
 
-@pytest.mark.parametrize("role", [Role.VIEWER, Role.OPERATOR])
+@pytest.mark.parametrize("role", [Role.VIEWER, pytest.param(Role.OPERATOR, marks=pytest.mark.long)])
 async def test_a_thousand_pairs(role: Role) -> None:
     chance, tried = random.Random(6), set()
     async with place("fleet", "hidden") as where:
