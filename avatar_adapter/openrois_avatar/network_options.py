@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from openrois_streaming.network.admission import AdmissionSettings
 from openrois_streaming.network.interfaces import host_addresses
 from openrois_streaming.network.settings import PROFILES, NetworkSettings, PortRange
-from openrois_streaming.places import PlaceRules
+from openrois_streaming.places import KEPT_FOR_OPERATORS, PlaceRules, kept_places
 
 __all__ = [
     "add_host_options",
@@ -65,9 +65,8 @@ def add_place_options(group: argparse._ActionsContainer) -> None:
     group.add_argument(
         "--kept-for-operators",
         type=int,
-        default=places.kept_for_operators,
         metavar="N",
-        help="of these, places that those leave free that may not bind (%(default)s)",
+        help=f"of these, places that those leave free that may not bind (a quarter, at most {KEPT_FOR_OPERATORS})",
     )
     group.add_argument(
         "--answer-time",
@@ -80,7 +79,10 @@ def add_place_options(group: argparse._ActionsContainer) -> None:
 
 def place_rules(chosen: argparse.Namespace) -> PlaceRules:
     """Return what was chosen of `add_place_options`. Raises ValueError with a sentence."""
-    return PlaceRules(chosen.applications, chosen.kept_for_operators, chosen.answer_time)
+    kept = chosen.kept_for_operators
+    if kept is None:
+        kept = kept_places(chosen.applications)
+    return PlaceRules(chosen.applications, kept, chosen.answer_time)
 
 
 def place_arguments(chosen: argparse.Namespace) -> Sequence[str]:

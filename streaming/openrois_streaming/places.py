@@ -4,7 +4,7 @@ from collections.abc import Collection, Hashable, Mapping
 from dataclasses import dataclass
 from typing import Final, TypeVar
 
-__all__ = ["SESSIONS_LIMIT", "PlaceRules"]
+__all__ = ["KEPT_FOR_OPERATORS", "SESSIONS_LIMIT", "PlaceRules", "kept_places"]
 
 Name = TypeVar("Name", bound=Hashable)
 
@@ -12,10 +12,15 @@ SESSIONS_LIMIT: Final = 64
 """Applications at once. Each costs about 1 % of a core for each stream that plays."""
 
 KEPT_FOR_OPERATORS: Final = 16
-"""Places that applications which may not bind leave free."""
+"""Places that applications which may not bind leave free, or a quarter of all where that is less."""
 
 ANSWER_TIME: Final = 2.0
 """Seconds that an offer may stay unanswered before its place is another application's that wants it."""
+
+
+def kept_places(applications: int) -> int:
+    """Return how many places of so many are kept for applications that may bind, unless a number is given."""
+    return min(KEPT_FOR_OPERATORS, applications // 4)
 
 
 @dataclass(frozen=True, slots=True)

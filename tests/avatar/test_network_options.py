@@ -4,6 +4,7 @@ import pytest
 from openrois_avatar.network_options import add_host_options, add_network_options, host_arguments, network_settings
 from openrois_streaming.network.admission import AdmissionSettings
 from openrois_streaming.network.settings import NetworkSettings, PortRange
+from openrois_streaming.places import PlaceRules
 
 
 def parse(*arguments: str) -> argparse.Namespace:
@@ -26,6 +27,11 @@ def test_what_is_chosen() -> None:
     assert network_settings(parse(*admission)).admission == AdmissionSettings(1, 2, 3, 4)
 
 
+@pytest.mark.parametrize(("applications", "kept"), [(1, 0), (3, 0), (4, 1), (63, 15), (64, 16), (4096, 16)])
+def test_a_quarter_of_the_places_is_kept_and_no_more_than_sixteen(applications: int, kept: int) -> None:
+    assert network_settings(parse("--applications", str(applications))).places == PlaceRules(applications, kept)
+
+
 @pytest.mark.parametrize(
     ("arguments", "told"),
     [
@@ -46,7 +52,10 @@ def test_what_cannot_be_read_is_said(arguments: tuple[str, ...], told: str, caps
         (("--interface", "nowhere0"), "no interface has the name or the address nowhere0; there are: .*lo"),
         (("--relay-only", "--interface", "lo"), "with a relay alone"),
         (("--peer-packets", "0"), "--peer-packets must be 1 or more, not 0"),
-        (("--applications", "8"), "--kept-for-operators must be 0 to 7, fewer than --applications, not 16"),
+        (
+            ("--applications", "8", "--kept-for-operators", "8"),
+            "--kept-for-operators must be 0 to 7, fewer than --applications, not 8",
+        ),
     ],
 )
 def test_what_cannot_be_used_is_said(arguments: tuple[str, ...], told: str) -> None:
