@@ -24,7 +24,17 @@ TESTS = (
     *(str(path.relative_to(ROOT)) for path in sorted((ROOT / "tests/openrois").glob("test_*.py"))),
     *(
         f"tests/streaming/test_{part}.py"
-        for part in ("arrival", "encoder_limit", "level", "places", "state", "liveness", "keyframes", "supervision")
+        for part in (
+            "arrival",
+            "encoder_health",
+            "encoder_limit",
+            "level",
+            "places",
+            "state",
+            "liveness",
+            "keyframes",
+            "supervision",
+        )
     ),
     "tests/streaming/test_reference_chain.py",
     "tests/streaming/adaptation",

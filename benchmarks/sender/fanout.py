@@ -100,6 +100,10 @@ class Published:
         """There always is."""
         return True
 
+    def can_encode(self, mime_type: str) -> bool:
+        """Nothing is encoded that can fail."""
+        return True
+
     @property
     def rung(self) -> None:
         """There is nothing to choose."""

@@ -88,6 +88,10 @@ class MediaPublisher(Protocol):
         """Whether a viewer can be played something in that media type now."""
         ...
 
+    def can_encode(self, mime_type: str) -> bool:
+        """Whether its encoders of that media type work, as far as is known: not while they fail again and again."""
+        ...
+
 
 class _Part:
     """A rendition that is played, and wanted until the part is left: what others may have follows from it."""

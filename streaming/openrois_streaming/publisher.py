@@ -12,6 +12,7 @@ from openrois_streaming.clock import MediaClock, wall_at
 from openrois_streaming.codecs import CodecUnavailable, available_codecs, codec_named
 from openrois_streaming.encoded import AUDIO_CLOCK_RATE, VIDEO_CLOCK_RATE
 from openrois_streaming.encoder_audio import OpusEncoder
+from openrois_streaming.encoder_health import EncoderHealth
 from openrois_streaming.encoder_limit import ENCODERS_LIMIT, within_limit
 from openrois_streaming.encoder_video import VideoEncoder
 from openrois_streaming.encoding import Encoding
@@ -96,10 +97,20 @@ class Publisher(Generic[RawT]):
         self._source = _HandOver(source, clock, finish)
         self._raw: Fanout[RawT] = Fanout(self._source, name=name)
         self._made: dict[tuple[object, ...], Rendition] = {}
+        self._health = EncoderHealth()
 
     def has_room(self, mime_type: str) -> bool:
         """Whether a viewer can be played something in that media type now."""
         return True
+
+    def can_encode(self, mime_type: str) -> bool:
+        """Whether its encoders of that media type work, as far as is known: not while they fail again and again."""
+        codec = codec_named(mime_type)
+        wanted = [each for key, each in self._made.items() if key[0] == codec and each.is_wanted]
+        failures = [each.failure for each in wanted]
+        # No codec helps a source that fails.
+        is_failing = bool(failures) and all(each is not None and each is not self._raw.failure for each in failures)
+        return self._health.is_usable(codec, is_failing=is_failing, now=self._clock.now())
 
     @property
     def made(self) -> tuple[Rendition, ...]:

@@ -66,6 +66,10 @@ class EncodedPublisher:
         """Whether a viewer can be played something in that media type: nothing is encoded here."""
         return True
 
+    def can_encode(self, mime_type: str) -> bool:
+        """Always so: an encoder that fails is the engine's, and another codec cannot be had."""
+        return True
+
     @property
     def made(self) -> tuple[Rendition, ...]:
         """The rendition, if it was played so far."""
@@ -131,6 +135,10 @@ class EitherPublisher:
     def has_room(self, mime_type: str) -> bool:
         """Whether a viewer can be played something in that media type now."""
         return (self._encoded if self._comes_encoded() else self._raw).has_room(mime_type)
+
+    def can_encode(self, mime_type: str) -> bool:
+        """Whether its encoders of that media type work, as far as is known."""
+        return (self._encoded if self._comes_encoded() else self._raw).can_encode(mime_type)
 
     @property
     def made(self) -> tuple[Rendition, ...]:

@@ -85,6 +85,7 @@ class StreamSession:
         network = network or NetworkSettings()
         admitting = ingress or Ingress(network.admission)
         self._clock = clock
+        self._name = name
         self._tasks = OwnedTasks(name, failed)
         self._streams = StreamTable(on_change, clock)
         self.report_playout = self._streams.report_playout
@@ -179,7 +180,8 @@ class StreamSession:
         if direction == "sendrecv" and kind != "audio":
             raise ValueError("only audio goes both ways in one stream")
         intake = None if inlet is None else Intake(stream_id, inlet)
-        chosen = choose_codecs(kind, codecs)
+        common = chosen = choose_codecs(kind, codecs)
+        others: tuple[str, ...] = ()
         if publisher is not None:
             names = ", ".join(chosen)
             chosen = tuple(codec for codec in chosen if publisher.has_room(codec))
@@ -187,8 +189,21 @@ class StreamSession:
                 raise NoEncoder(
                     f"all encoders of the engine are in use, and none of them encodes {names}; try again later"
                 )
+            chosen = tuple(codec for codec in chosen if publisher.can_encode(codec)) or chosen
+        if codecs is not None:
+            chosen, others = chosen[:1], tuple(codec for codec in common if codec != chosen[0])
         stream = Stream(
-            stream_id, component_ref, kind, publisher, chosen, Counters(), direction, intake, caps or Caps(), stereo
+            stream_id,
+            component_ref,
+            kind,
+            publisher,
+            chosen,
+            Counters(),
+            direction,
+            intake,
+            caps or Caps(),
+            stereo,
+            others,
         )
         if direction in self._held.get(component_ref, ()):
             stream.suspend(Party.ENGINE)
@@ -286,10 +301,18 @@ class StreamSession:
                 self._played_at = now
             elif now - self._played_at >= IDLE:
                 self._peers.end("no stream is left to play")
+            self._change_codecs()
             await self._look()
             # All sessions look at the same moments: to wake the process takes longer than a look.
             due = (self._clock.now() // TICK + 1) * TICK
             await self._clock.sleep_until(due)
+
+    def _change_codecs(self) -> None:
+        """Replace the peer connection where its codec cannot be encoded and the viewer can decode another."""
+        peers = self._peers.all()
+        if len(peers) == 1 and True in {stream.change_codec() for stream in self._streams}:
+            _log.warning("%s: an encoder fails again and again: another codec is offered", self._name)
+            self._peers.restart(peers[0].peer_id)
 
     def _look_soon(self) -> None:
         """Pass what may pass now; look at the streams before the next tick, but not within the present call."""

@@ -25,7 +25,7 @@ def choose_codecs(kind: MediaKind, wanted: Sequence[str] | None) -> tuple[str, .
             ("VP8"), in any case. None if it did not say; then all that can be had here are offered, best first.
 
     Returns:
-        The best of them by our own order alone, because it is the one that viewers can share.
+        Those that both know, best first by our own order, because the best is the one that viewers can share.
 
     Raises:
         NoCommonCodec: none of `wanted` can be had here.
@@ -33,7 +33,7 @@ def choose_codecs(kind: MediaKind, wanted: Sequence[str] | None) -> tuple[str, .
     ours = [codec for codec in available_codecs() if codec.startswith(kind)]
     if wanted is not None:
         theirs = {name.lower().removeprefix(f"{kind}/") for name in wanted}
-        ours = [codec for codec in ours if codec.lower().removeprefix(f"{kind}/") in theirs][:1]
+        ours = [codec for codec in ours if codec.lower().removeprefix(f"{kind}/") in theirs]
     if not ours:
         raise NoCommonCodec(f"none of the {kind} codecs of the application can be used here")
     return tuple(ours)
@@ -41,10 +41,11 @@ def choose_codecs(kind: MediaKind, wanted: Sequence[str] | None) -> tuple[str, .
 
 @dataclass(slots=True, eq=False)
 class Stream:
-    """A stream that an application has connected. `codecs` are the media types it may be sent in, best first.
+    """A stream that an application has connected. `codecs` are the media types it is offered in, best first.
 
-    `direction` is seen from the application. `publisher` is there where the application receives, `intake` where it
-    sends. `caps` limit what it is sent. `stereo`: it is asked for two channels of sound.
+    `others` are those that take their place where their encoders fail, best first. `direction` is seen from the
+    application. `publisher` is there where the application receives, `intake` where it sends. `caps` limit what it is
+    sent. `stereo`: it is asked for two channels of sound.
     """
 
     stream_id: str
@@ -57,6 +58,7 @@ class Stream:
     intake: Intake | None = None
     caps: Caps = field(default_factory=Caps)
     stereo: bool = False
+    others: tuple[str, ...] = ()
     path_bitrate: float | None = None
     """What its viewer's path was seen to carry, in bit/s; None if nothing is known yet."""
     playout_delay: float | None = None
@@ -73,6 +75,21 @@ class Stream:
     def status(self) -> StreamStatus:
         """What others are told."""
         return STATUS[self.phase]
+
+    def change_codec(self) -> bool:
+        """Choose another codec where the one it is offered in cannot be encoded; tell whether there is one.
+
+        It takes effect in the next peer connection.
+        """
+        publisher = self.publisher
+        if publisher is None or not self.is_open or any(publisher.can_encode(each) for each in self.codecs):
+            return False
+        other = next((each for each in self.others if publisher.can_encode(each) and publisher.has_room(each)), None)
+        if other is None:
+            return False
+        self.others = (*self.codecs, *(each for each in self.others if each != other))
+        self.codecs = (other,)
+        return True
 
     def apply(self, event: StreamInput) -> None:
         """Go on to the phase after `event`."""

@@ -21,15 +21,16 @@ class Broken:
 
     def __init__(self, patch: pytest.MonkeyPatch) -> None:
         self.encoding = self.making = False
+        self.codecs = {"video/H264", "video/VP8"}
         self.failures = 0
         init, encode = VideoEncoder.__init__, VideoEncoder.encode
 
-        def made(one: VideoEncoder, *arguments: Any, **options: Any) -> None:
-            self._fail(self.making, "there is no memory for an encoder")
-            init(one, *arguments, **options)
+        def made(one: VideoEncoder, mime_type: str, **options: Any) -> None:
+            self._fail(self.making and mime_type in self.codecs, "there is no memory for an encoder")
+            init(one, mime_type, **options)
 
         def encoded(one: VideoEncoder, *arguments: Any, **options: Any) -> Any:
-            self._fail(self.encoding, "the encoder cannot go on")
+            self._fail(self.encoding and one._mime_type in self.codecs, "the encoder cannot go on")
             return encode(one, *arguments, **options)
 
         patch.setattr(VideoEncoder, "__init__", made)
@@ -66,6 +67,34 @@ async def test_f33_an_encoder_that_fails_or_cannot_be_made(
         assert await app.becomes(VIDEO, "READY") == "READY"
         assert app.byes == other.byes == []
         assert broken.failures > 1
+
+
+@pytest.mark.parametrize("seed", SOME)
+async def test_f33_where_no_encoder_of_a_codec_can_be_made_another_codec_is_played(
+    seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with stage(seed, tmp_path, caplog) as on:
+        broken = Broken(monkeypatch)
+        broken.codecs = {"video/H264"}
+        broken.making = seed % 2 == 0
+        app = await on.spectator()
+        video = await app.connect(VIDEO, '{"codecs": ["VP8", "H264"]}')
+        audio = await app.play(AUDIO)
+        if not broken.making:
+            await app.sees(video, on.place.chance.randrange(1, 10))
+            assert on.encoders() == {"video/H264", "audio/opus"}
+            broken.making = broken.encoding = True
+        await app.until(lambda: app.byes == ["it was replaced"])
+        await app.sees(video)
+        await app.is_now(video, "RUNNING")
+        assert on.encoders() == {"video/VP8", "audio/opus"}
+        assert "NOT_CONNECTED" not in app.told[video] + app.told[audio]
+        assert await app.becomes(VIDEO, "READY") == "READY"
+        # The next viewer does not wait for what fails, and does not ask for it either.
+        other = await on.spectator()
+        others = await other.play(VIDEO, '{"codecs": ["VP8", "H264"]}')
+        await other.sees(others)
+        assert other.byes == []
 
 
 @pytest.mark.parametrize("seed", SOME)

@@ -439,3 +439,48 @@ async def test_a_session_without_streams_ends_its_peer_connection_after_a_while(
     await theatre.wait(2)
     assert theatre.session.is_over
     assert [bye.reason for bye in theatre.byes] == ["no stream is left to play"]
+
+
+def offered(theatre: Theatre) -> tuple[str, ...]:
+    """Return the media types in which the newest peer connection offers its first section."""
+    leg = theatre.connections[-1].sections[0].leg
+    assert leg is not None
+    return leg.stream.codecs
+
+
+async def test_where_a_codec_cannot_be_encoded_the_next_is_offered_in_a_new_peer_connection(theatre: Theatre) -> None:
+    theatre.session.connect("v", "engine/Video", theatre.publisher, "video", ["VP8", "H264"])
+    await theatre.up()
+    assert offered(theatre) == ("video/H264",)
+    theatre.publisher.broken.add("video/H264")
+    await theatre.wait(1.0)
+    assert [offer.replaces for offer in theatre.offers] == [None, "engine/p1"]
+    assert offered(theatre) == ("video/VP8",)
+    await theatre.play(await theatre.up(1))
+    assert theatre.session.status("v") is StreamStatus.RUNNING
+    assert [(bye.peer_id, bye.reason) for bye in theatre.byes] == [("engine/p1", "it was replaced")]
+    # Where that fails, too, there is no better one, until one is to be had again.
+    theatre.publisher.broken.add("video/VP8")
+    await theatre.wait(60.0)
+    assert len(theatre.offers) == 2
+    theatre.publisher.broken.remove("video/H264")
+    await theatre.wait(1.0)
+    assert offered(theatre) == ("video/H264",)
+
+
+async def test_a_codec_that_cannot_be_encoded_is_not_offered_to_the_next_viewer(theatre: Theatre) -> None:
+    theatre.publisher.broken.add("video/H264")
+    theatre.session.connect("v", "engine/Video", theatre.publisher, "video", ["H264", "VP8"])
+    await theatre.up()
+    assert offered(theatre) == ("video/VP8",)
+
+
+@pytest.mark.parametrize("codecs", [["H264"], None])
+async def test_a_viewer_that_knows_no_other_codec_or_chose_itself_is_left_alone(
+    theatre: Theatre, codecs: list[str] | None
+) -> None:
+    theatre.session.connect("v", "engine/Video", theatre.publisher, "video", codecs)
+    await theatre.up()
+    theatre.publisher.broken.add("video/H264")
+    await theatre.wait(5.0)
+    assert len(theatre.offers) == 1

@@ -110,6 +110,11 @@ class FedPublisher:
         """How many pictures a second were asked for last."""
         self.full: set[str] = set()
         """Media types in which nobody can be played anything."""
+        self.broken: set[str] = set()
+        """Media types whose encoders fail again and again."""
+
+    def can_encode(self, mime_type: str) -> bool:
+        return mime_type not in self.broken
 
     def has_room(self, mime_type: str) -> bool:
         return mime_type not in self.full
