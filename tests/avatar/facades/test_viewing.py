@@ -290,6 +290,17 @@ def test_an_offer_that_is_not_answered_ends_its_streams() -> None:
     assert house.engine.dismissed == house.engine.players
 
 
+def test_it_is_known_for_how_long_no_offer_was_answered() -> None:
+    house = House()
+    house.connect("video")
+    offer = house.offers()
+    house.pass_time(3.0)
+    assert house.viewing.unanswered_for() == pytest.approx(3.125)
+    house.answers(offer)
+    house.pass_time()
+    assert house.viewing.unanswered_for() is None
+
+
 def test_what_nobody_wants_any_more_is_not_waited_for() -> None:
     house = House()
     house.connect("video")
