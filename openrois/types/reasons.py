@@ -31,5 +31,7 @@ class ReasonNotification(Model):
 def sentence(told: object) -> str:
     """Return what somebody else wrote as one line of at most `MAX_REASON` characters; empty where it says nothing."""
     text = str(told)[:_READ]
-    line = " ".join("".join(character if character.isprintable() else " " for character in text).split())
+    if not text.isprintable():
+        text = "".join(character if character.isprintable() else " " for character in text)
+    line = " ".join(text.split())
     return line if len(line) <= MAX_REASON else f"{line[: MAX_REASON - 1]}…"
