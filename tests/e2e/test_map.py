@@ -143,6 +143,7 @@ async def test_a_stop_that_fails_is_told_until_the_next_one(guest: Visit) -> Non
     await all_stopped(guest)
 
 
+@pytest.mark.long
 async def test_somebody_is_followed_until_stop(guest: Visit) -> None:
     await _figure(guest)
     await _follow(guest)
@@ -150,6 +151,7 @@ async def test_somebody_is_followed_until_stop(guest: Visit) -> None:
     assert await outcome(guest, "avatar/follower", "start") == "ABORT"
 
 
+@pytest.mark.long
 async def test_a_map_that_is_closed_asks_nothing(guest: Visit) -> None:
     await _figure(guest)
     await guest.press("map-open")
@@ -162,6 +164,7 @@ async def test_a_map_that_is_closed_asks_nothing(guest: Visit) -> None:
     assert len(left) == len(mine)
 
 
+@pytest.mark.long
 async def test_the_viewpoint_is_chosen_for_every_viewer(browser: Browser, guest: Visit, avatar: Demo) -> None:
     choice = guest.item("viewpoint")
     await expect(choice.locator("option")).to_have_text(["Automatic", "Face", "Room", "Follow"])

@@ -172,7 +172,7 @@ async def test_what_comes_and_goes_moves_nothing(guest: Visit) -> None:
         assert await guest.read(places) == before
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("scheme", [pytest.param("light", marks=pytest.mark.long), "dark"])
 async def test_every_text_can_be_read(browser: Browser, avatar: Demo, scheme: str) -> None:
     async with visiting(browser, avatar.page, color_scheme=scheme) as visit:
         await meet(visit)
@@ -204,6 +204,7 @@ async def test_the_puppet_lives_too(guest: Visit) -> None:
     assert await outcome(guest, "avatar/reaction", "start") == "OK"
 
 
+@pytest.mark.long
 async def test_the_word_that_is_heard_is_marked_and_a_pause_holds_it(guest: Visit) -> None:
     await say(guest, "Green parrots whistle melodies loudly.")
     await guest.until(f"{_MARKED} === 'parrots'")
@@ -303,6 +304,7 @@ async def test_sentences_wait_for_each_other_and_what_waits_is_seen_and_removed(
     assert texts == [first, "Third."]
 
 
+@pytest.mark.long
 async def test_a_long_text_loses_nothing_and_ssml_is_spoken_without_its_tags(guest: Visit) -> None:
     long = " ".join(f"Sentence number {number}." for number in range(250))
     await guest.item("say-text").fill(long)

@@ -110,6 +110,7 @@ async def test_a_page_that_is_loaded_again_shows_what_it_showed(visit: Visit) ->
     await visit.status("audio", "SUSPENDED")
 
 
+@pytest.mark.long
 async def test_the_statistics_of_the_last_minute_are_drawn_over_the_picture(visit: Visit) -> None:
     await visit.plays()
     await expect(visit.item("statistics")).to_be_hidden()

@@ -49,6 +49,7 @@ async def test_a_gateway_that_has_gone(browser: Browser) -> None:
 
 
 @pytest.mark.usefixtures("node")
+@pytest.mark.long
 async def test_a_gateway_without_an_avatar_and_then_with_one(browser: Browser, gateway: Gateway) -> None:
     async with visiting(browser, gateway.url) as visit:
         words = await visit.banner("no-adapter", "No avatar is connected")
@@ -79,6 +80,7 @@ async def test_a_browser_without_webrtc(browser: Browser, gateway: Gateway) -> N
         await visit.banner("no-webrtc", "This browser has no WebRTC")
 
 
+@pytest.mark.long
 async def test_no_way_for_the_media(chromium: Path, gateway: Gateway) -> None:
     # This policy is for those who let nothing out but through a proxy: no UDP at all. Its switch has had two names.
     policy = [f"--{name}=disable_non_proxied_udp" for name in _POLICY]

@@ -8,7 +8,7 @@ from aiortc import MediaStreamTrack
 from av import AudioFrame, VideoFrame
 
 from tests.support.black_box_media import Camera, Microphone
-from tests.support.seeds import SOME
+from tests.support.seeds import lasting
 from tests.support.spectator import AUDIO, VIDEO
 from tests.support.stage import stage
 
@@ -48,7 +48,7 @@ class PluggedMicrophone(Microphone):
         return await super().recv()
 
 
-@pytest.mark.parametrize("seed", SOME)
+@pytest.mark.parametrize("seed", lasting(0))
 async def test_f41_devices_that_are_pulled_out_and_busy(
     seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:

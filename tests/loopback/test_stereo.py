@@ -40,6 +40,7 @@ transceiver.direction = 'sendonly';
 """.replace("LATE", str(LATE))
 
 
+@pytest.mark.long
 async def test_a_browser_sends_two_channels_when_it_is_asked_to_and_their_bearing_is_right(chromium: Path) -> None:
     microphone: SharedInlet[RawAudio] = SharedInlet("microphone")
     heard: list[np.ndarray[tuple[int, ...], np.dtype[np.int16]]] = []

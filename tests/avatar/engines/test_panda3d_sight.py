@@ -54,6 +54,7 @@ print(json.dumps([at_rest, attentive, differing]))
 """
 
 
+@pytest.mark.long
 async def test_what_is_left_out_is_not_seen() -> None:
     at_rest, attentive, differing = await said_by(PROGRAM)
     assert any(at_rest), "at rest"
@@ -86,6 +87,7 @@ print(json.dumps([[each.shape for each in small], [float(cv2.absdiff(*each).mean
 """
 
 
+@pytest.mark.long
 async def test_smaller_pictures_show_the_same() -> None:
     shapes, differing = await said_by(RESIZED)
     assert shapes == [[180, 320, 4]] * 2
@@ -144,5 +146,6 @@ print(json.dumps(moved))
 """
 
 
+@pytest.mark.long
 async def test_the_body_is_drawn_anew_when_it_has_moved_as_far_as_can_be_seen_at_that_size() -> None:
     assert await said_by(SWAYED) == [True, True, False, True]
