@@ -291,7 +291,7 @@ class AvatarStreams:
             session.input.tell(message)
 
         own = self._channels.get(client)
-        sink = None if self._seat is None else self._seat.hands(client, tell)
+        sink = None if self._seat is None else self._seat.hands(client, tell, lambda: session.round_trip_time)
         session = StreamSession(
             mint=lambda: new_id(self._engine_id),
             send=send,

@@ -85,6 +85,13 @@ class Peers:
         assert self._present is not None, "a stream ends with its last peer connection"
         return self._present.legs[stream]
 
+    @property
+    def round_trip_time(self) -> float | None:
+        """Seconds there and back over the present one, as its viewer's reports have it; None before the first."""
+        legs = () if self._present is None else self._present.legs.values()
+        measured = [leg.report.round_trip_time for leg in legs if leg.report is not None]
+        return max((each for each in measured if each is not None), default=None)
+
     def verdicts(self, stream: Stream, now: float) -> list[Verdict]:
         """What was measured about `stream` on each media path it has."""
         judged = (peer.judge(stream, now) for peer in self.all())

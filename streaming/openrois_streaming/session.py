@@ -136,6 +136,11 @@ class StreamSession:
         """Whether there is neither a stream nor a peer connection."""
         return not self._peers.all()
 
+    @property
+    def round_trip_time(self) -> float | None:
+        """Seconds that a packet takes to the viewer and back, smoothed; None where it has not reported yet."""
+        return self._peers.round_trip_time
+
     def unanswered_for(self) -> float | None:
         """Seconds since it was made, where none of its peer connections was ever answered; None where one was."""
         return None if self._peers.was_answered else self._clock.now() - self._made_at

@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 from openrois_avatar.link.messages import Drive, Halt, Quit
 from openrois_signaling.messages import Offer
-from openrois_streaming.testing import ImpairedPath, MeasuringSink
+from openrois_streaming.testing import ImpairedPath, Impairments, MeasuringSink
 from openrois_streaming.testing.hands import Hands
 
 from openrois.gateway.server import Gateway
@@ -125,6 +125,25 @@ async def test_the_network_is_cut_while_a_key_is_held(house: House, capsys: pyte
         assert [each["value"] for each in detail["results"]] == ["no input came for 0.4 s"]
         operation = await operator.operation()
         assert (operation["active"], operation["stopped_because"]) == ("false", "no input came for 0.4 s")
+
+
+async def test_on_a_long_way_the_figure_goes_slower_and_at_full_speed_when_it_is_short_again(house: House) -> None:
+    """F35: what takes 0.7 s there and back is driven at five sevenths of the speed."""
+    path = ImpairedPath(Impairments(delay=0.35), Impairments(delay=0.35))
+    async with path, house.operator(path) as operator:
+        await operator.start()
+        async with asyncio.timeout(60):
+            while float((await operator.operation())["pace"]) == 1.0:
+                await operator.hold(0.2)
+            pace = float((await operator.operation())["pace"])
+            assert 0.3 < pace < 0.75
+            speeds = [each.ahead for _, each in house.engine.heard if isinstance(each, Drive)]
+            assert min(speeds) <= 0.8 * 0.75
+            for direction in (path.up, path.down):
+                direction.change(delay=0.0)
+            while (await operator.operation())["pace"] != "1.0":
+                await operator.hold(0.2)
+        assert (await operator.operation())["ahead"] == "0.8"
 
 
 async def test_the_application_closes_its_end_while_a_key_is_held(

@@ -12,6 +12,7 @@ from openrois_streaming.errors import NoCommonCodec, TooManySections, UnknownPee
 from openrois_streaming.keyframes import KeyFrameCause
 from openrois_streaming.liveness import STALL
 from openrois_streaming.peers import REPLACE_TIMEOUT
+from openrois_streaming.rtp.reports import ReceiverReport
 from openrois_streaming.session import IDLE, StreamSession
 from openrois_streaming.state import StreamStatus
 
@@ -439,6 +440,18 @@ async def test_a_session_without_streams_ends_its_peer_connection_after_a_while(
     await theatre.wait(2)
     assert theatre.session.is_over
     assert [bye.reason for bye in theatre.byes] == ["no stream is left to play"]
+
+
+async def test_the_round_trip_is_the_longest_that_its_viewer_reports(theatre: Theatre) -> None:
+    assert theatre.session.round_trip_time is None
+    theatre.connect("v")
+    theatre.connect("w")
+    connection = await theatre.up()
+    assert theatre.session.round_trip_time is None
+    for section, seconds in zip(connection.sections, (0.3, 0.7), strict=True):
+        assert section.leg is not None
+        section.leg.reported(ReceiverReport(1, 0.0, 0, 90, round_trip_time=seconds))
+    assert theatre.session.round_trip_time == 0.7
 
 
 def offered(theatre: Theatre) -> tuple[str, ...]:

@@ -74,7 +74,7 @@ export class Control {
     this.#show(false);
     const teleoperation = new Teleoperation(this.#client, this.#media, componentRef);
     this.#teleoperation = teleoperation;
-    for (const name of ["refused", "stopped"] as const)
+    for (const name of ["refused", "stopped", "paced"] as const)
       teleoperation.on(name, (reason) => {
         // What is still on its way when control has ended is refused, too: that says nothing new.
         if (this.#detach) this.#say(sentence(plainReason(reason)));

@@ -17,13 +17,17 @@ __all__ = ["Teleoperation"]
 
 
 class OperationResult(Payload):
-    """How it goes: `active` while something is held or moves; messages are counted since the adapter began."""
+    """How it goes: `active` while something is held or moves; messages are counted since the adapter began.
+
+    `pace` is the share of the full speed at which it goes: less than 1 where the way to the operator is long.
+    """
 
     operated: bool
     active: bool
     ahead: float
     left: float
     turn: float
+    pace: float
     stopped_because: str
     taken: int
     refused: int
@@ -59,7 +63,7 @@ class Teleoperation(Component, authority="OpenRoIS", function="actuation"):
 
     def pilot(self, stopped: Callable[[str], None]) -> Pilot:
         """Return what operates the figure as the parameters say; `stopped` is told why it stopped by itself."""
-        return Pilot(self._controls, self._steering, self._clock, stopped)
+        return Pilot(self._controls, self._steering, self._clock, stopped, self._tell_paced)
 
     def condition(self) -> ComponentStatus:
         """Follow the game engine."""
@@ -98,6 +102,7 @@ class Teleoperation(Component, authority="OpenRoIS", function="actuation"):
             ahead=velocity.ahead,
             left=velocity.left,
             turn=velocity.turn,
+            pace=1.0 if pilot is None else pilot.pace,
             stopped_because=self._stopped_because,
             taken=figures.taken,
             refused=figures.refused,
@@ -115,6 +120,9 @@ class Teleoperation(Component, authority="OpenRoIS", function="actuation"):
 
     def _steering(self) -> Steering:
         return Steering(self.max_speed, self.max_turn, self.dead_zone, self.expo)
+
+    def _tell_paced(self, sentence: str) -> None:
+        self.seat.tell_operator("paced", sentence)
 
     def _tell_stopped(self, reason: str) -> None:
         self._stopped_because = reason

@@ -9,9 +9,12 @@ from openrois_streaming.clock import MediaClock
 from openrois_streaming.input.messages import Held, Message, Release
 
 from openrois.errors import ComponentFailed
-from openrois_avatar.teleoperation.steering import STANDING, Steering, Velocity
+from openrois_avatar.teleoperation.steering import STANDING, Steering, Velocity, pace
 
 __all__ = ["PATIENCE", "Controls", "Pilot"]
+
+SLOW: Final = 0.9
+"""Share of the full speed below which the operator is told that the figure goes slower."""
 
 PATIENCE: Final = 0.4
 """Seconds without a message, while something is held, after which the figure stops. Pages send ten or more a second."""
@@ -62,6 +65,7 @@ class Pilot:
         steering: returns how much is asked for, now.
         clock: for the dead man's switch.
         stopped: is told why, when the figure stops or what was held counts no more, though nobody let go of it.
+        paced: is told, in a sentence, when the figure begins to go slower, and when it goes at full speed again.
     """
 
     def __init__(
@@ -70,14 +74,19 @@ class Pilot:
         steering: Callable[[], Steering],
         clock: MediaClock,
         stopped: Callable[[str], None],
+        paced: Callable[[str], None] = lambda _sentence: None,
     ) -> None:
         self.velocity = STANDING
+        self.pace = 1.0
+        """The share of the full speed at which the figure goes."""
         self.has_let_go = True
         """Whether what was held before the next message counts no more."""
         self._controls = controls
         self._steering = steering
         self._clock = clock
         self._stopped = stopped
+        self._paced = paced
+        self._is_slow = False
         self._gaze: tuple[float, float] | None = None
         self._fed_at = clock.now()
         self._active = asyncio.Event()
@@ -89,8 +98,14 @@ class Pilot:
         """Whether something is held, or moves."""
         return self._active.is_set()
 
-    def take(self, message: Message, held: Held) -> None:
-        """Do what a message asks for; `held` is all that is held with it."""
+    def take(self, message: Message, held: Held, round_trip: float | None = None) -> None:
+        """Do what a message asks for.
+
+        Args:
+            message: the newest one.
+            held: all that is held with it.
+            round_trip: seconds that a packet takes to the operator and back; None where that is not known.
+        """
         self._fed_at = self._clock.now()
         self.has_let_go = False
         self._last = message.seq, message.t
@@ -99,7 +114,8 @@ class Pilot:
             if self.is_active:
                 self._stop(_REASONS[message.why])
             return
-        steering = self._steering()
+        self._follow_path(round_trip)
+        steering = self._steering().at(self.pace)
         try:
             self._look(steering.gaze(held))
             self._go(steering.velocity(held))
@@ -129,6 +145,15 @@ class Pilot:
                 await self._clock.sleep_until(due)
             else:
                 self.lose(f"no input came for {PATIENCE:g} s")
+
+    def _follow_path(self, round_trip: float | None) -> None:
+        self.pace = pace(round_trip)
+        if self.pace == 1.0 and self._is_slow:
+            self._is_slow = False
+            self._paced("the figure goes at full speed again")
+        elif self.pace < SLOW and not self._is_slow:
+            self._is_slow = True
+            self._paced(f"the way to the avatar and back takes {round_trip:.1f} s: the figure goes slower")
 
     def _fail(self, reason: str) -> None:
         """The game engine does not do it; that is told once, and all of it is tried again with each message."""

@@ -80,9 +80,20 @@ class Seat:
         if self._holder is client:
             self._vacate("the application that operated is gone")
 
-    def hands(self, client: Client, tell: Callable[[str], None]) -> InputSink:
-        """Return what hears the input of an application, and `tell`s it why it is not taken."""
-        return _Hands(self, client, tell, self._clock)
+    def hands(
+        self,
+        client: Client,
+        tell: Callable[[str], None],
+        round_trip: Callable[[], float | None] = lambda: None,
+    ) -> InputSink:
+        """Return what hears the input of an application.
+
+        Args:
+            client: the application.
+            tell: sends it a message at its own channel.
+            round_trip: returns the seconds that a packet takes to it and back; None where that is not known.
+        """
+        return _Hands(self, client, tell, round_trip, self._clock)
 
     @contextmanager
     def operated(self, pilot: Pilot) -> Iterator["asyncio.Future[str]"]:
@@ -135,8 +146,16 @@ class Seat:
 class _Hands:
     """The input of one application; an `InputSink`."""
 
-    def __init__(self, seat: Seat, client: Client, tell: Callable[[str], None], clock: MediaClock) -> None:
+    def __init__(
+        self,
+        seat: Seat,
+        client: Client,
+        tell: Callable[[str], None],
+        round_trip: Callable[[], float | None],
+        clock: MediaClock,
+    ) -> None:
         self._seat = seat
+        self._round_trip = round_trip
         self._client = client
         self._tell = tell
         self._clock = clock
@@ -168,7 +187,7 @@ class _Hands:
         else:
             figures.taken += 1
             self._seat.heard_from(self._tell)
-            pilot.take(message, self._holding.held)
+            pilot.take(message, self._holding.held, self._round_trip())
 
     def input_lost(self, reason: str) -> None:
         self._holding.clear()

@@ -9,12 +9,12 @@
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from openrois_streaming.input.messages import Held
 
-__all__ = ["STANDING", "Steering", "Velocity", "shaped"]
+__all__ = ["LONG_WAY", "STANDING", "Steering", "Velocity", "pace", "shaped"]
 
 _AHEAD: Final = {"KeyW": 1.0, "ArrowUp": 1.0, "KeyS": -1.0, "ArrowDown": -1.0}
 _TURN: Final = {"KeyA": 1.0, "ArrowLeft": 1.0, "KeyD": -1.0, "ArrowRight": -1.0}
@@ -34,6 +34,17 @@ class Velocity:
 
 
 STANDING: Final = Velocity()
+
+LONG_WAY: Final = 0.5
+"""Seconds to the operator and back, above which the figure goes slower."""
+
+
+def pace(round_trip: float | None) -> float:
+    """Return the share of the full speed, above 0 and at most 1, for a path whose round trip takes so many seconds.
+
+    Before the operator can see what was done and react, the figure goes no farther than on a path of `LONG_WAY`.
+    """
+    return 1.0 if round_trip is None or round_trip <= LONG_WAY else LONG_WAY / round_trip
 
 
 def shaped(deflection: float, dead_zone: float, expo: float) -> float:
@@ -67,6 +78,10 @@ class Steering:
     max_turn: float = 1.5
     dead_zone: float = 0.12
     expo: float = 0.5
+
+    def at(self, pace: float) -> "Steering":
+        """Return the same at a share of the speed; where the figure looks does not change."""
+        return replace(self, max_speed=self.max_speed * pace, max_turn=self.max_turn * pace)
 
     def velocity(self, held: Held) -> Velocity:
         """Where the figure goes; `STANDING` where nothing asks for it. What contradicts itself comes to nothing."""

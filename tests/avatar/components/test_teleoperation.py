@@ -92,6 +92,7 @@ async def test_the_operation_is_told_as_it_is(bench: Bench) -> None:
         "ahead": "-0.8",
         "left": "-0.4",
         "turn": "1.5",
+        "pace": "1.0",
         "stopped_because": "",
         "taken": "1",
         "refused": "1",

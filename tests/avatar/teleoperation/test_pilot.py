@@ -23,7 +23,14 @@ class Flight:
         self.controls = LoggedControls(self.clock)
         self.hand = Hand()
         self.reasons: list[str] = []
-        self.pilot = Pilot(self.controls, lambda: Steering(max_speed=1, max_turn=1), self.clock, self.reasons.append)
+        self.paced: list[str] = []
+        self.pilot = Pilot(
+            self.controls,
+            lambda: Steering(max_speed=1, max_turn=1),
+            self.clock,
+            self.reasons.append,
+            self.paced.append,
+        )
 
     def hold(self, held: Held = W) -> None:
         self.pilot.take(self.hand.state(held), held)
@@ -138,3 +145,15 @@ async def test_what_the_engine_does_not_do_is_told_once(flight: Flight) -> None:
     flight.controls.failure = "the game engine is gone"
     flight.hold()
     assert len(flight.reasons) == 2
+
+
+async def test_on_a_long_way_it_goes_slower_and_says_so_once(flight: Flight) -> None:
+    for round_trip in (None, 0.5, 0.52, 1.0, 2.0, 0.52, 0.3, 0.3):
+        flight.pilot.take(flight.hand.state(), W, round_trip)
+    driven = [how.ahead for _, _, how in flight.controls.done if isinstance(how, Velocity)]
+    assert driven == pytest.approx([1, 1, 0.5 / 0.52, 0.5, 0.25, 0.5 / 0.52, 1, 1])
+    assert flight.paced == [
+        "the way to the avatar and back takes 1.0 s: the figure goes slower",
+        "the figure goes at full speed again",
+    ]
+    assert flight.reasons == []

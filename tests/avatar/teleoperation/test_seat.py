@@ -155,6 +155,16 @@ async def test_what_was_held_when_it_stopped_counts_as_let_go(room: Room) -> Non
         watching.cancel()
 
 
+async def test_how_long_the_way_is_decides_how_fast_the_figure_goes(room: Room) -> None:
+    round_trips = iter((0.2, 1.0))
+    hands = room.seat.hands(room.clients["ann"], lambda _text: None, lambda: next(round_trips))
+    room.tell("ann")
+    async with room.operated():
+        for ahead in (0.8, 0.4):
+            hands.input_came("input", text(room.hand.state()))
+            assert room.pilot.velocity.ahead == pytest.approx(ahead)
+
+
 async def test_what_was_held_before_it_was_started_has_to_be_told_again(room: Room) -> None:
     room.tell("ann")
     room.hands["ann"].input_came("control", text(room.hand.key("KeyW")))

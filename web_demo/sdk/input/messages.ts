@@ -44,9 +44,11 @@ export type Change =
   | { readonly event: "pad"; readonly button: number; readonly down: boolean }
   | { readonly event: "release"; readonly why: Why };
 
-/** What the engine says back. */
+/** What the engine says back: it takes no input, the figure was stopped, or goes slower or at full speed again. */
+const TOLD = ["refused", "stopped", "paced"] as const;
+
 export interface Told {
-  readonly event: "refused" | "stopped";
+  readonly event: (typeof TOLD)[number];
   readonly reason: string;
 }
 
@@ -63,9 +65,7 @@ export function message(body: HeldState | Change): string {
 export function readTold(text: unknown): Told | null {
   try {
     const { event, reason } = JSON.parse(String(text)) as Partial<Told>;
-    return (event === "refused" || event === "stopped") && typeof reason === "string"
-      ? { event, reason }
-      : null;
+    return event && TOLD.includes(event) && typeof reason === "string" ? { event, reason } : null;
   } catch {
     return null;
   }

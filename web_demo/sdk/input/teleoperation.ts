@@ -29,6 +29,8 @@ export interface TeleoperationEvents {
   /** The engine does not take what is sent, or has stopped the figure: a sentence says why. */
   refused: string;
   stopped: string;
+  /** The figure goes slower, because the way to it is long, or at full speed again: a sentence says which. */
+  paced: string;
   /** This application does not operate any more, and did not end that itself. */
   ended: string;
 }

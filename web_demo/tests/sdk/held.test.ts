@@ -124,6 +124,7 @@ describe("messages", () => {
   it.each([
     ['{"event":"stopped","reason":"why"}', { event: "stopped", reason: "why" }],
     ['{"event":"refused","reason":"why"}', { event: "refused", reason: "why" }],
+    ['{"event":"paced","reason":"slower"}', { event: "paced", reason: "slower" }],
     ['{"event":"danced","reason":"why"}', null],
     ['{"event":"stopped"}', null],
     ["null", null],
