@@ -211,14 +211,17 @@ class BundledConnection:
             raise InvalidCandidate("the candidate cannot be used") from error
 
     async def ask_for_a_sign(self) -> None:
-        """Have `on_sign` called if the other end answers within 0.5 s."""
-        if self._agent is not None and await self._agent.checks.answers():
+        """Have `on_sign` called if the other end answers within 1.5 s."""
+        if self._agent is not None and await self._agent.checks.answers(tries=2):
             self._on_sign()
 
     async def round_trip(self) -> float | None:
-        """Seconds that a packet takes there and back now, behind all that was sent before; None without an answer."""
+        """Seconds that a packet takes there and back now, behind all that was sent before.
+
+        None where there is no answer within 1.5 s: ways over satellites take half of that.
+        """
         since = self._clock.now()
-        if self._agent is None or not await self._agent.checks.answers():
+        if self._agent is None or not await self._agent.checks.answers(tries=2):
             return None
         return self._clock.now() - since
 

@@ -2,9 +2,11 @@
 
 import asyncio
 import logging
-from collections.abc import Awaitable, Callable
+from collections import deque
+from collections.abc import Awaitable, Callable, Collection
 from contextlib import suppress
 from math import inf
+from statistics import median
 from typing import Protocol
 
 from openrois_streaming.adaptation.budget import BURST
@@ -24,6 +26,8 @@ PREPARATION = 1.0
 
 # How often the path's own round trip is measured, and how long it is waited between, where it is busy.
 _TRIPS = 4
+_AT_ONCE = 4
+_LONGEST_BURST = 0.3
 _PAUSE = 0.05
 # Seconds: what may wait on a path that is not busy.
 _STILL = 0.02
@@ -32,6 +36,12 @@ _REPETITIONS = 4
 _LATE = 0.3
 
 _log = logging.getLogger(__name__)
+
+
+def _burst(trips: Collection[float], least: float) -> float:
+    """Return how many seconds a burst lasts that shows behind round trips of such lengths without one."""
+    usual = median(trips)
+    return BURST if usual == inf else min(BURST + 2 * (usual - least), _LONGEST_BURST)
 
 
 class MediaSender(Protocol):
@@ -187,7 +197,8 @@ class Downlink:
     async def _measure(self) -> None:
         """Find out, whenever there is a question, how late a packet is behind a burst."""
         path = self.adaptation.path
-        least = min([await self._trip() for _ in range(_TRIPS)])
+        trips = deque([await self._trip() for _ in range(_TRIPS)], 2 * _TRIPS)
+        least = min(trips)
         while True:
             await self._asked.wait()
             least = await self._check(least)
@@ -197,12 +208,13 @@ class Downlink:
             for _ in range(_TRIPS):
                 # What waits already is not of the burst.
                 trip = await self._trip()
+                trips.append(trip)
                 least = min(least, trip)
                 if trip - least < _STILL:
                     break
                 await self._clock.sleep_until(self._clock.now() + _PAUSE)
             path.burst(self._clock.now())
-            octets = self._pad(round((path.question or 0.0) * BURST / 8))
+            octets = self._pad(round((path.question or 0.0) * _burst(trips, least) / 8))
             trip = await self._trip()
             path.answered(octets * 8, None if trip == inf else trip - least, self._clock.now())
             self._asked.clear()
@@ -239,8 +251,9 @@ class Downlink:
         return sent
 
     async def _trip(self) -> float:
-        trip = await self._round_trip()
-        return inf if trip is None else trip
+        """Return the shortest of some round trips that begin together: what each waits for by chance says nothing."""
+        trips = await asyncio.gather(*(self._round_trip() for _ in range(_AT_ONCE)))
+        return min((trip for trip in trips if trip is not None), default=inf)
 
     def _choose(self, codec: str, now: float) -> tuple[SharedRendition, Decision | None]:
         """The rendition to play, and what was decided; None where there is nothing to choose."""

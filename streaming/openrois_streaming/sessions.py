@@ -12,7 +12,7 @@ from openrois_streaming.errors import TooManySessions, UnknownPeer, UnknownStrea
 from openrois_streaming.places import PlaceRules
 from openrois_streaming.seams.trial import self_test
 from openrois_streaming.session import StreamSession
-from openrois_streaming.tasks import OwnedTasks
+from openrois_streaming.tasks import OwnedTasks, Task
 
 _log = logging.getLogger(__name__)
 
@@ -122,21 +122,15 @@ class StreamSessions:
             session.release(component_ref)
 
     async def close(self, client_id: str, reason: str) -> None:
-        """End the session of a client that is gone; unknown ones are fine."""
-        session = self._sessions.pop(client_id, None)
-        self._may_bind.pop(client_id, None)
-        if session is not None:
-            await session.close(reason)
+        """End the session of a client that is gone; unknown ones are fine. A caller that gives up leaves it closing."""
+        if client_id in self._sessions:
+            await asyncio.shield(self._end(client_id, reason))
 
     async def aclose(self, reason: str) -> None:
-        """End all sessions, at the same time."""
-        sessions, self._sessions = self._sessions, {}
-        self._may_bind.clear()
-        ends = await asyncio.gather(*(session.close(reason) for session in sessions.values()), return_exceptions=True)
-        for end in ends:
-            if isinstance(end, BaseException):
-                _failed(end)
-        await self._tasks.aclose()
+        """End all sessions, at the same time, and wait until they are closed, for a few seconds at most."""
+        for client_id in tuple(self._sessions):
+            self._end(client_id, reason)
+        await self._tasks.finished()
 
     def _make_room(self, may_bind: bool) -> None:
         if self.rules.has_room(self._may_bind.values(), may_bind):
@@ -156,9 +150,9 @@ class StreamSessions:
         waits = ((client_id, session.unanswered_for()) for client_id, session in self._sessions.items())
         return {client_id: seconds for client_id, seconds in waits if seconds is not None}
 
-    def _end(self, client_id: str, reason: str) -> None:
+    def _end(self, client_id: str, reason: str) -> Task[None]:
         del self._may_bind[client_id]
-        self._tasks.start(self._sessions.pop(client_id).close(reason), f"close {client_id}")
+        return self._tasks.start(self._sessions.pop(client_id).close(reason), f"close {client_id}")
 
 
 def _failed(error: BaseException) -> None:

@@ -28,7 +28,7 @@ async def test_f34_losses_alone_and_in_bursts(seed: int, tmp_path: Path, caplog:
         app.longest_gap = 0.0
         await app.sees(video, 80)
         await app.sees(audio, 20)
-        assert path.down.figures().lost > 0
+        await on.until(lambda: path.down.figures().lost)
         assert (await on.stream(video)).packets_retransmitted > 0
         assert loss > 0.05 or app.longest_gap < FREEZE
         path.down.change(loss=0.0)

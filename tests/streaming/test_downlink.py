@@ -1,5 +1,6 @@
 import logging
 from collections.abc import AsyncIterator, Callable
+from random import Random
 
 import pytest
 from openrois_signaling.messages import MediaKind
@@ -35,6 +36,9 @@ class Way:
         )
         self.tasks = OwnedTasks("test", lambda error: pytest.fail(repr(error)))
         self.carried = 100_000_000.0
+        self.base = BASE
+        self.jitter: Callable[[], float] = lambda: 0.0
+        """Seconds by which the next packet is late by chance."""
         self.silent = False
         """Whether round trips have no answer."""
         self.padded: list[int] = []
@@ -60,9 +64,10 @@ class Way:
         return sent
 
     async def round_trip(self) -> float | None:
-        late, self._burst = self._burst * 8 / self.carried, 0
-        await self.clock.sleep_until(self.clock.now() + BASE + late)
-        return None if self.silent else BASE + late
+        trip = self.base + self._burst * 8 / self.carried + self.jitter()
+        await self.clock.sleep_until(self.clock.now() + trip)
+        self._burst = 0
+        return None if self.silent else trip
 
     async def live(self, seconds: float) -> None:
         for _ in range(round(seconds / TICK)):
@@ -258,3 +263,25 @@ async def _end(way: Way) -> None:
     way.downlink.close()
     await way.tasks.aclose()
     assert way.rendition.readers == 0
+
+
+@pytest.mark.parametrize("seed", range(20))
+async def test_on_a_long_way_that_jitters_it_recovers_from_a_complaint_that_was_none(seed: int) -> None:
+    """Each packet takes 0.6 s there and back, and up to 0.1 s more each way."""
+    chance = Random(seed)
+    way = Way()
+    way.publisher.rung = ladder(1280, 720, 30)[0]
+    way.base, way.jitter = 0.6, lambda: chance.uniform(0, 0.1) + chance.uniform(0, 0.1)
+    way.downlink.open("video/VP8")
+    await settle()
+    await way.rendition.show(keyframe=True)
+    await way.live(8)
+    for estimate in (500_000, 60_000, 50_000):
+        way.downlink.sent(frame(1, data=bytes(50_000)))
+        way.downlink.reported(ReceiverReport(1, 0.0, 0, 0, 0.75, 0.75))
+        way.downlink.estimated(estimate)
+        await way.live(1)
+    await way.live(60)
+    assert way.stream.path_bitrate is not None
+    assert way.stream.path_bitrate > 400_000
+    await _end(way)

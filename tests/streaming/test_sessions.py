@@ -1,3 +1,4 @@
+import asyncio
 import logging
 from collections.abc import AsyncIterator
 
@@ -56,6 +57,30 @@ async def test_the_number_of_clients_is_bounded(sessions: StreamSessions) -> Non
     await sessions.close("bob", "gone")
     await sessions.close("bob", "gone")
     assert sessions.open("carol")
+
+
+async def test_a_session_closes_to_its_end_though_its_caller_gives_up(
+    sessions: StreamSessions, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    goes_on = asyncio.Event()
+
+    async def close(connection: WirelessConnection) -> None:
+        await goes_on.wait()
+        connection.closed = True
+
+    monkeypatch.setattr(WirelessConnection, "close", close)
+    before = asyncio.all_tasks()
+    connect(sessions.open("alice"), "a")
+    await settle()
+    closing = asyncio.ensure_future(sessions.close("alice", "gone"))
+    await settle()
+    closing.cancel()
+    ending = asyncio.ensure_future(sessions.aclose("the engine stops"))
+    await settle()
+    assert not ending.done()
+    goes_on.set()
+    await ending
+    assert {task for task in asyncio.all_tasks() - before if not task.done()} == set()
 
 
 class Applications:

@@ -5,6 +5,7 @@ delayed more and more. So its fall is what counts. What more would be carried is
 one is late by as long as the burst needs to pass.
 """
 
+from math import inf
 from typing import Final
 
 from openrois_streaming.adaptation.meter import LossMeter, LossReport, RateMeter
@@ -16,7 +17,8 @@ LEAST: Final = 30_000
 """Bit/s; no path is thought to carry less."""
 
 BURST: Final = 0.045
-"""Seconds of the rate in question that a burst holds: longer than machines are usually late, shorter than queues."""
+"""Seconds of the rate in question that a burst holds at least: longer than machines are usually late, shorter than
+queues. On a path whose round trips vary it is longer."""
 
 # A receiver's estimate after it noticed a queue, as a share of what then arrived (draft-ietf-rmcat-gcc-02 section 5.5).
 _BACKED_OFF: Final = 0.85
@@ -39,7 +41,7 @@ _CALM: Final = 1.0
 """Seconds after a step down, or a burst, in which what is said is still about that."""
 
 _DOUBT: Final = 0.1
-"""Seconds in which a round trip can still show that a complaint of delay was not about the path."""
+"""Seconds, besides a round trip, in which that can still show that a complaint of delay was not about the path."""
 
 _EXCUSED: Final = 0.5
 """Seconds after this process stood still in which delays are its own."""
@@ -67,7 +69,7 @@ class PathBudget:
     def __init__(self, now: float, start: float | None = None) -> None:
         self.budget: float = max(LEAST, START if start is None else start)
         self.question: float | None = None
-        """The bit/s of which a burst of `BURST` seconds is to be sent, then `answered`; None if there is none."""
+        """The bit/s of which a burst is to be sent, then `answered`; None if there is none."""
         self.round_trip_time: float | None = None
         self._sent = RateMeter(now)
         self._loss_meter = LossMeter()
@@ -78,7 +80,7 @@ class PathBudget:
         self._rose_at = now
         self._struck_at: float | None = None
         self._raised_at = self._lowered_at = self._burst_at = float("-inf")
-        self._least_rtt = float("inf")
+        self._least_rtt = inf
         self._before: tuple[float, float] | None = None
         """The budget and when it was lowered last, before a complaint that may be taken back."""
         self._stalled_at = float("-inf")
@@ -128,7 +130,8 @@ class PathBudget:
 
     def doubtful(self, now: float) -> bool:
         """Whether it was lowered just now, because of a delay alone; a round trip is to be `checked`."""
-        return self._before is not None and now - self._lowered_at <= _DOUBT
+        trip = 0.0 if self._least_rtt == inf else self._least_rtt
+        return self._before is not None and now - self._lowered_at <= _DOUBT + trip
 
     def checked(self, late: float, now: float) -> None:
         """A packet went there and back after the complaint, and was `late` by so many seconds.

@@ -177,13 +177,13 @@ class Checks:
         self._proving: set[tuple[GuardedProtocol, Source]] = set()
         self._tasks = OwnedTasks("ice", self._failed)
 
-    async def answers(self) -> bool:
-        """Whether the other end answers on the path that is sent over within 0.5 s.
+    async def answers(self, *, tries: int = 1) -> bool:
+        """Whether the other end answers on the path that is sent over, within 0.5 s; within 1.5 s with two `tries`.
 
         Every ICE agent must answer it (RFC 8445 section 7.3), also when it has no media to send.
         """
         pair = self._connection._nominated.get(1)
-        return pair is not None and await self._check(pair, tries=1)
+        return pair is not None and await self._check(pair, tries=tries)
 
     def prove(self, protocol: GuardedProtocol, source: Source) -> None:
         """Ask `source` to prove itself, unless it is being asked."""
