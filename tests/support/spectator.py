@@ -25,7 +25,7 @@ from websockets.asyncio.client import ClientConnection
 
 from tests.support.invariants import Book, Witness
 
-__all__ = ["AUDIO", "VIDEO", "Spectator"]
+__all__ = ["AUDIO", "MEDIA_PATIENCE", "VIDEO", "Spectator"]
 
 VIDEO: Final = "avatar/video_streaming"
 AUDIO: Final = "avatar/audio_streaming"
