@@ -4,10 +4,12 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 import pytest
+from openrois_streaming.adaptation.budget import START
 from openrois_streaming.clock import SystemClock
 from openrois_streaming.publisher import VideoPublisher
 from openrois_streaming.testing import ImpairedPath, Impairments, MeasuringSink, playing
 from openrois_streaming.testing.plugin import MakePath, MakeSink, MakeSource
+from openrois_streaming.testing.stage import VIDEO
 
 pytestmark = pytest.mark.media
 
@@ -86,3 +88,19 @@ async def test_a_slow_viewer_gets_less_and_the_fast_one_all(
         assert fast.pictures().key_frames <= 1
         for seen in (fast.pictures(), slow.pictures()):
             assert seen.unreadable == seen.repeated == 0
+
+
+async def test_a_path_that_is_long_is_found_to_carry_more_than_was_thought(
+    impaired_path: MakePath, measuring_sink: MakeSink, synthetic_source: MakeSource
+) -> None:
+    bars = synthetic_source("bars", 1280, 720)
+    video = VideoPublisher(bars, clock=SystemClock(), stamp=True, size=(1280, 720))
+    far = Impairments(delay=0.35, jitter=0.03)
+    async with (
+        impaired_path(far, far) as path,
+        measuring_sink(path=path) as sink,
+        playing(sink, video=video) as session,
+    ):
+        while (adaptation := (await session.stats(VIDEO)).adaptation) is None or adaptation.path <= START:
+            await sink.sees(5)
+        assert sink.pictures().unreadable == 0
