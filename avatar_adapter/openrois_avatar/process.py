@@ -13,12 +13,16 @@ from openrois.backoff import Backoff
 from openrois_avatar.launch import command_line
 from openrois_avatar.link.private import remove_abandoned
 
-__all__ = ["Program", "ProgramFailed"]
+__all__ = ["LONGEST_PAUSE", "Program", "ProgramFailed"]
 
 _log = logging.getLogger(__name__)
 
 STOP_TIMEOUT: Final = 2.0
 """Seconds that a program has to end by itself before it is killed, with whatever it started."""
+
+
+LONGEST_PAUSE: Final = 5.0
+"""Seconds before a program that ends again and again is started once more: a person waits for it."""
 
 
 class ProgramFailed(Exception):
@@ -52,7 +56,7 @@ class Program:
         Raises:
             ProgramFailed: it ended before it was ready for the first time.
         """
-        backoff = Backoff(first=0.5)
+        backoff = Backoff(first=0.5, limit=LONGEST_PAUSE)
         while True:
             started = time.monotonic()
             status = await self._run_once()

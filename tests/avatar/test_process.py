@@ -8,7 +8,7 @@ from pathlib import Path
 import psutil
 import pytest
 from openrois_avatar import process
-from openrois_avatar.process import Program, ProgramFailed
+from openrois_avatar.process import LONGEST_PAUSE, Program, ProgramFailed
 
 from tests.support.streaming import settle
 
@@ -74,6 +74,18 @@ async def test_a_program_that_ends_is_started_again_after_growing_pauses() -> No
         await pauses.begun.wait()
     assert pauses.lengths[0] == 0.5
     assert pauses.lengths[1] > 0.5
+
+
+@pytest.mark.long
+async def test_a_program_that_ends_again_and_again_is_started_after_five_seconds_at_most() -> None:
+    program, pauses = Program(("--version",), announces="openrois "), Pauses()
+    async with running(program, pauses), asyncio.timeout(100):
+        while len(pauses.lengths) < 10:
+            await pauses.begun.wait()
+            pauses.begun.clear()
+            pauses.may_end.set()
+    assert pauses.lengths == sorted(pauses.lengths)
+    assert pauses.lengths[-1] == LONGEST_PAUSE
 
 
 async def test_a_program_that_is_killed_is_started_again_and_ends_when_it_is_told_to(

@@ -79,8 +79,10 @@ async def said(visit: Visit, text: str) -> Utterance:
     playout = await visit.read("openrois.audio.playoutDelay")
     await visit.until(f"probe.sound.at(-1).at > {completed} + 500")
     moments = await _heard_since(visit, begun)
-    told = await visit.read("probe.told")
-    words = [each for each in told if each["at"] > begun and each["method"] == "rois.event.notify_event"]
+    told = [each for each in await visit.read("probe.told") if each["at"] > begun]
+    words = [each for each in told if each["params"].get("event_type") == "word_spoken"]
+    # The line in which the text was typed hears of each word, and so do the captions.
+    words = [each for each in words if each["params"]["subscribe_id"] == words[0]["params"]["subscribe_id"]]
     return Utterance(
         onsets(moments), tuple(_word(each) for each in words), moments[-1], completed, playout if playout else 0.0
     )
