@@ -168,8 +168,8 @@ def test_the_places_of_applications_are_those_of_the_avatar(monkeypatch: pytest.
 
 def test_places_that_cannot_be_are_wrong_usage(capsys: pytest.CaptureFixture[str]) -> None:
     with pytest.raises(SystemExit, match="2"):
-        demo_module.main(["--applications", "4"])
-    assert "--kept-for-operators must be 0 to 3, fewer than --applications, not 16" in capsys.readouterr().err
+        demo_module.main(["--applications", "4", "--kept-for-operators", "4"])
+    assert "--kept-for-operators must be 0 to 3, fewer than --applications, not 4" in capsys.readouterr().err
 
 
 def port_is_free(port: int) -> bool:
