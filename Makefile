@@ -16,7 +16,7 @@ test: .venv/dev.stamp $(NODE_MODULES) $(PAGE)
 	$(PY) -m pytest $(if $(ARGS),$(ARGS),-n auto --dist worksteal $(if $(LONG),-p tests.branches) -m "$(UNIT)" && $(PY) -m pytest -n 3 --dist loadfile -m "(media or engine) and not browser$(SHORT)" $(call marked,media\|engine) && $(PY) -m pytest -m "browser$(SHORT)" $(call marked,browser))
 unit: .venv/dev.stamp
 	$(PY) -m pytest -n auto --dist worksteal -m "$(UNIT)" $(ARGS)
-faults: .venv/dev.stamp; OPENROIS_SEEDS=20 $(PY) -m pytest -n 2 --dist worksteal tests/faults $(ARGS)
+faults: .venv/dev.stamp; OPENROIS_SEEDS=20 $(PY) -m pytest -n 4 --dist worksteal tests/faults $(ARGS)
 nightly:; OPENROIS_SEEDS=20 $(MAKE) test LONG=1
 check: lint test
 lint: .venv/dev.stamp $(NODE_MODULES)
