@@ -38,10 +38,13 @@ _LATE = 0.3
 _log = logging.getLogger(__name__)
 
 
-def _burst(trips: Collection[float], least: float) -> float:
-    """Return how many seconds a burst lasts that shows behind round trips of such lengths without one."""
+def _burst(trips: Collection[float]) -> float:
+    """Return how many seconds a burst lasts that shows behind the latest round trips, whose lengths vary by chance.
+
+    A queue that stands there makes all of them longer, and no burst.
+    """
     usual = median(trips)
-    return BURST if usual == inf else min(BURST + 2 * (usual - least), _LONGEST_BURST)
+    return BURST if usual == inf else min(BURST + 2 * (usual - min(trips)), _LONGEST_BURST)
 
 
 class MediaSender(Protocol):
@@ -214,7 +217,7 @@ class Downlink:
                     break
                 await self._clock.sleep_until(self._clock.now() + _PAUSE)
             path.burst(self._clock.now())
-            octets = self._pad(round((path.question or 0.0) * _burst(trips, least) / 8))
+            octets = self._pad(round((path.question or 0.0) * _burst(trips) / 8))
             trip = await self._trip()
             path.answered(octets * 8, None if trip == inf else trip - least, self._clock.now())
             self._asked.clear()

@@ -87,10 +87,16 @@ class Peers:
 
     @property
     def round_trip_time(self) -> float | None:
-        """Seconds there and back over the present one, as its viewer's reports have it; None before the first."""
-        legs = () if self._present is None else self._present.legs.values()
-        measured = [leg.report.round_trip_time for leg in legs if leg.report is not None]
-        return max((each for each in measured if each is not None), default=None)
+        """Seconds there and back, as the viewer's reports on what it is sent now have it; None where there are none.
+
+        Until something is known of the present one, that of the one before counts.
+        """
+        for peer in self.all():
+            reports = [leg.report for stream, leg in peer.legs.items() if stream.is_open and leg.report is not None]
+            measured = [each.round_trip_time for each in reports if each.round_trip_time is not None]
+            if measured:
+                return max(measured)
+        return None
 
     def verdicts(self, stream: Stream, now: float) -> list[Verdict]:
         """What was measured about `stream` on each media path it has."""

@@ -106,11 +106,12 @@ class Publisher(Generic[RawT]):
     def can_encode(self, mime_type: str) -> bool:
         """Whether its encoders of that media type work, as far as is known: not while they fail again and again."""
         codec = codec_named(mime_type)
-        wanted = [each for key, each in self._made.items() if key[0] == codec and each.is_wanted]
-        failures = [each.failure for each in wanted]
-        # No codec helps a source that fails.
-        is_failing = bool(failures) and all(each is not None and each is not self._raw.failure for each in failures)
-        return self._health.is_usable(codec, is_failing=is_failing, now=self._clock.now())
+        failures = [each.failure for key, each in self._made.items() if key[0] == codec and each.is_wanted]
+        newest = None if None in failures else next(iter(failures), None)
+        if any(each.failure is not None and each.failure is self._raw.failure for each in self._made.values()):
+            # No codec helps where the source fails.
+            newest = None
+        return self._health.is_usable(codec, newest, self._clock.now())
 
     @property
     def made(self) -> tuple[Rendition, ...]:

@@ -29,6 +29,9 @@ TICK = 0.125
 LATE = 1.0
 """Seconds a look may be late before the delay counts as this process's own: it was stopped, or the machine slept."""
 
+CODECS_APART = 20.0
+"""Seconds between two peer connections that bring another codec; one that is not answered ends after 15."""
+
 IDLE = 30.0
 """Seconds for which a peer connection is kept when no stream is left: the next stream can take its section over."""
 
@@ -112,6 +115,7 @@ class StreamSession:
         self._held: dict[str, frozenset[Direction]] = {}
         self._closed = False
         self._made_at = self._played_at = clock.now()
+        self._codecs_changed_at = float("-inf")
 
     async def __aenter__(self) -> Self:
         return self
@@ -209,6 +213,7 @@ class StreamSession:
             caps or Caps(),
             stereo,
             others,
+            codecs is not None,
         )
         if direction in self._held.get(component_ref, ()):
             stream.suspend(Party.ENGINE)
@@ -313,9 +318,16 @@ class StreamSession:
             await self._clock.sleep_until(due)
 
     def _change_codecs(self) -> None:
-        """Replace the peer connection where its codec cannot be encoded and the viewer can decode another."""
-        peers = self._peers.all()
-        if len(peers) == 1 and True in {stream.change_codec() for stream in self._streams}:
+        """Replace the peer connection where its codec cannot be encoded and the viewer can decode another.
+
+        An application that did not say what it can decode may not know what a replacement is.
+        """
+        peers, now = self._peers.all(), self._clock.now()
+        if len(peers) != 1 or now - self._codecs_changed_at < CODECS_APART:
+            return
+        played = {stream: self._peers.leg(stream).section.codec for stream in self._streams if stream.names_codecs}
+        if True in {stream.change_codec(codec) for stream, codec in played.items() if codec is not None}:
+            self._codecs_changed_at = now
             _log.warning("%s: an encoder fails again and again: another codec is offered", self._name)
             self._peers.restart(peers[0].peer_id)
 

@@ -43,9 +43,9 @@ def choose_codecs(kind: MediaKind, wanted: Sequence[str] | None) -> tuple[str, .
 class Stream:
     """A stream that an application has connected. `codecs` are the media types it is offered in, best first.
 
-    `others` are those that take their place where their encoders fail, best first. `direction` is seen from the
-    application. `publisher` is there where the application receives, `intake` where it sends. `caps` limit what it is
-    sent. `stereo`: it is asked for two channels of sound.
+    `others` are further ones that it can decode, which take their place where their encoders fail. `direction` is seen
+    from the application. `publisher` is there where the application receives, `intake` where it sends. `caps` limit
+    what it is sent. `stereo`: it is asked for two channels of sound.
     """
 
     stream_id: str
@@ -59,6 +59,8 @@ class Stream:
     caps: Caps = field(default_factory=Caps)
     stereo: bool = False
     others: tuple[str, ...] = ()
+    names_codecs: bool = False
+    """Whether its application said what it can decode."""
     path_bitrate: float | None = None
     """What its viewer's path was seen to carry, in bit/s; None if nothing is known yet."""
     playout_delay: float | None = None
@@ -76,20 +78,20 @@ class Stream:
         """What others are told."""
         return STATUS[self.phase]
 
-    def change_codec(self) -> bool:
-        """Choose another codec where the one it is offered in cannot be encoded; tell whether there is one.
+    def change_codec(self, played: str) -> bool:
+        """Choose another codec where the one that is played cannot be encoded; tell whether there is one.
 
-        It takes effect in the next peer connection.
+        It takes effect in the next peer connection. What was given up is not chosen again: nothing goes back and forth.
         """
         publisher = self.publisher
-        if publisher is None or not self.is_open or any(publisher.can_encode(each) for each in self.codecs):
+        if publisher is None or not self.is_open or publisher.can_encode(played):
             return False
-        other = next((each for each in self.others if publisher.can_encode(each) and publisher.has_room(each)), None)
-        if other is None:
-            return False
-        self.others = (*self.codecs, *(each for each in self.others if each != other))
-        self.codecs = (other,)
-        return True
+        for other in (*self.codecs, *self.others):
+            if other != played and publisher.can_encode(other) and publisher.has_room(other):
+                self.others = tuple(each for each in self.others if each not in (other, played))
+                self.codecs = (other,)
+                return True
+        return False
 
     def apply(self, event: StreamInput) -> None:
         """Go on to the phase after `event`."""

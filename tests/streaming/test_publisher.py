@@ -1,10 +1,12 @@
 import asyncio
+from typing import Any
 
 import numpy as np
 import pytest
 from openrois_streaming import stamp
 from openrois_streaming.codecs import CodecUnavailable
 from openrois_streaming.encoder_limit import ENCODERS_LIMIT
+from openrois_streaming.encoder_video import VideoEncoder
 from openrois_streaming.fanout import SourceEnded
 from openrois_streaming.feed import Feed
 from openrois_streaming.publisher import AudioPublisher, VideoPublisher
@@ -127,6 +129,46 @@ async def test_a_source_that_fails_again_for_one_viewer_has_not_become_an_encode
                     with pytest.raises(SourceEnded):
                         await viewer.get()
         assert publisher.failure == "the source of video has failed: OSError('busy')"
+
+
+async def test_a_source_that_fails_for_viewers_of_two_codecs_says_nothing_of_either(clock: VirtualClock) -> None:
+    source: FedSource[RawVideo] = FedSource()
+    publisher = VideoPublisher(source, clock=clock)
+    codecs = ("video/VP8", "video/H264")
+    renditions = [publisher.renditions(codec)[0] for codec in codecs]
+    with renditions[0].wanted(), renditions[1].wanted():
+        for number in range(10):
+            for rendition in renditions:
+                async with rendition.subscribe() as viewer:
+                    await source.end(OSError(number))
+                    async with asyncio.timeout(60):
+                        with pytest.raises(SourceEnded):
+                            await viewer.get()
+                await clock.advance(0.5)
+                assert [publisher.can_encode(codec) for codec in codecs] == [True, True]
+
+
+async def test_a_codec_whose_encoders_fail_again_and_again_is_known(
+    clock: VirtualClock, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fail(_encoder: VideoEncoder, mime_type: str, **_options: Any) -> None:
+        raise MemoryError(mime_type)
+
+    monkeypatch.setattr(VideoEncoder, "__init__", fail)
+    source: FedSource[RawVideo] = FedSource()
+    publisher = VideoPublisher(source, clock=clock)
+    rendition = publisher.renditions("video/H264")[0]
+    usable = []
+    with rendition.wanted():
+        for _ in range(4):
+            async with rendition.subscribe() as viewer, asyncio.timeout(60):
+                await source.feed(picture(0))
+                with pytest.raises(SourceEnded):
+                    await viewer.get()
+            usable.append(publisher.can_encode("video/H264"))
+            await clock.advance(1.0)
+    assert usable == [True, True, False, False]
+    assert publisher.can_encode("video/VP8")
 
 
 def test_there_is_one_rendition_of_each_codec(clock: VirtualClock) -> None:

@@ -13,7 +13,7 @@ from openrois_streaming.keyframes import KeyFrameCause
 from openrois_streaming.liveness import STALL
 from openrois_streaming.peers import REPLACE_TIMEOUT
 from openrois_streaming.rtp.reports import ReceiverReport
-from openrois_streaming.session import IDLE, StreamSession
+from openrois_streaming.session import CODECS_APART, IDLE, StreamSession
 from openrois_streaming.state import StreamStatus
 
 from tests.support.streaming import settle
@@ -442,16 +442,28 @@ async def test_a_session_without_streams_ends_its_peer_connection_after_a_while(
     assert [bye.reason for bye in theatre.byes] == ["no stream is left to play"]
 
 
-async def test_the_round_trip_is_the_longest_that_its_viewer_reports(theatre: Theatre) -> None:
+async def test_the_round_trip_is_the_longest_that_its_viewer_reports_of_what_is_sent(theatre: Theatre) -> None:
+    def report(number: int, *seconds: float) -> None:
+        for section, each in zip(theatre.connections[number].sections, seconds, strict=True):
+            assert section.leg is not None
+            section.leg.reported(ReceiverReport(1, 0.0, 0, 90, round_trip_time=each))
+
     assert theatre.session.round_trip_time is None
     theatre.connect("v")
     theatre.connect("w")
-    connection = await theatre.up()
+    await theatre.up()
     assert theatre.session.round_trip_time is None
-    for section, seconds in zip(connection.sections, (0.3, 0.7), strict=True):
-        assert section.leg is not None
-        section.leg.reported(ReceiverReport(1, 0.0, 0, 90, round_trip_time=seconds))
+    report(0, 0.7, 0.3)
     assert theatre.session.round_trip_time == 0.7
+    # Until the viewer reports on the peer connection that replaces it, that of the old one counts.
+    theatre.session.restart("engine/p1")
+    await settle()
+    assert theatre.session.round_trip_time == 0.7
+    await theatre.up(1)
+    report(1, 0.6, 0.2)
+    assert theatre.session.round_trip_time == 0.6
+    theatre.session.suspend("v")
+    assert theatre.session.round_trip_time == 0.2
 
 
 def offered(theatre: Theatre) -> tuple[str, ...]:
@@ -472,13 +484,25 @@ async def test_where_a_codec_cannot_be_encoded_the_next_is_offered_in_a_new_peer
     await theatre.play(await theatre.up(1))
     assert theatre.session.status("v") is StreamStatus.RUNNING
     assert [(bye.peer_id, bye.reason) for bye in theatre.byes] == [("engine/p1", "it was replaced")]
-    # Where that fails, too, there is no better one, until one is to be had again.
+    # Where that fails, too, nothing goes back and forth.
     theatre.publisher.broken.add("video/VP8")
     await theatre.wait(60.0)
-    assert len(theatre.offers) == 2
     theatre.publisher.broken.remove("video/H264")
+    await theatre.wait(60.0)
+    assert len(theatre.offers) == 2
+
+
+async def test_a_peer_connection_with_another_codec_that_does_not_come_about_is_tried_again(theatre: Theatre) -> None:
+    theatre.session.connect("v", "engine/Video", theatre.publisher, "video", ["VP8", "H264"])
+    await theatre.up()
+    theatre.publisher.broken.add("video/H264")
     await theatre.wait(1.0)
-    assert offered(theatre) == ("video/H264",)
+    theatre.session.end_peer("engine/p2", "no path was found")
+    await theatre.wait(CODECS_APART - 2.0)
+    assert len(theatre.offers) == 2
+    await theatre.wait(3.0)
+    assert [offer.replaces for offer in theatre.offers] == [None, "engine/p1", "engine/p1"]
+    assert offered(theatre) == ("video/VP8",)
 
 
 async def test_a_codec_that_cannot_be_encoded_is_not_offered_to_the_next_viewer(theatre: Theatre) -> None:

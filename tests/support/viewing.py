@@ -277,7 +277,9 @@ class WirelessConnection:
         if sdp == "garbage":
             raise InvalidDescription("it is garbage")
         for section, offered in self._described:
-            section.codec = section.codec or ("video/VP8" if section.kind == "video" else "audio/opus")
+            if section.codec is None:
+                codecs = ("audio/opus",) if section.leg is None else section.leg.stream.codecs
+                section.codec = "video/VP8" if "video/VP8" in codecs else codecs[0]
             section.negotiated(self.answers.get(section.mid, offered))
         self._start_senders()
         return tuple(sdp.split()[1:])

@@ -147,6 +147,9 @@ class Pilot:
                 self.lose(f"no input came for {PATIENCE:g} s")
 
     def _follow_path(self, round_trip: float | None) -> None:
+        if round_trip is None:
+            # What was known last holds: a path that was slow is not known to be fast.
+            return
         self.pace = pace(round_trip)
         if self.pace == 1.0 and self._is_slow:
             self._is_slow = False

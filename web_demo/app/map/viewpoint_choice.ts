@@ -51,12 +51,15 @@ export class ViewpointChoice {
   async #read(): Promise<void> {
     const viewpoint = this.#viewpoint;
     if (!viewpoint) return;
-    try {
-      this.#changes ??= viewpoint.changed.subscribe(({ viewpoint: name }) => (this.#select.value = name));
-      await this.#changes.catch((error: unknown) => {
+    this.#changes ??= viewpoint.changed.subscribe(({ viewpoint: name }) => (this.#select.value = name));
+    const heard = await this.#changes.then(
+      () => null,
+      (error: Error) => {
         this.#changes = null;
-        throw error;
-      });
+        return error;
+      },
+    );
+    try {
       const { available_viewpoints: names } = await viewpoint.available();
       const { viewpoint: current } = await viewpoint.current();
       if (viewpoint !== this.#viewpoint) return;
@@ -69,6 +72,8 @@ export class ViewpointChoice {
       this.element.hidden = true;
       throw error;
     }
+    // The choice is there all the same; what others choose is heard as soon as that can be.
+    if (heard) throw heard;
   }
 
   async #choose(): Promise<void> {
