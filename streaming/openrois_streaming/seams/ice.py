@@ -93,6 +93,12 @@ class GuardedProtocol(ice.StunProtocol):
         self._agent = agent
         self._figures = agent.figures
         self.gate = Gate(agent.permits, agent.figures)
+        self._is_closing = False
+
+    def send_stun(self, message: stun.Message, addr: tuple[str, int]) -> None:
+        """Send a message, unless the socket is closed: a check that waits for its answer would ask once more."""
+        if not self._is_closing:
+            super().send_stun(message, addr)
 
     def datagram_received(self, data: bytes | str, addr: tuple[Any, ...]) -> None:
         """Let pass what may: STUN is read, DTLS and SRTP of proven sources go on."""
@@ -108,6 +114,7 @@ class GuardedProtocol(ice.StunProtocol):
 
     async def close(self) -> None:
         """Close the socket; a relay that does not let go is left to its server, where it ends within minutes."""
+        self._is_closing = True
         try:
             async with asyncio.timeout(RELEASE_TIMEOUT):
                 await super().close()
@@ -126,6 +133,7 @@ class GuardedProtocol(ice.StunProtocol):
 
     def connection_lost(self, exc: Exception | None) -> None:
         """The socket is closed, or the connection to the TURN server is."""
+        self._is_closing = True
         self._agent.lost_way(self)
         super().connection_lost(exc)
 

@@ -48,6 +48,29 @@ async def test_a_socket_that_is_given_up_while_it_is_opened_is_closed(
     assert transports[0].is_closing()
 
 
+async def test_a_check_that_is_under_way_when_its_socket_is_closed_sends_nothing_more(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(stun, "RETRY_RTO", 0.01)
+    failures: list[dict[str, Any]] = []
+    asyncio.get_running_loop().set_exception_handler(lambda _loop, context: failures.append(context))
+    connection = RTCPeerConnection()
+    transport = connection.addTransceiver("video").sender.transport.transport
+    agent = IceAgent(
+        transport, gather=NotImplemented, permits=lambda *_: True, figures=GuardFigures(), ingress=Ingress()
+    )
+    await agent.open_host("127.0.0.1", [0])
+    (protocol,) = transport._connection._protocols
+    asked = stun.Message(message_method=stun.Method.BINDING, message_class=stun.Class.REQUEST)
+    asking = asyncio.ensure_future(protocol.request(asked, ("127.0.0.1", 9), retransmissions=1))
+    await settle()
+    await connection.close()
+    async with asyncio.timeout(10):
+        with pytest.raises(stun.TransactionTimeout):
+            await asking
+    assert failures == []
+
+
 async def test_sockets_are_closed_by_a_process_that_stands_still_meanwhile(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
