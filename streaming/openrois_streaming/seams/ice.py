@@ -8,11 +8,9 @@ What is reached for, and why nothing public does it:
 * `RTCIceTransport._recv` is what DTLS and SRTP wait in for the next datagram: it suspends them in time.
 * `StunProtocol` receives every datagram; a `Gate` stands in front of it. `check_state` and `check_incoming` tell which
   sources prove themselves, `respond_error` answers those that do not, and `_queue` is what waits for DTLS and SRTP.
-* `sort_check_list` comes whenever there are more pairs to check; there may be so many that to pair and sort them takes
-  seconds.
+* `sort_check_list` comes whenever there are more pairs to check; they may be so many that sorting takes seconds.
 * `TurnTransport.close` goes on with a task of its own, which is cancelled where a TURN server does not answer.
-* `connect` begins to ask for consent as its last step, also where `close` was called meanwhile: that task would be left
-  over for ever, with nothing to ask.
+* `connect` begins to ask for consent as its last step, also where `close` was called meanwhile: for ever, then.
 * `_nominated` is the pair that is sent over; when its other end is silent, a pair that has proven itself takes over.
 """
 
@@ -96,7 +94,7 @@ class GuardedProtocol(ice.StunProtocol):
         self._is_closing = False
 
     def send_stun(self, message: stun.Message, addr: tuple[str, int]) -> None:
-        """Send a message, unless the socket is closed: a check that waits for its answer would ask once more."""
+        """Send a message, unless the socket is closed, which a check that waits for its answer does not know."""
         if not self._is_closing:
             super().send_stun(message, addr)
 
