@@ -20,7 +20,6 @@ _log = logging.getLogger(__name__)
 STOP_TIMEOUT: Final = 2.0
 """Seconds that a program has to end by itself before it is killed, with whatever it started."""
 
-
 LONGEST_PAUSE: Final = 5.0
 """Seconds before a program that ends again and again is started once more: a person waits for it."""
 

@@ -26,9 +26,11 @@ PREPARATION = 1.0
 
 # How often the path's own round trip is measured, and how long it is waited between, where it is busy.
 _TRIPS = 4
-_AT_ONCE = 4
-_LONGEST_BURST = 0.3
 _PAUSE = 0.05
+# Packets that measure one round trip together.
+_AT_ONCE = 4
+# Seconds, however much round trips vary.
+_LONGEST_BURST = 0.3
 # Seconds: what may wait on a path that is not busy.
 _STILL = 0.02
 _REPETITIONS = 4

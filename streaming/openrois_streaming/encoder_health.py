@@ -34,8 +34,8 @@ class EncoderHealth:
 
         Args:
             codec: a media type.
-            failure: the newest of its encoders, where none that is wanted works; the same object as long as it is the
-                same failure.
+            failure: of one of its encoders, where none that is wanted works; the same object as long as it is the same
+                failure.
             now: in seconds; never less than before.
         """
         if failure is None:

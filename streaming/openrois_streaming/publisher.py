@@ -107,11 +107,9 @@ class Publisher(Generic[RawT]):
         """Whether its encoders of that media type work, as far as is known: not while they fail again and again."""
         codec = codec_named(mime_type)
         failures = [each.failure for key, each in self._made.items() if key[0] == codec and each.is_wanted]
-        newest = None if None in failures else next(iter(failures), None)
-        if any(each.failure is not None and each.failure is self._raw.failure for each in self._made.values()):
-            # No codec helps where the source fails.
-            newest = None
-        return self._health.is_usable(codec, newest, self._clock.now())
+        # No codec helps where the source fails.
+        works = None in failures or self._source_fails
+        return self._health.is_usable(codec, None if works else next(iter(failures), None), self._clock.now())
 
     @property
     def made(self) -> tuple[Rendition, ...]:
@@ -129,13 +127,19 @@ class Publisher(Generic[RawT]):
         return self._raw.pulled
 
     @property
+    def _source_fails(self) -> bool:
+        """Whether what is wanted fails because of the source, not because of an encoder."""
+        # What the source failed with may be of an earlier play; what failed now of the source has the same failure.
+        failure = self._raw.failure
+        return failure is not None and any(each.failure is failure for each in self._made.values())
+
+    @property
     def failure(self) -> str:
         """A sentence on what failed of what is wanted, if no frame has come since; empty where nothing did."""
         failed = [each for each in self._made.values() if each.failure is not None]
         if not failed:
             return ""
-        # What the source failed with may be of an earlier play; what failed now of the source has the same failure.
-        if any(each.failure is self._raw.failure for each in failed):
+        if self._source_fails:
             return f"the source of {self._raw.name} has failed: {self._raw.failure!r}"
         return f"the encoder of {self._raw.name} ({failed[0].mime_type}) has failed: {failed[0].failure!r}"
 

@@ -189,8 +189,7 @@ class StreamSession:
         if direction == "sendrecv" and kind != "audio":
             raise ValueError("only audio goes both ways in one stream")
         intake = None if inlet is None else Intake(stream_id, inlet)
-        common = chosen = choose_codecs(kind, codecs)
-        others: tuple[str, ...] = ()
+        known = chosen = choose_codecs(kind, codecs)
         if publisher is not None:
             names = ", ".join(chosen)
             chosen = tuple(codec for codec in chosen if publisher.has_room(codec))
@@ -199,21 +198,18 @@ class StreamSession:
                     f"all encoders of the engine are in use, and none of them encodes {names}; try again later"
                 )
             chosen = tuple(codec for codec in chosen if publisher.can_encode(codec)) or chosen
-        if codecs is not None:
-            chosen, others = chosen[:1], tuple(codec for codec in common if codec != chosen[0])
         stream = Stream(
             stream_id,
             component_ref,
             kind,
             publisher,
-            chosen,
+            chosen if codecs is None else chosen[:1],
             Counters(),
             direction,
             intake,
             caps or Caps(),
             stereo,
-            others,
-            codecs is not None,
+            () if codecs is None else known,
         )
         if direction in self._held.get(component_ref, ()):
             stream.suspend(Party.ENGINE)
@@ -318,14 +314,11 @@ class StreamSession:
             await self._clock.sleep_until(due)
 
     def _change_codecs(self) -> None:
-        """Replace the peer connection where its codec cannot be encoded and the viewer can decode another.
-
-        An application that did not say what it can decode may not know what a replacement is.
-        """
+        """Replace the peer connection where its codec cannot be encoded and the viewer can decode another."""
         peers, now = self._peers.all(), self._clock.now()
         if len(peers) != 1 or now - self._codecs_changed_at < CODECS_APART:
             return
-        played = {stream: self._peers.leg(stream).section.codec for stream in self._streams if stream.names_codecs}
+        played = {stream: self._peers.leg(stream).section.codec for stream in self._streams if stream.alternatives}
         if True in {stream.change_codec(codec) for stream, codec in played.items() if codec is not None}:
             self._codecs_changed_at = now
             _log.warning("%s: an encoder fails again and again: another codec is offered", self._name)

@@ -43,9 +43,10 @@ def choose_codecs(kind: MediaKind, wanted: Sequence[str] | None) -> tuple[str, .
 class Stream:
     """A stream that an application has connected. `codecs` are the media types it is offered in, best first.
 
-    `others` are further ones that it can decode, which take their place where their encoders fail. `direction` is seen
-    from the application. `publisher` is there where the application receives, `intake` where it sends. `caps` limit
-    what it is sent. `stereo`: it is asked for two channels of sound.
+    `alternatives` are those that may take the place of one whose encoders fail; none for an application that did not
+    say what it can decode, and may not know what a replacement is. `direction` is seen from the application.
+    `publisher` is there where the application receives, `intake` where it sends. `caps` limit what it is sent.
+    `stereo`: it is asked for two channels of sound.
     """
 
     stream_id: str
@@ -58,9 +59,7 @@ class Stream:
     intake: Intake | None = None
     caps: Caps = field(default_factory=Caps)
     stereo: bool = False
-    others: tuple[str, ...] = ()
-    names_codecs: bool = False
-    """Whether its application said what it can decode."""
+    alternatives: tuple[str, ...] = ()
     path_bitrate: float | None = None
     """What its viewer's path was seen to carry, in bit/s; None if nothing is known yet."""
     playout_delay: float | None = None
@@ -86,12 +85,12 @@ class Stream:
         publisher = self.publisher
         if publisher is None or not self.is_open or publisher.can_encode(played):
             return False
-        for other in (*self.codecs, *self.others):
-            if other != played and publisher.can_encode(other) and publisher.has_room(other):
-                self.others = tuple(each for each in self.others if each not in (other, played))
-                self.codecs = (other,)
-                return True
-        return False
+        left = tuple(each for each in self.alternatives if each != played)
+        other = next((each for each in left if publisher.can_encode(each) and publisher.has_room(each)), None)
+        if other is None:
+            return False
+        self.alternatives, self.codecs = left, (other,)
+        return True
 
     def apply(self, event: StreamInput) -> None:
         """Go on to the phase after `event`."""

@@ -39,12 +39,12 @@ LONG_WAY: Final = 0.5
 """Seconds to the operator and back, above which the figure goes slower."""
 
 
-def pace(round_trip: float | None) -> float:
+def pace(round_trip: float) -> float:
     """Return the share of the full speed, above 0 and at most 1, for a path whose round trip takes so many seconds.
 
     Before the operator can see what was done and react, the figure goes no farther than on a path of `LONG_WAY`.
     """
-    return 1.0 if round_trip is None or round_trip <= LONG_WAY else LONG_WAY / round_trip
+    return 1.0 if round_trip <= LONG_WAY else LONG_WAY / round_trip
 
 
 def shaped(deflection: float, dead_zone: float, expo: float) -> float:

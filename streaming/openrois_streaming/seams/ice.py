@@ -10,7 +10,7 @@ What is reached for, and why nothing public does it:
   sources prove themselves, `respond_error` answers those that do not, and `_queue` is what waits for DTLS and SRTP.
 * `sort_check_list` comes whenever there are more pairs to check; they may be so many that sorting takes seconds.
 * `TurnTransport.close` goes on with a task of its own, which is cancelled where a TURN server does not answer.
-* `connect` begins to ask for consent as its last step, also where `close` was called meanwhile: for ever, then.
+* `connect` begins to ask for consent as its last step, for ever where `close` was called meanwhile.
 * `_nominated` is the pair that is sent over; when its other end is silent, a pair that has proven itself takes over.
 """
 

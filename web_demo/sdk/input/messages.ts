@@ -44,9 +44,10 @@ export type Change =
   | { readonly event: "pad"; readonly button: number; readonly down: boolean }
   | { readonly event: "release"; readonly why: Why };
 
-/** What the engine says back: it takes no input, the figure was stopped, or goes slower or at full speed again. */
+/** It takes no input, has stopped the figure, or has it go slower or at full speed again. */
 const TOLD = ["refused", "stopped", "paced"] as const;
 
+/** What the engine says back. */
 export interface Told {
   readonly event: (typeof TOLD)[number];
   readonly reason: string;
