@@ -65,6 +65,7 @@ class Spectator(Witness):
         self._refs: dict[str, str] = {}
         self._places: dict[tuple[str, str], str] = {}
         self._routes: dict[str, ImpairedPath | None] = {}
+        self._receivers: dict[tuple[str, str], RtpReceiver] = {}
         self._news = asyncio.Event()
         self._turn = asyncio.Lock()
         self._leaving = False
@@ -149,6 +150,7 @@ class Spectator(Witness):
         def play(track: MediaStreamTrack) -> None:
             (transceiver,) = (each for each in connection.getTransceivers() if each.receiver.track is track)
             receiver = RtpReceiver(transceiver, SystemClock(), remote)
+            self._receivers[peer_id, str(transceiver.mid)] = receiver
             self._start(self._count(receiver.source, peer_id, str(transceiver.mid)))
 
         connection.on("track", play)
@@ -168,11 +170,28 @@ class Spectator(Witness):
                 self._news.set()
 
     async def until(self, so: Callable[[], object], within: float = MEDIA_PATIENCE) -> None:
-        """Wait until something of what it hears and sees is so."""
-        async with asyncio.timeout(within):
-            while not so():
-                self._news.clear()
-                await self._news.wait()
+        """Wait until something of what it hears and sees is so.
+
+        Raises:
+            TimeoutError: it never was; a note says what there was instead.
+        """
+        try:
+            async with asyncio.timeout(within):
+                while not so():
+                    self._news.clear()
+                    await self._news.wait()
+        except TimeoutError as vain:
+            vain.add_note(self._account())
+            raise
+
+    def _account(self) -> str:
+        """What it has heard and seen, for the reader of a test that failed."""
+        lines = [f"statuses {self.told}, frames {self.frames}, byes {self.byes}, {len(self.offers)} offers"]
+        if self.gone.is_set():
+            lines.append(f"its connection to the gateway has ended: {self.close_code} {self.close_reason}")
+        lines += [f"peer connection {peer_id}: {each.connectionState}" for peer_id, each in self.connections.items()]
+        lines += [f"{receiver.figures} of section {section}" for section, receiver in self._receivers.items()]
+        return "\n".join(lines)
 
     async def learn_relays(self) -> None:
         """Ask the gateway for servers that help to reach the avatar."""

@@ -147,7 +147,13 @@ async def stage(
             await place.attached("avatar")
             paths = await stack.enter_async_context(AsyncExitStack())
             async with AsyncExitStack() as guests:
-                yield (stands := Stage(place, avatar, scene, guests, paths))
+                stands = Stage(place, avatar, scene, guests, paths)
+                try:
+                    yield stands
+                except Exception as failure:
+                    seen = await avatar.look()
+                    failure.add_note("\n".join(map(str, (*seen.streams, *seen.renditions, *seen.sources))))
+                    raise
             async with asyncio.timeout(MEDIA_PATIENCE):
                 while await stands.left():  # noqa: ASYNC110 - they end by themselves
                     await asyncio.sleep(0.01)
