@@ -6,6 +6,9 @@ PAGE_SOURCES := $(shell find web_demo/sdk web_demo/app -type f) web_demo/build.m
 NODE_MODULES := web_demo/node_modules/.stamp
 SHORT := $(if $(LONG),, and not long)
 UNIT := not media and not browser and not engine$(SHORT)
+UNIT_TESTS = -n auto --dist worksteal $(if $(LONG),-p tests.branches) -m "$(UNIT)"
+MEDIA_TESTS = -n 3 --dist loadfile -m "(media or engine) and not browser$(SHORT)" $(call marked,media\|engine)
+BROWSER_TESTS = -m "browser$(SHORT)" $(call marked,browser)
 marked = $(shell grep -rl --include="test_*.py" "mark\.\($(1)\)" tests)
 export PATH := $(if $(shell command -v npm),,$(CURDIR)/.venv/bin:)$(PATH)
 .PHONY: demo test unit faults nightly check lint fmt generate page
@@ -13,10 +16,11 @@ demo: .venv/demo.stamp $(PAGE)
 	@.venv/bin/openrois demo $(ARGS)
 test: .venv/dev.stamp $(NODE_MODULES) $(PAGE)
 	cd web_demo && npm run --silent test
-	$(PY) -m pytest $(if $(ARGS),$(ARGS),-n auto --dist worksteal $(if $(LONG),-p tests.branches) -m "$(UNIT)" && $(PY) -m pytest -n 3 --dist loadfile -m "(media or engine) and not browser$(SHORT)" $(call marked,media\|engine) && $(PY) -m pytest -m "browser$(SHORT)" $(call marked,browser))
+	@failed=0; $(if $(ARGS),$(PY) -m pytest $(ARGS),$(foreach each,UNIT_TESTS MEDIA_TESTS BROWSER_TESTS,$(PY) -m pytest $($(each)) || $(if $(LONG),failed=1,exit 1); ) exit $$failed)
 unit: .venv/dev.stamp
 	$(PY) -m pytest -n auto --dist worksteal -m "$(UNIT)" $(ARGS)
 faults: .venv/dev.stamp; OPENROIS_SEEDS=20 $(PY) -m pytest -n 4 --dist worksteal tests/faults $(ARGS)
+# Of a long run all stages are seen, whatever fails in one of them.
 nightly:; OPENROIS_SEEDS=20 $(MAKE) test LONG=1
 check: lint test
 lint: .venv/dev.stamp $(NODE_MODULES)
