@@ -235,6 +235,13 @@ class Application(Wire):
         peer_id, mid = self._places[stream_id]
         return self.peers[peer_id].media[mid]
 
+    async def packets_lost(self, stream_id: str) -> int:
+        """How many packets of a stream aiortc has missed, which asks for them again and shows what it has meanwhile."""
+        peer_id, mid = self._places[stream_id]
+        places = {each.mid: each for each in self.peers[peer_id].connection.getTransceivers()}
+        stats = await places[mid].receiver.getStats()
+        return sum(each.packetsLost for each in stats.values() if each.type == "inbound-rtp")
+
     async def pictures(self, stream_id: str, count: int, within: float = _PATIENCE) -> list[Picture]:
         """Wait for the next `count` pictures of a stream and return them."""
         media = self.media(stream_id)
