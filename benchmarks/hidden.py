@@ -17,16 +17,16 @@ from pathlib import Path
 from statistics import median
 from typing import Any, Final
 
-from openrois.access.principal import Principal, Role
-from openrois.application import EngineHost
+from openrois.aio.tasks import TaskScope
+from openrois.auth.principal import Principal, Role
 from openrois.bench.conditions import conditions, load
 from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.contract import Directory
-from openrois.engine import Engine
+from openrois.engine.engine import Engine
+from openrois.engine.registry import LocalRegistry
 from openrois.gateway.applications import serve_application
-from openrois.gateway.tenure import Tenure
-from openrois.registry import LocalRegistry
-from openrois.tasks import TaskScope
+from openrois.gateway.token_expiry import Tenure
+from openrois.session.session import EngineHost
 from openrois.transport.memory import memory_pair
 from openrois.types.profiles import HRIEngineProfile, RoISIdentifier
 

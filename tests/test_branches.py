@@ -14,7 +14,7 @@ TESTS = (
     "tests/openrois/bench/test_table.py",
     "tests/openrois/journal/test_former.py",
     *(
-        f"tests/openrois/access/test_{part}.py"
+        f"tests/openrois/auth/test_{part}.py"
         for part in ("claims", "keys", "loopback", "principal", "revocations", "tokens")
     ),
     *(

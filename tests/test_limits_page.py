@@ -25,7 +25,7 @@ MEDIA = ("admission", "guard", "interfaces", "turns")
 NO_LIMITS = {
     "openrois.gateway.applications.RESUMED": "a code",
     "openrois.gateway.draining.SERVICE_RESTART": "a code",
-    "openrois.gateway.tenure.TOKEN_ENDED": "a code",
+    "openrois.gateway.token_expiry.TOKEN_ENDED": "a code",
     "openrois.journal.schema.APPLICATION_ID": "a code",
     "openrois.journal.schema.VERSION": "a version",
     "openrois.transport.stream.POLICY_VIOLATION": "a code",

@@ -16,9 +16,9 @@ from openrois_streaming.self_encoding import EitherPublisher, EncodedPublisher
 from openrois_streaming.sessions import StreamSessions
 
 from openrois.adapter.running import hosted
-from openrois.application import EngineHost
+from openrois.aio.tasks import TaskScope
 from openrois.contract import Client
-from openrois.tasks import TaskScope
+from openrois.session.session import EngineHost
 from openrois.types.references import reference
 from openrois_avatar.camera_senses import camera_senses
 from openrois_avatar.components.operator import Operator

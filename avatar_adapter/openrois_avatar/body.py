@@ -7,9 +7,9 @@ import time
 from collections.abc import Callable, Iterable, Sequence
 from typing import Final
 
+from openrois.aio.rate import RateLimit
 from openrois.errors import Aborted, ComponentFailed
-from openrois.logs import Tally
-from openrois.rate import RateLimit
+from openrois.observability.logs import Tally
 from openrois_avatar.link.messages import (
     Command,
     Completed,

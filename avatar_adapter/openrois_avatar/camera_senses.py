@@ -6,7 +6,7 @@ from typing import Any
 
 from openrois_streaming.clock import MediaClock
 
-from openrois.component import Component
+from openrois.component.component import Component
 from openrois_avatar.backends import chosen
 from openrois_avatar.components.enrolment import Enrolment
 from openrois_avatar.components.faces import FaceDetection, FaceLocalization

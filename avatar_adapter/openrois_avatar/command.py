@@ -16,15 +16,15 @@ import uvloop
 from openrois_streaming.adaptation.rung import MIN_BITRATE
 from openrois_streaming.seams.trial import UnsupportedLibrary
 
-from openrois.command_line import CommandLine
-from openrois.dialer import serve_parent
+from openrois.adapter.dialer import serve_parent
+from openrois.aio.memory_return import returning_memory
+from openrois.aio.supervisor import Supervisor
+from openrois.aio.tasks import TaskScope
+from openrois.cli.command_line import CommandLine
 from openrois.errors import BadParameter
-from openrois.health import Readiness, healthz, readyz
-from openrois.logs import set_up_logging
-from openrois.memory_return import returning_memory
 from openrois.metrics.server import LOOPBACK, MetricsUnavailable, metrics_address, serving_metrics
-from openrois.supervisor import Supervisor
-from openrois.tasks import TaskScope
+from openrois.observability.health import Readiness, healthz, readyz
+from openrois.observability.logs import set_up_logging
 from openrois.transport.address import adapter_url
 from openrois.transport.credential_options import add_credential_options, credentials
 from openrois_avatar.adapter import Avatar, run_avatar

@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import Final
 
-from openrois.access.principal import Role
-from openrois.command_line import CommandLine, port_number
-from openrois.logs import set_up_logging
+from openrois.auth.principal import Role
+from openrois.cli.command_line import CommandLine, port_number
+from openrois.observability.logs import set_up_logging
 from openrois.transport.credential_options import add_credential_options, credential_arguments, credentials
 from openrois.transport.websocket import dial
 from openrois_avatar.attendance import Attendance

@@ -10,11 +10,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Final
 
-from openrois.access.claims import MAX_LIFETIME
-from openrois.access.issuing import issue_token
-from openrois.access.key_files import read_signing_key
-from openrois.access.loopback import is_loopback
-from openrois.access.principal import Role
+from openrois.auth.claims import MAX_LIFETIME
+from openrois.auth.issuing import issue_token
+from openrois.auth.key_files import read_signing_key
+from openrois.auth.loopback import is_loopback
+from openrois.auth.principal import Role
 
 __all__ = ["DemoAccess", "add_access_options", "demo_access"]
 

@@ -8,7 +8,7 @@ from openrois_streaming.level import SILENCE, Level, LevelMeter
 from openrois_streaming.shared_inlet import SharedInlet
 from openrois_streaming.source import RawAudio, RawVideo
 
-from openrois.listeners import Listeners
+from openrois.aio.listeners import Listeners
 
 __all__ = ["LEVEL_INTERVAL", "Camera", "Microphone"]
 

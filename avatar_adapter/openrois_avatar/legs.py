@@ -13,8 +13,8 @@ from typing import Final, Literal, Self, TypeAlias
 
 from openrois_streaming.clock import MediaClock
 
+from openrois.aio.tasks import TaskScope
 from openrois.errors import Aborted, ComponentFailed, RoISError
-from openrois.tasks import TaskScope
 from openrois_avatar.link.messages import (
     Command,
     Completed,

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from openrois_streaming.clock import MediaClock
 
-from openrois.component import Component
+from openrois.component.component import Component
 from openrois_avatar.backends import chosen
 from openrois_avatar.components.hearing import Hearing as HearingComponent
 from openrois_avatar.components.sound_detection import SoundDetection

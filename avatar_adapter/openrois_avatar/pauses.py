@@ -1,6 +1,6 @@
 """Whether a game engine has paused its pictures: nobody is shown what stands still because it is meant to."""
 
-from openrois.listeners import Listeners
+from openrois.aio.listeners import Listeners
 from openrois_avatar.link.messages import Event, Pause
 
 __all__ = ["Pauses"]

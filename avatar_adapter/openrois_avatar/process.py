@@ -9,7 +9,7 @@ from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from typing import Final
 
-from openrois.backoff import Backoff
+from openrois.transport.backoff import Backoff
 from openrois_avatar.launch import command_line
 from openrois_avatar.link.private import remove_abandoned
 

@@ -11,8 +11,8 @@ from openrois_streaming.clock import MediaClock
 from openrois_streaming.source import MediaSource, RawAudio, RawVideo
 from openrois_streaming.synthetic import ColourBars, Tone
 
-from openrois.component import Component
-from openrois.listeners import Listeners
+from openrois.aio.listeners import Listeners
+from openrois.component.component import Component
 from openrois.types.codes import ComponentStatus
 from openrois.types.references import reference
 from openrois_avatar.body import Body

@@ -8,7 +8,7 @@ from openrois_streaming.clock import MediaClock
 from openrois_streaming.publisher import Publishing
 from openrois_streaming.supervision import LOOK_INTERVAL
 
-from openrois.component import Component
+from openrois.component.component import Component
 from openrois_avatar.health import Health, Observed
 
 __all__ = ["Supervised", "seen_of", "supervise"]

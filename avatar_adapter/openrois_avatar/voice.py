@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from typing import Protocol
 
+from openrois.aio.listeners import Listeners
 from openrois.errors import BadParameter, ComponentFailed, OutOfResources
-from openrois.listeners import Listeners
 from openrois_avatar.audience import Audience
 from openrois_avatar.body import Body
 from openrois_avatar.sound import AvatarSound, SoundBusy

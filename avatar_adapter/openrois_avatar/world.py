@@ -2,8 +2,8 @@
 
 from typing import Final
 
+from openrois.aio.listeners import Listeners
 from openrois.errors import BadParameter
-from openrois.listeners import Listeners
 from openrois_avatar.link.messages import Event, Floor, Place, Thing, Things
 
 __all__ = ["World", "thing_ref"]

@@ -36,9 +36,9 @@ def emit(types: Iterable[ComponentType]) -> str:
 def _imports(kinds: tuple[ComponentType, ...]) -> str:
     wanted: dict[str, set[str]] = {
         "datetime": {"datetime"},
-        "openrois.authoring.marks": {"command", "event", "optional", "query"},
-        "openrois.authoring.parameters": {"parameter"},
-        "openrois.component": {"DEAD_MAN", "Component"},
+        "openrois.component.authoring.marks": {"command", "event", "optional", "query"},
+        "openrois.component.authoring.parameters": {"parameter"},
+        "openrois.component.component": {"DEAD_MAN", "Component"},
     }
     for kind in kinds:
         constant, module = _constant(kind)

@@ -8,10 +8,10 @@ the rest.
 
 from openrois.adapter.command import main
 from openrois.adapter.running import run, serve
-from openrois.authoring.marks import command, event, optional, query
-from openrois.authoring.parameters import parameter
 from openrois.catalog.payload import Data, Payload
-from openrois.component import Component
+from openrois.component.authoring.marks import command, event, optional, query
+from openrois.component.authoring.parameters import parameter
+from openrois.component.component import Component
 from openrois.errors import BadParameter, ComponentFailed, OutOfResources, RoISError, TimedOut, Unsupported
 from openrois.types.codes import ComponentStatus, ErrorType, StreamStatus
 

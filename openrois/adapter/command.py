@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 
 from openrois.adapter.running import GATEWAY, GATEWAY_VARIABLE, run
-from openrois.command_line import CommandLine
-from openrois.component import Component
+from openrois.cli.command_line import CommandLine
+from openrois.component.component import Component
 from openrois.transport.address import adapter_url
 from openrois.transport.credential_options import add_credential_options
 

@@ -7,8 +7,6 @@ from `openrois.catalog`.
 
 from datetime import datetime
 
-from openrois.authoring.marks import command, event, optional, query
-from openrois.authoring.parameters import parameter
 from openrois.catalog.actuation import FOLLOW, MOVE, NAVIGATION, REACTION, SPEECH_SYNTHESIS
 from openrois.catalog.sensing import (
     FACE_DETECTION,
@@ -23,7 +21,9 @@ from openrois.catalog.sensing import (
 )
 from openrois.catalog.streaming import AUDIO_STREAMING, VIDEO_STREAMING
 from openrois.catalog.system_information import SYSTEM_INFORMATION, EngineStatusResult, RobotPositionResult
-from openrois.component import DEAD_MAN, Component
+from openrois.component.authoring.marks import command, event, optional, query
+from openrois.component.authoring.parameters import parameter
+from openrois.component.component import DEAD_MAN, Component
 from openrois.types.codes import StreamStatus
 
 __all__ = [

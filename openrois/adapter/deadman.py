@@ -7,12 +7,12 @@ from collections.abc import Awaitable, Callable, Coroutine, Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from openrois.component import Component
+from openrois.aio.tasks import TaskScope
+from openrois.commands.stop import STOP_TIMEOUT
+from openrois.component.component import Component
 from openrois.contract import Client, Extension
 from openrois.errors import Aborted, RoISError, Unsupported
-from openrois.lifeline import Lifeline
-from openrois.stopping import STOP_TIMEOUT
-from openrois.tasks import TaskScope
+from openrois.jsonrpc.heartbeat import Lifeline
 from openrois.types.codes import ComponentFunction
 from openrois.types.messages import Result
 from openrois.types.streams import HolderNotification

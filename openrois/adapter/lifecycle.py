@@ -5,9 +5,9 @@ import logging
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterable
 from contextlib import asynccontextmanager
 
-from openrois.backoff import Backoff
-from openrois.component import Component
-from openrois.tasks import TaskScope
+from openrois.aio.tasks import TaskScope
+from openrois.component.component import Component
+from openrois.transport.backoff import Backoff
 
 __all__ = ["connected"]
 

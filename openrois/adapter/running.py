@@ -11,17 +11,17 @@ from typing import Final
 
 from openrois.adapter.blocking import told_of_blocking
 from openrois.adapter.deadman import DeadMan, HolderExtension
+from openrois.adapter.dialer import serve_parent
 from openrois.adapter.lifecycle import connected
-from openrois.application import EngineHost
-from openrois.component import Component
+from openrois.aio.memory_return import returning_memory
+from openrois.aio.tasks import TaskScope
+from openrois.component.component import Component
 from openrois.contract import Extension
-from openrois.dialer import serve_parent
-from openrois.engine import Engine
-from openrois.lifeline import Lifeline
-from openrois.logs import set_up_logging
-from openrois.memory_return import returning_memory
-from openrois.registry import LocalRegistry
-from openrois.tasks import TaskScope
+from openrois.engine.engine import Engine
+from openrois.engine.registry import LocalRegistry
+from openrois.jsonrpc.heartbeat import Lifeline
+from openrois.observability.logs import set_up_logging
+from openrois.session.session import EngineHost
 from openrois.transport.address import adapter_url
 from openrois.transport.credentials import Credentials
 

@@ -17,7 +17,7 @@ from openrois.bench.events import EventsSettings, run_events
 from openrois.bench.idle import IdleSettings, run_idle
 from openrois.bench.rpc import RpcSettings, run_rpc
 from openrois.bench.security import Security
-from openrois.command_line import CommandLine
+from openrois.cli.command_line import CommandLine
 
 __all__ = ["INTERRUPTED", "add_gateway_benches", "add_json", "carry_out", "count", "seconds", "tell"]
 

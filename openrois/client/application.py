@@ -6,7 +6,7 @@ from functools import partial
 from typing import Any, Final
 from weakref import WeakSet
 
-from openrois.client.asking import ask, read_message
+from openrois.aio.tasks import TaskScope
 from openrois.client.bindings import Bindings
 from openrois.client.commands import Commands
 from openrois.client.control import control_notice
@@ -16,11 +16,11 @@ from openrois.client.notices import ControlChanged, Fault, Notice, Notification,
 from openrois.client.reconnect import Reconnect
 from openrois.client.restoring import Restorer
 from openrois.client.resumption import Resumption
+from openrois.client.rpc_call import ask, read_message
 from openrois.client.subscriptions import Asker, Subscriptions
 from openrois.jsonrpc.protocol import METHOD_NOT_FOUND
 from openrois.jsonrpc.session import NotificationHandler, RpcError, RpcSession
-from openrois.renewing import renewing
-from openrois.tasks import TaskScope
+from openrois.jsonrpc.token_renewal import renewing
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from openrois.types.leases import LEASES, LeaseState
 from openrois.types.messages import Completed, ErrorNotification, EventNotification, NoParams, ReturnResult

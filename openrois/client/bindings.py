@@ -5,8 +5,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from weakref import WeakValueDictionary
 
-from openrois.client.asking import ask
 from openrois.client.notices import BindingLost, BindingRestored, Notice
+from openrois.client.rpc_call import ask
 from openrois.errors import OutOfResources, RoISError
 from openrois.jsonrpc.session import RpcError, RpcSession
 from openrois.types.messages import ComponentParams, ReturnResult

@@ -9,7 +9,6 @@ from typing import Any, Final, Self, TypeVar, overload
 
 from pydantic import ConfigDict
 
-from openrois.backoff import Backoff
 from openrois.catalog.component_type import ComponentType
 from openrois.client.application import Application
 from openrois.client.component import ComponentProxy
@@ -22,6 +21,7 @@ from openrois.client.notices import Connected, Notice, Notification, ProfileChan
 from openrois.client.operations import Operations
 from openrois.client.reconnect import Reconnect
 from openrois.errors import BadParameter, RoISError, Unsupported
+from openrois.transport.backoff import Backoff
 from openrois.transport.credentials import Credentials, Token
 from openrois.types.codes import ComponentStatus
 from openrois.types.messages import ReturnResult

@@ -7,16 +7,16 @@ from contextlib import AsyncExitStack, suppress
 from enum import Enum
 from typing import Final, Protocol
 
-from openrois.backoff import asked_to_wait
-from openrois.client.asking import Outcome, ask
+from openrois.aio.tasks import TaskScope
 from openrois.client.dialling import Dial
 from openrois.client.errors import ConnectionFailed, ConnectionLost
 from openrois.client.notices import Connected, Disconnected, Notice
 from openrois.client.reconnect import Reconnect
+from openrois.client.rpc_call import Outcome, ask
 from openrois.errors import RoISError
 from openrois.jsonrpc.protocol import METHOD_NOT_FOUND
 from openrois.jsonrpc.session import NotificationHandler, RpcError, RpcSession
-from openrois.tasks import TaskScope
+from openrois.transport.backoff import asked_to_wait
 from openrois.transport.stream import StreamClosed
 from openrois.types.messages import NoParams, ReturnResult
 from openrois.types.model import Model
@@ -151,7 +151,7 @@ class Connection:
         """Ask what may be asked twice: without a connection it waits for one, and asks again where one ended.
 
         Raises:
-            RoISError, RpcError: as `openrois.client.asking.ask`.
+            RoISError, RpcError: as `openrois.client.rpc_call.ask`.
             ConnectionLost: there will be no connection any more.
             TimeoutError: no answer in time; waiting for the connection counts.
         """
@@ -178,7 +178,7 @@ class Connection:
         """Ask what must not be done late or twice: without a connection it fails at once.
 
         Raises:
-            RoISError, RpcError, ConnectionLost, TimeoutError: as `openrois.client.asking.ask`.
+            RoISError, RpcError, ConnectionLost, TimeoutError: as `openrois.client.rpc_call.ask`.
         """
         session = self.session(method)
         timeout = self.request_timeout

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from typing import Any, Final
 
-from openrois.client.asking import read_message
 from openrois.client.bindings import Bindings
 from openrois.client.connection import Connection
 from openrois.client.errors import ConnectionLost
@@ -17,6 +16,7 @@ from openrois.client.notices import (
     Notice,
     ProfileChanged,
 )
+from openrois.client.rpc_call import read_message
 from openrois.errors import OutOfResources, RoISError
 from openrois.jsonrpc.session import RpcError
 from openrois.types.leases import (

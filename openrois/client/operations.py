@@ -5,12 +5,12 @@ from collections.abc import Awaitable, Callable, Iterable
 from contextlib import suppress
 from typing import Any, TypeVar
 
-from openrois.client.asking import Outcome, ask
 from openrois.client.bindings import Bindings
 from openrois.client.commands import Command, Commands, Execution
 from openrois.client.connection import Connection
 from openrois.client.errors import ConnectionLost
 from openrois.client.feed import BUFFER
+from openrois.client.rpc_call import Outcome, ask
 from openrois.client.steps import Concurrent, Step, no_step
 from openrois.client.subscription import Subscription
 from openrois.client.subscriptions import Subscriptions

@@ -6,7 +6,7 @@ import time
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 
-from openrois.backoff import Backoff
+from openrois.transport.backoff import Backoff
 
 __all__ = ["Reconnect"]
 

@@ -4,9 +4,9 @@ import asyncio
 import logging
 from typing import Final
 
-from openrois.client.asking import ask
 from openrois.client.bindings import Bindings
 from openrois.client.commands import Commands
+from openrois.client.rpc_call import ask
 from openrois.errors import ComponentFailed, RoISError
 from openrois.jsonrpc.session import RpcError, RpcSession
 from openrois.types.leases import MAX_RESUMED, LeaseTokenResult, ResumeParams, ResumeResult

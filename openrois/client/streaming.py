@@ -8,11 +8,11 @@ from contextlib import contextmanager, suppress
 from typing import Any
 
 from openrois.catalog.streaming import ConnectStreamResults, NotifyStreamStatus, StreamStatusResults
-from openrois.client.asking import read_result
 from openrois.client.component import ComponentProxy
 from openrois.client.conditions import where
 from openrois.client.errors import ConnectionLost
 from openrois.client.feed import BUFFER
+from openrois.client.rpc_call import read_result
 from openrois.client.subscription import Subscription
 from openrois.client.values import read
 from openrois.errors import BadParameter, RoISError, Unsupported

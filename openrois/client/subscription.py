@@ -15,7 +15,7 @@ from openrois.client.feed import BUFFER, Feed
 from openrois.client.subscriptions import Entry, Subscriptions
 from openrois.errors import RoISError
 from openrois.jsonrpc.session import RpcError
-from openrois.logs import Tally
+from openrois.observability.logs import Tally
 from openrois.types.messages import EventNotification
 
 __all__ = ["Event", "Subscription"]

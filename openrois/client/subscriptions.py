@@ -5,10 +5,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Final, Protocol
 
-from openrois.client.asking import Outcome, ask
 from openrois.client.errors import ConnectionLost
 from openrois.client.feed import Feed
 from openrois.client.notices import Notice, SubscriptionLost, SubscriptionRestored
+from openrois.client.rpc_call import Outcome, ask
 from openrois.errors import RoISError
 from openrois.jsonrpc.session import RpcError, RpcSession
 from openrois.types.messages import EventNotification, ReturnResult, SubscribeParams, SubscribeResult, UnsubscribeParams

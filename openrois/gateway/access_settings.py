@@ -5,8 +5,8 @@ from typing import ClassVar, Final, Self
 
 from pydantic import model_validator
 
-from openrois.access.claims import MAX_LIFETIME
-from openrois.access.jwks import flaw_of_address
+from openrois.auth.claims import MAX_LIFETIME
+from openrois.auth.jwks import flaw_of_address
 from openrois.gateway.origins import parse_origin
 from openrois.gateway.settings_group import SettingsGroup, setting
 

@@ -5,18 +5,18 @@ import logging
 import secrets
 from typing import Final
 
-from openrois.access.principal import LOCAL, Principal, quota_name
-from openrois.application import EngineHost
+from openrois.auth.principal import LOCAL, Principal, quota_name
 from openrois.contract import Directory
-from openrois.correlation import connection
 from openrois.errors import BadParameter, RoISError
 from openrois.gateway.heartbeat import Heartbeat
 from openrois.gateway.renewal import REFRESH, Renewal, expiring
 from openrois.gateway.sign_in import SignIns
-from openrois.gateway.tenure import Tenure
+from openrois.gateway.token_expiry import Tenure
 from openrois.jsonrpc.session import CALL_TIMEOUT, RpcSession
+from openrois.observability.correlation import connection
 from openrois.remote.attachment import ATTACHED
 from openrois.remote.proxy import RemoteProxy
+from openrois.session.session import EngineHost
 from openrois.transport.stream import POLICY_VIOLATION, MessageStream, StreamClosed
 from openrois.types.references import engine_of
 

@@ -9,14 +9,14 @@ from typing import Final
 
 from aiohttp import web
 
-from openrois.access.principal import LOCAL, Principal
-from openrois.access.refusal import Refusal, TokenRefused
-from openrois.access.tokens import TokenVerifier
-from openrois.audit import Audit
-from openrois.gateway.flood import Flood
+from openrois.auth.principal import LOCAL, Principal
+from openrois.auth.refusal import Refusal, TokenRefused
+from openrois.auth.tokens import TokenVerifier
+from openrois.gateway.audit_rate import Flood
 from openrois.gateway.origins import OriginRules, parse_origin
 from openrois.gateway.settings import GatewaySettings
-from openrois.logs import Tally
+from openrois.observability.audit import Audit
+from openrois.observability.logs import Tally
 
 __all__ = ["SUBPROTOCOL", "Admission", "guard", "origin_rules"]
 

@@ -13,22 +13,22 @@ from openrois_signaling.methods import InvalidParams as InvalidSignaling
 from openrois_signaling.relay import PEERS_PER_OWNER, Refused, Relay, Upward
 from pydantic import ValidationError
 
-from openrois.access.principal import LOCAL
-from openrois.application import ApplicationSession, EngineHost
+from openrois.aio.rate import RateLimit
+from openrois.auth.principal import LOCAL
 from openrois.contract import Client
-from openrois.correlation import connection
 from openrois.errors import RoISError
 from openrois.gateway.refusals import RefusalNotes
 from openrois.gateway.renewal import Renewal, expiring
 from openrois.gateway.sign_in import SignIns
-from openrois.gateway.tenure import Tenure
+from openrois.gateway.token_expiry import Tenure
 from openrois.interfaces import base_methods, lease_methods, stream_methods
-from openrois.interfaces.crowding import intake_rules
 from openrois.interfaces.enforcement import enforced
 from openrois.interfaces.operation import reply_first
+from openrois.interfaces.overload_rules import intake_rules
 from openrois.jsonrpc.session import Handler, InvalidParams, Reply, RpcSession
-from openrois.logs import Tally
-from openrois.rate import RateLimit
+from openrois.observability.correlation import connection
+from openrois.observability.logs import Tally
+from openrois.session.session import ApplicationSession, EngineHost
 from openrois.transport.stream import MessageStream, StreamClosed
 from openrois.types.references import engine_of
 

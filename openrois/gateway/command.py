@@ -14,16 +14,16 @@ from typing import Final
 
 import uvloop
 
+from openrois.aio.memory_return import returning_memory
+from openrois.aio.supervisor import Supervisor
+from openrois.aio.tasks import TaskScope
 from openrois.gateway.configuration import configure, printed
-from openrois.gateway.places import MAX_ADAPTERS, MAX_APPLICATIONS
+from openrois.gateway.connection_limits import MAX_ADAPTERS, MAX_APPLICATIONS
 from openrois.gateway.server import Gateway, run_gateway
 from openrois.gateway.settings import GatewaySettings
 from openrois.journal.file import JournalUnusable
-from openrois.logs import set_up_logging
-from openrois.memory_return import returning_memory
 from openrois.metrics.server import MetricsUnavailable
-from openrois.supervisor import Supervisor
-from openrois.tasks import TaskScope
+from openrois.observability.logs import set_up_logging
 
 __all__ = ["main"]
 

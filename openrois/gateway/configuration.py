@@ -11,9 +11,9 @@ from typing import Any, Final, get_args
 from pydantic import ValidationError
 from pydantic.fields import FieldInfo
 
-from openrois.command_line import CommandLine, suggestion
+from openrois.cli.command_line import CommandLine, suggestion
+from openrois.cli.secret_files import is_exposed
 from openrois.gateway.settings import GROUPS, GatewaySettings
-from openrois.secret_files import is_exposed
 
 __all__ = ["Configured", "Setting", "configure", "printed", "settings_of"]
 

@@ -7,9 +7,9 @@ import time
 from collections.abc import Awaitable, Callable
 from typing import Final
 
-from openrois.application import RESTARTS, EngineHost
+from openrois.commands.stop import stop_components
 from openrois.jsonrpc.session import RpcSession
-from openrois.stopping import stop_components
+from openrois.session.session import RESTARTS, EngineHost
 
 __all__ = ["RETRY_AFTER", "SERVICE_RESTART", "Drain"]
 

@@ -4,9 +4,9 @@ import asyncio
 from collections.abc import Awaitable, Callable
 from typing import Any
 
+from openrois.aio.tasks import TaskScope
+from openrois.jsonrpc.heartbeat import ALIVE, INTERVAL, WATCH
 from openrois.jsonrpc.session import NotificationHandler, RpcSession
-from openrois.lifeline import ALIVE, INTERVAL, WATCH
-from openrois.tasks import TaskScope
 from openrois.types.model import Model
 
 __all__ = ["Heartbeat"]

@@ -9,18 +9,18 @@ from typing import Any, Final
 
 from prometheus_client.core import HistogramMetricFamily, Metric
 
-from openrois.access.jwks import KeySetCache
-from openrois.access.keys import KeySource
-from openrois.application import EngineHost
+from openrois.aio.loop_lag import LoopLag
+from openrois.auth.jwks import KeySetCache
+from openrois.auth.keys import KeySource
+from openrois.gateway.connection_limits import MAX_ADAPTERS, MAX_APPLICATIONS, Places
 from openrois.gateway.encryption import Certificate
-from openrois.gateway.places import MAX_ADAPTERS, MAX_APPLICATIONS, Places
 from openrois.gateway.reloading import Reloader
-from openrois.heads import Heads
+from openrois.http_limits.header_timeout import Heads
+from openrois.jsonrpc.connection_stats import Seen
 from openrois.jsonrpc.latencies import BOUNDS, Latencies
-from openrois.loop_lag import LoopLag
 from openrois.metrics.exposition import families, written
 from openrois.metrics.figure import Figure
-from openrois.traffic import Seen
+from openrois.session.session import EngineHost
 
 __all__ = ["FIGURES", "HISTOGRAMS", "LABELLED", "Sources", "figures"]
 

@@ -4,7 +4,7 @@ import re
 from dataclasses import dataclass
 from typing import Final
 
-from openrois.access.loopback import is_loopback
+from openrois.auth.loopback import is_loopback
 
 __all__ = ["Origin", "OriginRules", "parse_origin"]
 

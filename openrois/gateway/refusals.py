@@ -5,9 +5,9 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
-from openrois.application import ApplicationSession
-from openrois.gateway.flood import Flood
+from openrois.gateway.audit_rate import Flood
 from openrois.gateway.renewal import REFRESH
+from openrois.session.session import ApplicationSession
 from openrois.types.codes import ReturnCode
 
 __all__ = ["RefusalNotes"]

@@ -3,14 +3,14 @@
 from collections.abc import Callable
 from typing import Any, Final
 
-from openrois.access.principal import Principal
-from openrois.access.refusal import Refusal, TokenRefused
-from openrois.access.tokens import TokenVerifier
-from openrois.audit import Audit
+from openrois.auth.principal import Principal
+from openrois.auth.refusal import Refusal, TokenRefused
+from openrois.auth.tokens import TokenVerifier
 from openrois.errors import BadParameter, Unsupported
-from openrois.gateway.tenure import Tenure
+from openrois.gateway.token_expiry import Tenure
 from openrois.interfaces.operation import operation
 from openrois.jsonrpc.session import Handler
+from openrois.observability.audit import Audit
 from openrois.types.access import AuthExpiringNotification, AuthRefreshParams, AuthRefreshResult
 
 __all__ = ["REFRESH", "Renewal", "expiring"]

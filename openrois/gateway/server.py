@@ -19,38 +19,38 @@ from typing import Final
 
 from aiohttp import WSCloseCode, web
 
-from openrois.access.principal import LOCAL, quota_name
-from openrois.application import RESTARTS, EngineHost
-from openrois.audit import Audit
-from openrois.engine import Engine
+from openrois.aio.loop_lag import LoopLag
+from openrois.aio.tasks import TaskScope
+from openrois.auth.principal import LOCAL, quota_name
+from openrois.auth.subject_quotas import SubjectQuotas
+from openrois.engine.engine import Engine
 from openrois.errors import OutOfResources
 from openrois.gateway.adapters import serve_adapter
 from openrois.gateway.admission import guard
 from openrois.gateway.applications import serve_application
+from openrois.gateway.auth_setup import Entrance
+from openrois.gateway.connection_limits import Places
 from openrois.gateway.draining import RETRY_AFTER, Drain
-from openrois.gateway.entrance import Entrance
-from openrois.gateway.http_connection import HttpConnection
 from openrois.gateway.ice import IceServers
 from openrois.gateway.metrics import Sources, figures
 from openrois.gateway.page import page_response
-from openrois.gateway.places import Places
-from openrois.gateway.returning import Returning
+from openrois.gateway.restart_barrier import Returning
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import ADAPTER, APPLICATION, ServerSocket, SocketProfile
 from openrois.gateway.stalling import Stalling
-from openrois.gateway.tenure import Tenure
-from openrois.heads import OPTIONS, Heads
-from openrois.health import Readiness, healthz, readyz
+from openrois.gateway.token_expiry import Tenure
+from openrois.http_limits.header_timeout import OPTIONS, Heads
+from openrois.http_limits.http_connection import HttpConnection
+from openrois.http_limits.tcp_server import serving_tcp
 from openrois.journal.journal import Journal
 from openrois.jsonrpc.unread import UnreadBudget
 from openrois.leases.model import Rules
-from openrois.log_lines import Redaction
-from openrois.loop_lag import LoopLag
 from openrois.metrics.server import metrics_address, serving_metrics
+from openrois.observability.audit import Audit
+from openrois.observability.health import Readiness, healthz, readyz
+from openrois.observability.log_lines import Redaction
 from openrois.schema import openrpc
-from openrois.subject_quotas import SubjectQuotas
-from openrois.tasks import TaskScope
-from openrois.tcp_server import serving_tcp
+from openrois.session.session import RESTARTS, EngineHost
 from openrois.transport.stream import MessageStream, StreamClosed
 
 __all__ = ["Gateway", "run_gateway"]

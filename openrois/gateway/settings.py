@@ -5,17 +5,17 @@ from typing import ClassVar, Final, Literal, Self
 
 from pydantic import model_validator
 
-from openrois.access.loopback import is_loopback
+from openrois.auth.loopback import is_loopback
+from openrois.auth.subject_quotas import CONNECTIONS_OF_SUBJECT, SESSIONS_OF_SUBJECT, STREAMS_OF_SUBJECT
 from openrois.gateway.access_settings import Authentication, Encryption
-from openrois.gateway.places import MAX_PER_ADDRESS
+from openrois.gateway.connection_limits import MAX_PER_ADDRESS
 from openrois.gateway.settings_group import SettingsGroup, setting
 from openrois.gateway.stalling import STALL_TIMEOUT
-from openrois.heads import MAX_SILENT, MAX_SILENT_PER_ADDRESS
+from openrois.http_limits.header_timeout import MAX_SILENT, MAX_SILENT_PER_ADDRESS
 from openrois.jsonrpc.session import CALL_TIMEOUT
 from openrois.jsonrpc.unread import MAX_UNREAD
 from openrois.leases.model import GRACE, PATIENCE
 from openrois.metrics.server import metrics_address
-from openrois.subject_quotas import CONNECTIONS_OF_SUBJECT, SESSIONS_OF_SUBJECT, STREAMS_OF_SUBJECT
 from openrois.types.references import flaw_of_name
 
 __all__ = ["GROUPS", "SECRET_LENGTH", "GatewaySettings"]

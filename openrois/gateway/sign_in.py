@@ -6,9 +6,9 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Final
 
-from openrois.access.principal import Principal
-from openrois.audit import Audit
-from openrois.gateway.flood import Flood
+from openrois.auth.principal import Principal
+from openrois.gateway.audit_rate import Flood
+from openrois.observability.audit import Audit
 
 __all__ = ["SignIns", "Visit"]
 

@@ -10,11 +10,11 @@ from typing import Final, cast
 
 from aiohttp import WebSocketError, WSCloseCode, WSMessage, WSMsgType, web
 
+from openrois.aio.rate import RateLimit
 from openrois.gateway.admission import SUBPROTOCOL
-from openrois.gateway.frames import BROKEN, CONTROL_FRAMES_AT_ONCE, CONTROL_FRAMES_PER_SECOND, FrameRules
-from openrois.gateway.http_connection import HttpConnection
 from openrois.gateway.stalling import Stalling
-from openrois.rate import RateLimit
+from openrois.http_limits.http_connection import HttpConnection
+from openrois.http_limits.websocket_frames import BROKEN, CONTROL_FRAMES_AT_ONCE, CONTROL_FRAMES_PER_SECOND, FrameRules
 from openrois.transport.silence import Silence
 from openrois.transport.stream import StreamClosed, close_reason
 

@@ -1,8 +1,8 @@
 """The RoIS interfaces as method tables over one `ApplicationSession`: thin, one module each."""
 
-from openrois.application import ApplicationSession
 from openrois.interfaces import command, event, lease, query, stop, stream, system
 from openrois.jsonrpc.session import Handler
+from openrois.session.session import ApplicationSession
 
 __all__ = ["base_methods", "lease_methods", "stream_methods"]
 

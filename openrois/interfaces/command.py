@@ -7,19 +7,19 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
-from openrois.accepted import AcceptedCommand
-from openrois.application import RESTARTS, ApplicationSession
-from openrois.arguments import check_arguments
-from openrois.command_log import MAX_ID, STOP_RESERVE
-from openrois.condition import parse_condition
+from openrois.commands.history import MAX_ID, STOP_RESERVE
+from openrois.commands.pending import AcceptedCommand
+from openrois.commands.sequence import commands_of, run_sequence, size_of
+from openrois.component.arguments import check_arguments
+from openrois.engine.condition import parse_condition
 from openrois.errors import BadParameter, OutOfResources, RoISError, Unsupported
 from openrois.interfaces import stream
-from openrois.interfaces.crowding import is_stop
 from openrois.interfaces.former_command import former_command
 from openrois.interfaces.operation import operation
+from openrois.interfaces.overload_rules import is_stop
 from openrois.interfaces.selection import COMPONENT_PROPERTIES, matching
 from openrois.jsonrpc.session import Handler, Reply
-from openrois.sequence import commands_of, run_sequence, size_of
+from openrois.session.session import RESTARTS, ApplicationSession
 from openrois.types.codes import CompletedStatus, ComponentFunction
 from openrois.types.messages import (
     Argument,

@@ -3,8 +3,8 @@
 from collections.abc import Iterator, Mapping
 from typing import Final
 
-from openrois.application import ApplicationSession
 from openrois.jsonrpc.session import Handler, Reply
+from openrois.session.session import ApplicationSession
 from openrois.types.codes import ReturnCode
 from openrois.types.messages import ReturnResult
 from openrois.types.methods import METHODS

@@ -1,12 +1,12 @@
 """The Event interface (RoIS_HRI::EventIF): subscribe, unsubscribe, get_event_detail."""
 
-from openrois.application import ApplicationSession
-from openrois.condition import parse_condition
+from openrois.engine.condition import parse_condition
 from openrois.errors import BadParameter
 from openrois.interfaces import stream
 from openrois.interfaces.operation import operation
 from openrois.interfaces.selection import COMPONENT_PROPERTIES, the_one
 from openrois.jsonrpc.session import Handler, Reply
+from openrois.session.session import ApplicationSession
 from openrois.types.messages import (
     DetailParams,
     ResultsResult,

@@ -1,8 +1,8 @@
 """Answering for a command of a former run of the gateway, which the journal knows."""
 
-from openrois.application import ApplicationSession
 from openrois.errors import RoISError
 from openrois.jsonrpc.session import Reply
+from openrois.session.session import ApplicationSession
 from openrois.types.messages import ResultsResult
 
 __all__ = ["former_command"]

@@ -2,12 +2,13 @@
 
 from typing import Any, Final
 
-from openrois.application import ApplicationSession
 from openrois.errors import BadParameter, OutOfResources, RoISError, Unsupported
 from openrois.interfaces import command
 from openrois.interfaces.operation import operation
 from openrois.jsonrpc.session import Handler, Reply
 from openrois.leases.model import Replayed
+from openrois.scope.revocation import Claims
+from openrois.session.session import ApplicationSession
 from openrois.types.codes import ComponentFunction
 from openrois.types.leases import (
     Lease,
@@ -20,7 +21,6 @@ from openrois.types.leases import (
     ResumeResult,
 )
 from openrois.types.messages import NoParams, ReturnResult
-from openrois.withdrawal import Claims
 
 __all__ = ["methods"]
 

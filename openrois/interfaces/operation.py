@@ -7,9 +7,9 @@ from typing import Any, TypeVar
 
 from pydantic import BaseModel
 
-from openrois.application import ApplicationSession
 from openrois.errors import RoISError
 from openrois.jsonrpc.session import Handler, Reply, method
+from openrois.session.session import ApplicationSession
 from openrois.types.messages import ReturnResult
 from openrois.types.references import engine_of
 from openrois.types.streams import subject_of

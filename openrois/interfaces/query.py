@@ -2,13 +2,13 @@
 
 from typing import Final
 
-from openrois.application import ApplicationSession
-from openrois.condition import parse_condition
+from openrois.engine.condition import parse_condition
 from openrois.errors import BadParameter
 from openrois.interfaces import stream
 from openrois.interfaces.operation import operation
 from openrois.interfaces.selection import COMPONENT_PROPERTIES, the_one
 from openrois.jsonrpc.session import Handler
+from openrois.session.session import ApplicationSession
 from openrois.types.codes import ComponentStatus
 from openrois.types.messages import QueryParams, Result, ResultsResult
 

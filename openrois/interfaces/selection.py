@@ -3,10 +3,10 @@
 from collections.abc import Callable
 from typing import Final
 
-from openrois.condition import Condition
+from openrois.engine.condition import Condition
 from openrois.errors import BadParameter, Unsupported
+from openrois.scope.scoped_engine import VisibleEngine
 from openrois.types.profiles import HRIComponentProfile
-from openrois.visible_engine import VisibleEngine
 
 __all__ = ["COMPONENT_PROPERTIES", "matching", "the_one"]
 

@@ -2,11 +2,11 @@
 
 from typing import Final
 
-from openrois.application import ApplicationSession
+from openrois.commands.stop import stop_components
 from openrois.errors import BadParameter, OutOfResources, Unsupported
 from openrois.interfaces.operation import operation
 from openrois.jsonrpc.session import Handler, Reply
-from openrois.stopping import stop_components
+from openrois.session.session import ApplicationSession
 from openrois.types.codes import ComponentFunction, ReturnCode
 from openrois.types.leases import StopAllParams, StopAllResult
 from openrois.types.references import engine_of

@@ -10,7 +10,7 @@ from typing import Any, Final, TypeVar
 
 from pydantic import ValidationError
 
-from openrois.application import ApplicationSession
+from openrois.aio.rate import RateLimit
 from openrois.errors import (
     Aborted,
     BadParameter,
@@ -25,8 +25,9 @@ from openrois.errors import (
 from openrois.interfaces.operation import operation, reply_first
 from openrois.interfaces.uplinks import may_be_uplink, require_may_send
 from openrois.jsonrpc.session import Handler
-from openrois.rate import RateLimit
-from openrois.stream_parameters import STREAM_PARAMETERS
+from openrois.scope.revocation import Claims, end_streams
+from openrois.session.session import ApplicationSession
+from openrois.session.stream_parameters import STREAM_PARAMETERS
 from openrois.types.codes import ReturnCode, StreamStatus
 from openrois.types.leases import LEASES
 from openrois.types.messages import Argument, CommandUnit, Parameter, Result, ReturnResult
@@ -43,7 +44,6 @@ from openrois.types.streams import (
     StreamStatusResult,
     subject_of,
 )
-from openrois.withdrawal import Claims, end_streams
 
 __all__ = ["get_parameters", "has_streams", "is_verb", "methods", "query_status", "run_verb"]
 

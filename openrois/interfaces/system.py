@@ -1,11 +1,11 @@
 """The System interface (RoIS_HRI::SystemIF): connect, disconnect, get_profile, get_error_detail."""
 
-from openrois.application import ApplicationSession
-from openrois.condition import parse_condition
+from openrois.engine.condition import parse_condition
 from openrois.errors import BadParameter
 from openrois.interfaces.operation import operation
 from openrois.interfaces.selection import COMPONENT_PROPERTIES, matching
 from openrois.jsonrpc.session import Handler
+from openrois.session.session import ApplicationSession
 from openrois.types.messages import (
     ConditionParams,
     ErrorDetailParams,

@@ -4,9 +4,9 @@ import json
 from collections.abc import Iterable
 from typing import Any
 
-from openrois.access.principal import LOCAL
-from openrois.application import ApplicationSession
+from openrois.auth.principal import LOCAL
 from openrois.errors import OutOfResources, Unsupported
+from openrois.session.session import ApplicationSession
 from openrois.types.codes import ComponentFunction
 from openrois.types.messages import Parameter
 from openrois.types.references import engine_of

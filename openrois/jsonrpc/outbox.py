@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Final
 
 from openrois.jsonrpc.unread import UnreadAccount, UnreadBudget
-from openrois.logs import Tally
+from openrois.observability.logs import Tally
 
 __all__ = ["Outbox", "OutboxOverflow"]
 

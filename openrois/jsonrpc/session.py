@@ -16,18 +16,18 @@ from typing import Any, Final
 
 from pydantic import ValidationError
 
-from openrois import correlation
+from openrois.aio.loop_lag import STOOD_STILL
 from openrois.jsonrpc import protocol
 from openrois.jsonrpc.calls import Calls, RpcError, SessionClosed
-from openrois.jsonrpc.fairness import take_fairly
 from openrois.jsonrpc.handler import Handler, InvalidParams, NotificationHandler, Reply, method
-from openrois.jsonrpc.intake import Intake, IntakeRules
 from openrois.jsonrpc.latencies import Latencies
 from openrois.jsonrpc.outbox import Outbox, OutboxOverflow
 from openrois.jsonrpc.protocol import Peer, RequestId
+from openrois.jsonrpc.read_budget import take_fairly
+from openrois.jsonrpc.request_queue import Intake, IntakeRules
 from openrois.jsonrpc.writing import Writer
-from openrois.logs import Tally
-from openrois.loop_lag import STOOD_STILL
+from openrois.observability import correlation
+from openrois.observability.logs import Tally
 from openrois.transport.stream import MessageStream, StreamClosed
 
 __all__ = [

@@ -3,7 +3,7 @@
 import asyncio
 from collections.abc import Awaitable, Callable
 
-from openrois.tasks import TaskScope
+from openrois.aio.tasks import TaskScope
 
 __all__ = ["Alarm"]
 

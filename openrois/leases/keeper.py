@@ -5,15 +5,15 @@ import time
 from collections.abc import Awaitable, Callable, Iterable
 from typing import Final
 
-from openrois.accepted import AcceptedCommands
-from openrois.access.principal import Principal
-from openrois.engine import Engine
+from openrois.aio.tasks import TaskScope
+from openrois.auth.principal import Principal
+from openrois.commands.pending import AcceptedCommands
+from openrois.commands.stop import stop_components
+from openrois.engine.engine import Engine
 from openrois.leases.alarm import Alarm
 from openrois.leases.changes import Change, Gained, Lost, Queued, Why
+from openrois.leases.lease_notifications import SENTENCES, Holder, Telling, session_of
 from openrois.leases.model import LeaseModel, Replayed, Rules
-from openrois.leases.telling import SENTENCES, Holder, Telling, session_of
-from openrois.stopping import stop_components
-from openrois.tasks import TaskScope
 
 __all__ = ["LeaseKeeper"]
 

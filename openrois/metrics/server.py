@@ -11,8 +11,8 @@ from typing import Final
 
 from aiohttp import web
 
-from openrois.heads import OPTIONS, Connection, Heads
-from openrois.tcp_server import serving_tcp
+from openrois.http_limits.header_timeout import OPTIONS, Connection, Heads
+from openrois.http_limits.tcp_server import serving_tcp
 
 __all__ = ["LOOPBACK", "MetricsUnavailable", "metrics_address", "serving_metrics"]
 

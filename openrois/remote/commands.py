@@ -6,10 +6,10 @@ import secrets
 from collections.abc import Callable
 from typing import Any, Final
 
-from openrois.command_log import MAX_ID
+from openrois.aio.bounded_history import Remembered
+from openrois.commands.history import MAX_ID
 from openrois.errors import Aborted
-from openrois.logs import Tally
-from openrois.remembered import Remembered
+from openrois.observability.logs import Tally
 from openrois.types.codes import CompletedStatus
 from openrois.types.messages import Completed
 

@@ -6,13 +6,13 @@ from collections import deque
 from collections.abc import Awaitable, Callable, Iterable, Mapping
 from typing import Any, Final
 
+from openrois.aio.tasks import TaskScope
 from openrois.contract import Client
 from openrois.errors import ComponentFailed
 from openrois.jsonrpc.outbox import Outbox
 from openrois.jsonrpc.session import NotificationHandler
-from openrois.logs import Tally
-from openrois.remote.told_holders import ToldHolders
-from openrois.tasks import TaskScope
+from openrois.observability.logs import Tally
+from openrois.remote.lease_outbox import ToldHolders
 from openrois.types.streams import STREAM_METHODS, HolderNotification
 
 __all__ = ["CLIENT_GONE", "EXTENSION_METHODS", "EXTENSION_NOTIFICATIONS", "MAY_BIND", "RemoteExtension"]

@@ -5,12 +5,12 @@ import time
 from collections.abc import Awaitable, Callable
 from typing import Any, Final
 
+from openrois.aio.tasks import TaskScope
 from openrois.contract import Fault, OnFault, ignore_fault
+from openrois.engine.faults import MAX_DESCRIPTION, fault_limit
 from openrois.errors import RoISError
-from openrois.faults import MAX_DESCRIPTION, fault_limit
-from openrois.logs import Tally
-from openrois.remote.claims import Claims
-from openrois.tasks import TaskScope
+from openrois.observability.logs import Tally
+from openrois.remote.remote_profile import Claims
 from openrois.types.messages import ErrorNotification, ResultsResult
 from openrois.types.values import date_time
 

@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from pydantic import ConfigDict
 
+from openrois.aio.tasks import TaskScope
 from openrois.contract import Directory, Event, Extension, OnFault, Sink, SubscriptionLost
 from openrois.errors import (
     Aborted,
@@ -20,19 +21,18 @@ from openrois.errors import (
     TimedOut,
     Unsupported,
 )
-from openrois.interfaces.crowding import is_stop
+from openrois.interfaces.overload_rules import is_stop
 from openrois.jsonrpc import protocol
 from openrois.jsonrpc.session import NotificationHandler, RpcError, RpcSession
-from openrois.logs import Tally
-from openrois.remote.asking import Asking, read_result
+from openrois.observability.logs import Tally
 from openrois.remote.attachment import ATTACHED
-from openrois.remote.claims import Claims
 from openrois.remote.commands import RemoteCommand, RemoteCommands
 from openrois.remote.extension import MAY_BIND, RemoteExtension
 from openrois.remote.faults import RemoteFaults
+from openrois.remote.remote_profile import Claims
+from openrois.remote.rpc_call import Asking, read_result
 from openrois.remote.stops import SharedStops
 from openrois.remote.subscriptions import SharedSubscriptions
-from openrois.tasks import TaskScope
 from openrois.types.codes import CompletedStatus, ReturnCode
 from openrois.types.leases import LEASES
 from openrois.types.messages import (

@@ -5,21 +5,21 @@ import logging
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
-from openrois.application import ApplicationSession, EngineHost
 from openrois.contract import Client
-from openrois.correlation import connection
-from openrois.engine import Engine, leads_to
+from openrois.engine.engine import Engine, leads_to
 from openrois.errors import Aborted, EngineUnreachable, RoISError
-from openrois.holders import tell_holder
 from openrois.interfaces import base_methods
-from openrois.interfaces.crowding import intake_rules
+from openrois.interfaces.overload_rules import intake_rules
+from openrois.jsonrpc.heartbeat import ALIVE, WATCH
+from openrois.jsonrpc.reply_order import ReplyFirst
 from openrois.jsonrpc.session import Handler, InvalidParams, NotificationHandler, Reply, RpcSession, method
-from openrois.lifeline import ALIVE, WATCH
-from openrois.lost_streams import lost_streams
-from openrois.ordering import ReplyFirst
+from openrois.jsonrpc.token_renewal import renewing
+from openrois.leases.lease_notify import tell_holder
+from openrois.observability.correlation import connection
 from openrois.remote.attachment import ATTACHED, QUESTIONS_ALONE, Attachment
 from openrois.remote.extension import CLIENT_GONE, EXTENSION_METHODS, MAY_BIND
-from openrois.renewing import renewing
+from openrois.session.lost_streams import lost_streams
+from openrois.session.session import ApplicationSession, EngineHost
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from openrois.transport.stream import MessageStream, StreamClosed
 from openrois.types.codes import ComponentFunction, StreamStatus

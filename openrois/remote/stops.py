@@ -5,8 +5,8 @@ from collections.abc import Awaitable, Callable
 from contextlib import suppress
 from functools import partial
 
-from openrois.stopping import STOP_TIMEOUT
-from openrois.tasks import TaskScope
+from openrois.aio.tasks import TaskScope
+from openrois.commands.stop import STOP_TIMEOUT
 from openrois.types.messages import Result
 
 __all__ = ["SharedStops"]

@@ -6,12 +6,12 @@ from contextlib import asynccontextmanager, suppress
 from dataclasses import dataclass
 from typing import Final
 
-from openrois.component import Component
+from openrois.component.component import Component
 from openrois.contract import Client, ComponentBus
-from openrois.engine import Engine
+from openrois.engine.engine import Engine
+from openrois.engine.registry import LocalRegistry
 from openrois.errors import Unsupported
-from openrois.holders import tell_holder
-from openrois.registry import LocalRegistry
+from openrois.leases.lease_notify import tell_holder
 from openrois.testing import event_rules, life_rules, message_rules, parameter_rules, profile_rules
 from openrois.testing.subject import Broken, Ears, LocalSubject, Subject
 from openrois.types.references import reference

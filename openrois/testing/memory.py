@@ -6,15 +6,15 @@ from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass
 from typing import Final
 
-from openrois.application import EngineHost
+from openrois.aio.tasks import TaskScope
 from openrois.client import Client
-from openrois.component import Component
-from openrois.engine import Engine
+from openrois.component.component import Component
+from openrois.engine.engine import Engine
+from openrois.engine.registry import LocalRegistry
 from openrois.gateway.adapters import serve_adapter
 from openrois.gateway.applications import serve_application
-from openrois.registry import LocalRegistry
 from openrois.remote.serve import serve_engine
-from openrois.tasks import TaskScope
+from openrois.session.session import EngineHost
 from openrois.transport.memory import memory_pair
 from openrois.transport.stream import MessageStream
 

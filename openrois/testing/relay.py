@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Final, Self
 from urllib.parse import urlsplit
 
-from openrois.tasks import TaskScope
+from openrois.aio.tasks import TaskScope
 
 __all__ = ["FaultRelay", "Weather"]
 

@@ -5,7 +5,7 @@ from collections.abc import Awaitable, Mapping
 from dataclasses import dataclass, field
 from typing import TypeVar
 
-from openrois.component import Component
+from openrois.component.component import Component
 from openrois.contract import ComponentBus, Event, SubscriptionLost
 from openrois.errors import RoISError
 from openrois.testing.samples import argument

@@ -3,7 +3,7 @@
 import asyncio
 from collections.abc import Awaitable, Callable
 
-from openrois.loop_lag import STOOD_STILL
+from openrois.aio.loop_lag import STOOD_STILL
 
 __all__ = ["Silence"]
 

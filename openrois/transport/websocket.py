@@ -12,7 +12,7 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.frames import CloseCode, Frame, Opcode
 from websockets.protocol import State
 
-from openrois.tasks import TaskScope
+from openrois.aio.tasks import TaskScope
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from openrois.transport.silence import Silence
 from openrois.transport.stream import StreamClosed, close_reason

@@ -15,9 +15,9 @@ import pytest
 from openrois_avatar import demo as demo_module
 from openrois_avatar.process import ProgramFailed
 
-from openrois.access.issuing import issue_token
-from openrois.access.key_files import make_key_files
-from openrois.access.principal import Role
+from openrois.auth.issuing import issue_token
+from openrois.auth.key_files import make_key_files
+from openrois.auth.principal import Role
 from openrois.client import Client
 from openrois.client.components import SystemInformation
 from openrois.client.errors import ConnectionFailed

@@ -7,11 +7,11 @@ from pathlib import Path
 import pytest
 from openrois_avatar.demo_access import DemoAccess, add_access_options, demo_access
 
-from openrois.access.claims import ClaimRules
-from openrois.access.key_files import make_key_files, read_keys
-from openrois.access.keys import StoredKeys
-from openrois.access.principal import Principal, Role
-from openrois.access.tokens import TokenVerifier
+from openrois.auth.claims import ClaimRules
+from openrois.auth.key_files import make_key_files, read_keys
+from openrois.auth.keys import StoredKeys
+from openrois.auth.principal import Principal, Role
+from openrois.auth.tokens import TokenVerifier
 from openrois.gateway.configuration import configure
 from openrois.transport.credential_options import add_credential_options
 

@@ -14,8 +14,8 @@ from openrois_avatar.devices import LEVEL_INTERVAL, Camera, Microphone
 from openrois_streaming.level import SILENCE, Level
 from openrois_streaming.source import RawAudio, RawVideo
 
+from openrois.engine.registry import LocalRegistry
 from openrois.errors import ComponentFailed
-from openrois.registry import LocalRegistry
 from tests.support.streaming import FedSource, VirtualClock, picture, settle
 
 

@@ -12,12 +12,12 @@ from openrois_streaming import peer as peer_module
 from openrois_streaming.places import ANSWER_TIME, KEPT_FOR_OPERATORS, SESSIONS_LIMIT
 from websockets.asyncio.client import ClientConnection
 
-from openrois.application import EngineHost
-from openrois.dialer import serve_parent
-from openrois.engine import Engine
+from openrois.adapter.dialer import serve_parent
+from openrois.aio.tasks import TaskScope
+from openrois.engine.engine import Engine
+from openrois.engine.registry import LocalRegistry
 from openrois.gateway.server import Gateway
-from openrois.registry import LocalRegistry
-from openrois.tasks import TaskScope
+from openrois.session.session import EngineHost
 from openrois.transport.credentials import Credentials
 from tests.support import deployment
 from tests.support.guarded import Guarded, ask, fresh, guarded

@@ -5,9 +5,9 @@ from openrois_avatar.components.gaze import Gaze
 from openrois_avatar.settings import AvatarSettings
 
 from openrois.catalog.common import ROIS_COMMON
-from openrois.profile_xml.documents import Profiles, assemble, doubts, write_documents
-from openrois.profile_xml.read import ComponentDocument, read_profile
-from openrois.profile_xml.write import component_xml
+from openrois.profiles.xml.documents import Profiles, assemble, doubts, write_documents
+from openrois.profiles.xml.read import ComponentDocument, read_profile
+from openrois.profiles.xml.write import component_xml
 from tests.support.profiles import structural_errors
 
 

@@ -103,7 +103,7 @@ async def test_one_that_its_gateway_refuses_is_not_ready(
     caplog.set_level(logging.INFO)
     listening = logging.Handler()
     listening.emit = lambda record: refused.set() if "refuses this adapter" in record.getMessage() else None  # type: ignore[method-assign]
-    logging.getLogger("openrois.dialer").addHandler(listening)
+    logging.getLogger("openrois.adapter.dialer").addHandler(listening)
     attached = asyncio.Event()
     async with (
         asyncio.timeout(60),
@@ -116,7 +116,7 @@ async def test_one_that_its_gateway_refuses_is_not_ready(
         async with adapter.running():
             await refused.wait()
             assert await adapter.asked("readyz") == (503, LACKING)
-    logging.getLogger("openrois.dialer").removeHandler(listening)
+    logging.getLogger("openrois.adapter.dialer").removeHandler(listening)
     assert capsys.readouterr().out == ""
 
 

@@ -9,12 +9,12 @@ import pytest
 from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed
 
-from openrois.application import EngineHost
-from openrois.dialer import serve_parent
-from openrois.engine import Engine
+from openrois.adapter.dialer import serve_parent
+from openrois.aio.tasks import TaskScope
+from openrois.engine.engine import Engine
+from openrois.engine.registry import LocalRegistry
 from openrois.gateway.server import Gateway
-from openrois.registry import LocalRegistry
-from openrois.tasks import TaskScope
+from openrois.session.session import EngineHost
 from tests.support import deployment
 from tests.support.components import Lamp
 from tests.support.deployment import Adapter, Application

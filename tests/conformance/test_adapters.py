@@ -8,9 +8,9 @@ from contextlib import AsyncExitStack
 import pytest
 from websockets.asyncio.client import connect
 
-from openrois.engine import Engine
+from openrois.engine.engine import Engine
+from openrois.engine.registry import LocalRegistry
 from openrois.gateway.server import Gateway
-from openrois.registry import LocalRegistry
 from tests.support import deployment, wire
 from tests.support.deployment import Adapter, Application
 from tests.support.plain import (

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from openrois.command_log import MAX_RUNNING
+from openrois.commands.history import MAX_RUNNING
 from openrois.gateway.server import Gateway
 from tests.support import deployment
 from tests.support.deployment import Adapter, Application, Robot

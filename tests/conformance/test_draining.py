@@ -100,7 +100,7 @@ async def test_what_does_not_end_is_handed_back(stack: AsyncExitStack, robot: Ro
 async def test_an_idle_gateway_stops_at_once_and_adapters_are_asked_back_first(
     gateway: Gateway, adapter: Adapter, app: Application, other: Application, caplog: pytest.LogCaptureFixture
 ) -> None:
-    caplog.set_level("INFO", "openrois.dialer")
+    caplog.set_level("INFO", "openrois.adapter.dialer")
     async with patience():
         await gateway.drain()
         for each in (app, other):

@@ -7,14 +7,14 @@ from typing import Any
 
 import pytest
 
-from openrois.authoring.marks import command
-from openrois.component import Component
+from openrois.component.authoring.marks import command
+from openrois.component.component import Component
 from openrois.contract import Fault
-from openrois.engine import Engine
-from openrois.error_log import MAX_ERRORS
-from openrois.faults import FAULTS_AT_ONCE
+from openrois.engine.engine import Engine
+from openrois.engine.faults import FAULTS_AT_ONCE
+from openrois.engine.registry import LocalRegistry
 from openrois.gateway.server import Gateway
-from openrois.registry import LocalRegistry
+from openrois.session.errors import MAX_ERRORS
 from openrois.types.codes import ErrorType
 from openrois.types.values import check_value
 from tests.support import deployment, wire

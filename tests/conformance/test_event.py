@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
-from openrois.engine import Engine
+from openrois.engine.engine import Engine
+from openrois.engine.registry import LocalRegistry
 from openrois.gateway.server import Gateway
 from openrois.jsonrpc.outbox import EVENT_LIMIT
-from openrois.registry import LocalRegistry
 from tests.support import deployment
 from tests.support import wire as memory
 from tests.support.components import Bell

@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
-from openrois.command_log import MAX_RUNNING, STOP_RESERVE
+from openrois.commands.history import MAX_RUNNING, STOP_RESERVE
 from openrois.gateway.applications import REQUESTS_AT_ONCE
 from openrois.gateway.server import Gateway
-from openrois.jsonrpc.intake import MAX_RUNNING_REQUESTS
+from openrois.jsonrpc.request_queue import MAX_RUNNING_REQUESTS
 from tests.support.deployment import Application, Robot
 
 LAMP = "robot/lamp"
@@ -88,7 +88,7 @@ async def test_whoever_floods_is_refused_and_told_when_to_come_back(
 ) -> None:
     # The clock of the limit stands still: what is at hand is all there is.
     await app.ask("openrois.hello", version="1", extensions=[])
-    monkeypatch.setattr("openrois.rate.RateLimit._fill", lambda _limit: None)
+    monkeypatch.setattr("openrois.aio.rate.RateLimit._fill", lambda _limit: None)
     for number in range(REQUESTS_AT_ONCE):
         await app.send(request(number, "rois.system.connect"))
     answered = await codes(app, REQUESTS_AT_ONCE)
@@ -107,7 +107,7 @@ async def test_whoever_floods_is_refused_and_told_when_to_come_back(
 async def test_requests_that_wait_are_bounded(
     app: Application, hanging: asyncio.Event, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("openrois.jsonrpc.intake.MAX_WAITING_REQUESTS", 40)
+    monkeypatch.setattr("openrois.jsonrpc.request_queue.MAX_WAITING_REQUESTS", 40)
     asked = MAX_RUNNING_REQUESTS + 40
     for number in range(asked + 2):
         await app.send(request(number, "rois.query.query", query_type="view"))

@@ -15,28 +15,20 @@ from openrois_streaming.input import reader
 from openrois_streaming.input.messages import MESSAGE_LIMIT
 from openrois_streaming.places import SESSIONS_LIMIT
 
-from openrois import (
-    change_notice,
-    command_budget,
-    command_log,
-    condition,
-    engine,
-    error_log,
-    event_log,
-    faults,
-    heads,
-    registry,
-    remembered,
-)
-from openrois.access import claims, jwks, keys
-from openrois.application import EngineHost
+from openrois.aio import bounded_history
+from openrois.auth import claims, jwks, keys
+from openrois.commands import history, quota
+from openrois.engine import condition, engine, faults, registry
+from openrois.engine.registry import LocalRegistry
 from openrois.errors import OutOfResources
-from openrois.gateway import adapters, applications, frames, places, reloading, tenure
+from openrois.gateway import adapters, applications, connection_limits, reloading, token_expiry
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import ADAPTER, APPLICATION
-from openrois.interfaces import command, crowding, stream
-from openrois.jsonrpc import calls, handler, intake, outbox, session
-from openrois.registry import LocalRegistry
+from openrois.http_limits import header_timeout, websocket_frames
+from openrois.interfaces import command, overload_rules, stream
+from openrois.jsonrpc import calls, handler, outbox, request_queue, session
+from openrois.session import change_notice, errors, events
+from openrois.session.session import EngineHost
 from openrois.transport import websocket
 from openrois.types import access, messages, reasons, references, streams, values
 from tests.support import deployment, wire
@@ -49,55 +41,55 @@ KIB, MIB = 1024, 1024 * 1024
 DOOR = "robot/door"
 
 HERE = "tests/conformance/test_limits.py"
-ACCESS = "tests/openrois/access"
+AUTH = "tests/openrois/auth"
 TRANSPORT = "tests/conformance/test_transport.py"
-PLACES = "tests/openrois/gateway/test_places.py"
-HEADS = "tests/openrois/test_heads.py"
+PLACES = "tests/openrois/gateway/test_connection_limits.py"
+HEADS = "tests/openrois/http_limits/test_header_timeout.py"
 FLOOD = "tests/conformance/test_flood.py"
-BUDGET = "tests/openrois/test_command_budget.py"
-INTAKE = "tests/openrois/jsonrpc/test_intake.py"
+BUDGET = "tests/openrois/commands/test_quota.py"
+INTAKE = "tests/openrois/jsonrpc/test_request_queue.py"
 
 LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
     "applications / adapters at a gateway at a time": (
-        (places.MAX_APPLICATIONS, places.MAX_ADAPTERS, 503),
+        (connection_limits.MAX_APPLICATIONS, connection_limits.MAX_ADAPTERS, 503),
         (f"{TRANSPORT}::test_only_so_many_at_a_time", f"{PLACES}::test_adapters_have_places_of_their_own"),
     ),
     "applications from one address (`--per-address`)": (
-        (places.MAX_PER_ADDRESS, 429),
+        (connection_limits.MAX_PER_ADDRESS, 429),
         (f"{PLACES}::test_one_address_has_so_many",),
     ),
     "time for the head of a request, TLS included; connections that have not sent one; of those from one address": (
-        (heads.HEAD_TIMEOUT, heads.MAX_SILENT, heads.MAX_SILENT_PER_ADDRESS),
+        (header_timeout.HEAD_TIMEOUT, header_timeout.MAX_SILENT, header_timeout.MAX_SILENT_PER_ADDRESS),
         (f"{HEADS}::test_half_a_handshake_is_cut", f"{HEADS}::test_of_too_many_the_oldest_is_cut"),
     ),
     "token; subject and id of one; patterns in a scope, and each of them": (
         (access.MAX_TOKEN, claims.MAX_NAME, claims.MAX_PATTERNS, claims.MAX_PATTERN),
-        (f"{ACCESS}/test_tokens.py::test_forged_tokens", f"{ACCESS}/test_claims.py::test_what_is_no_such_claim"),
+        (f"{AUTH}/test_tokens.py::test_forged_tokens", f"{AUTH}/test_claims.py::test_what_is_no_such_claim"),
     ),
     "lifetime of a token / difference of clocks": (
         (claims.MAX_LIFETIME, claims.LEEWAY),
         (
-            f"{ACCESS}/test_claims.py::test_how_long_a_token_may_last",
-            f"{ACCESS}/test_tokens.py::test_times_and_clocks",
+            f"{AUTH}/test_claims.py::test_how_long_a_token_may_last",
+            f"{AUTH}/test_tokens.py::test_times_and_clocks",
         ),
     ),
     "keys of an issuer; their text; time to get it; time between two attempts": (
         (keys.MAX_KEYS, keys.MAX_KEY_FILE / KIB, jwks.FETCH_TIMEOUT, jwks.REFETCH_PAUSE),
         (
-            f"{ACCESS}/test_keys.py::test_what_is_no_key_set",
-            f"{ACCESS}/test_jwks.py::test_what_an_issuer_may_not_answer",
-            f"{ACCESS}/test_jwks.py::test_ten_thousand_names_cause_one_fetch",
+            f"{AUTH}/test_keys.py::test_what_is_no_key_set",
+            f"{AUTH}/test_jwks.py::test_what_an_issuer_may_not_answer",
+            f"{AUTH}/test_jwks.py::test_ten_thousand_names_cause_one_fetch",
         ),
     ),
     "keys of an issuer that does not answer": (
         (jwks.KEPT, jwks.FRESH),
-        (f"{ACCESS}/test_jwks.py::test_while_the_issuer_is_down_its_keys_hold_for_an_hour",),
+        (f"{AUTH}/test_jwks.py::test_while_the_issuer_is_down_its_keys_hold_for_an_hour",),
     ),
     "between two looks at tokens and at the list of revocations; before its end a connection is told": (
-        (tenure.CHECK_INTERVAL, reloading.LOOK_INTERVAL, tenure.WARNING_TIME),
+        (token_expiry.CHECK_INTERVAL, reloading.LOOK_INTERVAL, token_expiry.WARNING_TIME),
         (
-            "tests/openrois/gateway/test_tenure.py::test_it_looks_every_second",
-            "tests/openrois/gateway/test_tenure.py::test_a_new_token_makes_it_longer_and_warns_again",
+            "tests/openrois/gateway/test_token_expiry.py::test_it_looks_every_second",
+            "tests/openrois/gateway/test_token_expiry.py::test_a_new_token_makes_it_longer_and_warns_again",
         ),
     ),
     "message from an application / an adapter": (
@@ -109,10 +101,15 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
         ),
     ),
     "frames of one message; pings and pongs to the gateway": (
-        (frames.MAX_FRAGMENTS, frames.CONTROL_FRAMES_AT_ONCE, frames.CONTROL_FRAMES_PER_SECOND, 1008),
         (
-            "tests/openrois/gateway/test_frames.py::test_a_message_has_so_many_fragments",
-            "tests/openrois/gateway/test_frames.py::test_there_may_be_so_many_pings_and_pongs",
+            websocket_frames.MAX_FRAGMENTS,
+            websocket_frames.CONTROL_FRAMES_AT_ONCE,
+            websocket_frames.CONTROL_FRAMES_PER_SECOND,
+            1008,
+        ),
+        (
+            "tests/openrois/http_limits/test_websocket_frames.py::test_a_message_has_so_many_fragments",
+            "tests/openrois/http_limits/test_websocket_frames.py::test_there_may_be_so_many_pings_and_pongs",
         ),
     ),
     "message that an adapter takes from its gateway": (
@@ -141,18 +138,18 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
         ),
     ),
     "events that wait for the reply to their subscription": (
-        (event_log.MAX_HELD,),
-        ("tests/openrois/test_event_log.py::test_of_too_many_that_wait_the_oldest_go",),
+        (events.MAX_HELD,),
+        ("tests/openrois/session/test_events.py::test_of_too_many_that_wait_the_oldest_go",),
     ),
     "requests of one connection that run at a time": (
-        (intake.MAX_RUNNING_REQUESTS,),
+        (request_queue.MAX_RUNNING_REQUESTS,),
         (
             f"{HERE}::test_requests_that_run",
             f"{TRANSPORT}::test_one_whose_answers_wait_behind_its_own_requests_stays",
         ),
     ),
     "requests of one connection that wait; characters of them all": (
-        (intake.MAX_WAITING_REQUESTS, intake.MAX_WAITING_TEXT / MIB),
+        (request_queue.MAX_WAITING_REQUESTS, request_queue.MAX_WAITING_TEXT / MIB),
         (
             f"{FLOOD}::test_requests_that_wait_are_bounded",
             f"{INTAKE}::test_those_that_wait_are_bounded_by_their_text_too",
@@ -163,10 +160,10 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
         (f"{FLOOD}::test_whoever_floods_is_refused_and_told_when_to_come_back",),
     ),
     "urgent requests of one connection that run beside those; commands in one that is": (
-        (intake.MAX_URGENT_REQUESTS, crowding.MAX_UNITS),
+        (request_queue.MAX_URGENT_REQUESTS, overload_rules.MAX_UNITS),
         (
             f"{INTAKE}::test_urgent_ones_do_not_count_until_there_are_too_many_of_them",
-            "tests/openrois/interfaces/test_crowding.py::test_what_is_urgent",
+            "tests/openrois/interfaces/test_overload_rules.py::test_what_is_urgent",
         ),
     ),
     "problems that one -32602 lists": (
@@ -174,20 +171,20 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
         ("tests/conformance/test_envelope.py::test_a_refusal_is_small_however_much_is_wrong", f"{HERE}::test_problems"),
     ),
     "commands of one application, running / finished and remembered": (
-        (command_log.MAX_RUNNING, command_log.MAX_FINISHED),
+        (history.MAX_RUNNING, history.MAX_FINISHED),
         (f"{HERE}::test_commands_that_run", f"{HERE}::test_finished_commands"),
     ),
     "commands `stop` of one application beyond these limits": (
-        (command_log.STOP_RESERVE,),
+        (history.STOP_RESERVE,),
         (f"{FLOOD}::test_a_stop_is_accepted_when_no_other_command_is",),
     ),
     "components that one application has bound": ((command.MAX_BOUND,), (f"{HERE}::test_bound_components",)),
     "unfinished commands of all applications, those that are gone included / of one subject": (
         (
-            command_budget.MAX_UNFINISHED,
-            command_budget.MAX_OF_SUBJECT,
-            command_budget.RESERVED,
-            command_budget.FIRST_OF_SUBJECT,
+            quota.MAX_UNFINISHED,
+            quota.MAX_OF_SUBJECT,
+            quota.RESERVED,
+            quota.FIRST_OF_SUBJECT,
         ),
         (
             f"{HERE}::test_unfinished_commands_of_all",
@@ -198,9 +195,9 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
     ),
     "what is kept of unfinished commands: of one application / of one subject / of all": (
         (
-            command_log.MAX_RUNNING_TEXT / MIB,
-            command_budget.MAX_TEXT_OF_SUBJECT / MIB,
-            command_budget.MAX_UNFINISHED_TEXT / MIB,
+            history.MAX_RUNNING_TEXT / MIB,
+            quota.MAX_TEXT_OF_SUBJECT / MIB,
+            quota.MAX_UNFINISHED_TEXT / MIB,
         ),
         (
             f"{HERE}::test_text_of_commands_that_run",
@@ -209,40 +206,40 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
         ),
     ),
     "subscriptions of one application; remembered events": (
-        (event_log.MAX_SUBSCRIPTIONS, event_log.MAX_DETAILS, event_log.DETAIL_LIFETIME),
+        (events.MAX_SUBSCRIPTIONS, events.MAX_DETAILS, events.DETAIL_LIFETIME),
         (
             f"{HERE}::test_subscriptions",
             f"{HERE}::test_remembered_events",
-            "tests/openrois/test_event_log.py::test_details_are_kept_for_a_while",
+            "tests/openrois/session/test_events.py::test_details_are_kept_for_a_while",
         ),
     ),
     "text of the results and ids that one application may ask for again: of commands / of events / of errors": (
-        (remembered.MAX_TEXT / MIB, remembered.RESULT_OVERHEAD),
+        (bounded_history.MAX_TEXT / MIB, bounded_history.RESULT_OVERHEAD),
         (
             f"{HERE}::test_text_of_events",
             f"{HERE}::test_text_of_commands",
-            "tests/openrois/test_remembered.py::test_whatever_takes_room_counts",
+            "tests/openrois/aio/test_bounded_history.py::test_whatever_takes_room_counts",
         ),
     ),
     "faults of one engine that are told; errors that one application may ask about": (
-        (faults.FAULTS_AT_ONCE, faults.FAULTS_PER_SECOND, error_log.MAX_ERRORS),
+        (faults.FAULTS_AT_ONCE, faults.FAULTS_PER_SECOND, errors.MAX_ERRORS),
         (
             "tests/conformance/test_errors.py::test_a_flood_is_cut_and_old_errors_are_forgotten",
             "tests/conformance/test_errors.py::test_a_flood_is_cut",
-            "tests/openrois/test_faults.py::test_a_flood_is_cut",
-            "tests/openrois/test_error_log.py::test_the_oldest_is_forgotten",
+            "tests/openrois/engine/test_faults.py::test_a_flood_is_cut",
+            "tests/openrois/session/test_errors.py::test_the_oldest_is_forgotten",
         ),
     ),
     "characters of a fault's description": (
         (faults.MAX_DESCRIPTION,),
-        ("tests/openrois/test_faults.py::test_a_long_description_is_cut",),
+        ("tests/openrois/engine/test_faults.py::test_a_long_description_is_cut",),
     ),
     "characters of a reason": (
         (reasons.MAX_REASON,),
         ("tests/openrois/types/test_reasons.py::test_what_is_long_is_cut",),
     ),
     "items in a command sequence; characters of a `command_id` / a condition": (
-        (messages.MAX_ITEMS, 32602, command_log.MAX_ID, condition.MAX_LENGTH),
+        (messages.MAX_ITEMS, 32602, history.MAX_ID, condition.MAX_LENGTH),
         (
             f"{HERE}::test_items_of_a_sequence",
             f"{HERE}::test_characters_of_a_command_id",
@@ -268,8 +265,8 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
     "queries of one component that run at a time in its adapter; how long one may take there": (
         (registry.MAX_QUERIES, registry.QUERY_TIMEOUT),
         (
-            "tests/openrois/test_registry.py::test_only_so_many_queries_at_a_time",
-            "tests/openrois/test_registry.py::test_a_query_ends",
+            "tests/openrois/engine/test_registry.py::test_only_so_many_queries_at_a_time",
+            "tests/openrois/engine/test_registry.py::test_a_query_ends",
             "tests/conformance/test_query.py::test_a_component_that_hangs_blocks_no_other",
         ),
     ),
@@ -283,7 +280,7 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
     ),
     "`profile_changed` to one application": (
         (change_notice.CHANGES_AT_ONCE, change_notice.CHANGES_PER_SECOND),
-        ("tests/openrois/test_change_notice.py::test_a_flood_is_cut_and_its_last_is_told",),
+        ("tests/openrois/session/test_change_notice.py::test_a_flood_is_cut_and_its_last_is_told",),
     ),
     "answers of an adapter that come too late and still matter": (
         (calls.MAX_LATE,),
@@ -292,7 +289,7 @@ LIMITS: dict[str, tuple[tuple[float, ...], tuple[str, ...]]] = {
     "depth of the tree of engines": (
         (engine.MAX_DEPTH, 1008),
         (
-            "tests/openrois/test_engine.py::test_engines_stand_only_so_deep",
+            "tests/openrois/engine/test_engine.py::test_engines_stand_only_so_deep",
             "tests/conformance/test_adapters.py::test_what_is_not_acceptable_is_closed_with_the_reason",
         ),
     ),
@@ -404,32 +401,32 @@ async def execute(app: wire.Application, units: list[dict[str, Any]]) -> str:
 class TestCommands:
     async def test_commands_that_run(self, app: wire.Application, door: Door) -> None:
         door.may_answer.clear()
-        for first in range(0, command_log.MAX_RUNNING, messages.MAX_ITEMS):
+        for first in range(0, history.MAX_RUNNING, messages.MAX_ITEMS):
             assert await execute(app, sequence(first, messages.MAX_ITEMS)) == "OK"
-        assert await execute(app, sequence(command_log.MAX_RUNNING, 1)) == "OUT_OF_RESOURCES"
+        assert await execute(app, sequence(history.MAX_RUNNING, 1)) == "OUT_OF_RESOURCES"
         answer = await app.ask("rois.command.set_parameter", component_ref=DOOR, parameters=[])
         assert answer["return_code"] == "UNSUPPORTED"
         door.may_answer.set()
-        for _ in range(command_log.MAX_RUNNING):
+        for _ in range(history.MAX_RUNNING):
             await app.next("rois.command.completed")
-        assert await execute(app, sequence(command_log.MAX_RUNNING, 1)) == "OK"
+        assert await execute(app, sequence(history.MAX_RUNNING, 1)) == "OK"
 
     async def test_finished_commands(self, app: wire.Application) -> None:
-        for first in range(0, command_log.MAX_FINISHED + messages.MAX_ITEMS, messages.MAX_ITEMS):
+        for first in range(0, history.MAX_FINISHED + messages.MAX_ITEMS, messages.MAX_ITEMS):
             assert await execute(app, sequence(first, messages.MAX_ITEMS)) == "OK"
             for _ in range(messages.MAX_ITEMS):
                 await app.next("rois.command.completed")
         for command_id, code in (
             (messages.MAX_ITEMS - 1, "BAD_PARAMETER"),
             (messages.MAX_ITEMS, "OK"),
-            (messages.MAX_ITEMS + command_log.MAX_FINISHED - 1, "OK"),
+            (messages.MAX_ITEMS + history.MAX_FINISHED - 1, "OK"),
         ):
             answer = await app.ask("rois.command.get_command_result", command_id=str(command_id))
             assert (command_id, answer["return_code"]) == (command_id, code)
 
     async def test_text_of_commands(self, app: wire.Application) -> None:
         how = "x" * (MIB // 2 - KIB)
-        count = remembered.MAX_TEXT // (MIB // 2) + 1
+        count = bounded_history.MAX_TEXT // (MIB // 2) + 1
         for number in range(count):
             assert await execute(app, sequence(number, 1, how)) == "OK"
             await app.next("rois.command.completed")
@@ -438,16 +435,16 @@ class TestCommands:
             assert (command_id, answer["return_code"]) == (command_id, code)
 
     async def test_unfinished_commands_of_all(self) -> None:
-        budget, own = command_budget.CommandBudget(), command_budget.Allowance("one application", 100_000, 0)
-        taken = budget.take(own, command_budget.MAX_UNFINISHED)
+        budget, own = quota.CommandBudget(), quota.Allowance("one application", 100_000, 0)
+        taken = budget.take(own, quota.MAX_UNFINISHED)
         with pytest.raises(OutOfResources, match="the engine has at most 16384 unfinished commands"):
             budget.take(own, 1)
         taken.end_one()
         budget.take(own, 1)
 
     async def test_text_of_unfinished_commands_of_all(self) -> None:
-        most = command_budget.MAX_UNFINISHED_TEXT
-        budget, own = command_budget.CommandBudget(), command_budget.Allowance("one application", 10, 2 * most)
+        most = quota.MAX_UNFINISHED_TEXT
+        budget, own = quota.CommandBudget(), quota.Allowance("one application", 10, 2 * most)
         taken = budget.take(own, 2, most)
         for _ in range(2):
             with pytest.raises(OutOfResources, match=f"at most {most} bytes .* of the engine"):
@@ -458,11 +455,11 @@ class TestCommands:
     async def test_text_of_commands_that_run(self, app: wire.Application, host: EngineHost, door: Door) -> None:
         door.may_answer.clear()
         how = "x" * (MIB - 2 * KIB)
-        count = command_log.MAX_RUNNING_TEXT // MIB
+        count = history.MAX_RUNNING_TEXT // MIB
         for number in range(count):
             assert await execute(app, sequence(number, 1, how)) == "OK"
         assert await execute(app, sequence(count, 1, how)) == "OUT_OF_RESOURCES"
-        assert command_log.MAX_RUNNING_TEXT - MIB < host.commands.text <= command_log.MAX_RUNNING_TEXT
+        assert history.MAX_RUNNING_TEXT - MIB < host.commands.text <= history.MAX_RUNNING_TEXT
         assert await execute(app, sequence(count, 1)) == "OK"
         door.may_answer.set()
         for _ in range(count + 1):
@@ -472,7 +469,7 @@ class TestCommands:
 
     async def test_those_of_applications_that_are_gone_count(self, host: EngineHost, door: Door) -> None:
         """So nobody can pile up work by coming again and again."""
-        host.commands = command_budget.CommandBudget(most=4)
+        host.commands = quota.CommandBudget(most=4)
         door.may_answer.clear()
         for _ in range(2):
             async with wire.application(host) as leaving:
@@ -518,7 +515,7 @@ class TestCommands:
         assert await ann.code("openrois.lease.request", component_ref="robot/lamp") == "OUT_OF_RESOURCES"
 
     async def test_characters_of_a_command_id(self, app: wire.Application) -> None:
-        for length, code in ((command_log.MAX_ID, "OK"), (command_log.MAX_ID + 1, "BAD_PARAMETER")):
+        for length, code in ((history.MAX_ID, "OK"), (history.MAX_ID + 1, "BAD_PARAMETER")):
             unit = {"component_ref": DOOR, "command_type": "list", "command_id": "x" * length}
             assert await execute(app, [unit]) == code
 
@@ -558,18 +555,18 @@ class TestEvents:
         return ids
 
     async def test_subscriptions(self, app: wire.Application) -> None:
-        assert {await self.subscribe(app) for _ in range(event_log.MAX_SUBSCRIPTIONS)} == {"OK"}
+        assert {await self.subscribe(app) for _ in range(events.MAX_SUBSCRIPTIONS)} == {"OK"}
         assert await self.subscribe(app) == "OUT_OF_RESOURCES"
 
     async def test_remembered_events(self, app: wire.Application, bell: Bell) -> None:
         await self.subscribe(app)
-        ids = await self.ring(app, bell, event_log.MAX_DETAILS + 1, "ding")
+        ids = await self.ring(app, bell, events.MAX_DETAILS + 1, "ding")
         assert [await self.details(app, event_id) for event_id in ids[:2]] == ["BAD_PARAMETER", "OK"]
 
     async def test_text_of_events(self, app: wire.Application, bell: Bell) -> None:
         await self.subscribe(app)
         tune = "x" * (MIB // 2 - KIB)
-        ids = await self.ring(app, bell, remembered.MAX_TEXT // (MIB // 2) + 1, tune)
+        ids = await self.ring(app, bell, bounded_history.MAX_TEXT // (MIB // 2) + 1, tune)
         assert [await self.details(app, event_id) for event_id in ids[:2]] == ["BAD_PARAMETER", "OK"]
 
 
@@ -586,7 +583,7 @@ class TestConnections:
 
     async def test_requests_that_run(self, host: EngineHost, app: wire.Application, door: Door) -> None:
         door.may_answer.clear()
-        doors = [Door(str(number)) for number in range(intake.MAX_RUNNING_REQUESTS // registry.MAX_QUERIES)]
+        doors = [Door(str(number)) for number in range(request_queue.MAX_RUNNING_REQUESTS // registry.MAX_QUERIES)]
         for other in doors:
             other.may_answer = door.may_answer
         await host.engine.attach(LocalRegistry("house", doors))

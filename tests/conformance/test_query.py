@@ -2,9 +2,9 @@
 
 import pytest
 
+from openrois.engine.registry import MAX_QUERIES
 from openrois.gateway.server import Gateway
-from openrois.jsonrpc.intake import MAX_RUNNING_REQUESTS
-from openrois.registry import MAX_QUERIES
+from openrois.jsonrpc.request_queue import MAX_RUNNING_REQUESTS
 from openrois.types.codes import ComponentStatus
 from tests.support import deployment
 from tests.support.components import Lamp

@@ -9,8 +9,8 @@ from typing import Any
 import pytest
 
 from openrois.adapter import Component, OutOfResources, command, parameter, query
+from openrois.engine.registry import LocalRegistry
 from openrois.gateway.server import Gateway
-from openrois.registry import LocalRegistry
 from tests.support import deployment, wire
 from tests.support.deployment import REASON, Adapter, Application
 from tests.support.plain import TOY, attached, plain_adapter

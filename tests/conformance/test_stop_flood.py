@@ -8,13 +8,13 @@ from typing import Any, Final
 
 import pytest
 
-from openrois import stopping
 from openrois.adapter import Component, command
-from openrois.application import EngineHost
-from openrois.engine import Engine
+from openrois.aio.tasks import TaskScope
+from openrois.commands import stop
+from openrois.engine.engine import Engine
+from openrois.engine.registry import LocalRegistry
 from openrois.jsonrpc.outbox import CONTROL_LIMIT
-from openrois.registry import LocalRegistry
-from openrois.tasks import TaskScope
+from openrois.session.session import EngineHost
 from openrois.transport.memory import MemoryStream
 from openrois.transport.stream import MessageStream
 from tests.support.wire import Application, adapter_leg, application, hosted
@@ -72,7 +72,7 @@ class Scene:
 @pytest.fixture(params=[0, 100], ids=["at-once", "slowly"])
 async def scene(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Scene]:
     # How long a machine takes for all this is not what it is about.
-    monkeypatch.setattr(stopping, "STOP_TIMEOUT", 60.0)
+    monkeypatch.setattr(stop, "STOP_TIMEOUT", 60.0)
     limbs = tuple(Limb(str(number), request.param) for number in range(LIMBS))
     robot = Engine("robot")
     await robot.attach(LocalRegistry("robot", (*limbs, Sense("sense"))))
@@ -135,7 +135,7 @@ async def test_every_one_of_a_flood_is_told_that_all_have_stopped(scene: Scene) 
         assert {len(answer["stopped"]) for answer in answers} == {LIMBS}
         assert scene.is_connected
         # On a busy machine so much time passes that those who still stop are told again.
-        most = 3 + (loop.time() - began) / stopping.PAUSE
+        most = 3 + (loop.time() - began) / stop.PAUSE
         assert all(after < limb.stops <= most for after, limb in zip(before, scene.limbs, strict=True))
 
 

@@ -10,10 +10,10 @@ from typing import Any, Final
 import pytest
 
 from openrois.adapter import Component, command, parameter
-from openrois.application import EngineHost
-from openrois.engine import Engine
-from openrois.registry import LocalRegistry
-from openrois.tasks import TaskScope
+from openrois.aio.tasks import TaskScope
+from openrois.engine.engine import Engine
+from openrois.engine.registry import LocalRegistry
+from openrois.session.session import EngineHost
 from openrois.transport.memory import MemoryStream
 from tests.support.wire import Application, adapter_leg, application
 

@@ -7,12 +7,12 @@ from contextlib import AsyncExitStack
 import pytest
 from openrois_signaling.relay import PEERS_PER_OWNER
 
-from openrois.application import EngineHost
-from openrois.engine import Engine
+from openrois.aio.tasks import TaskScope
+from openrois.engine.engine import Engine
+from openrois.engine.registry import LocalRegistry
 from openrois.gateway.server import Gateway
-from openrois.registry import LocalRegistry
 from openrois.remote.serve import STREAM_GRACE
-from openrois.tasks import TaskScope
+from openrois.session.session import EngineHost
 from tests.support import deployment
 from tests.support.deployment import Adapter, Application, Robot
 from tests.support.streams import SharedCamera

@@ -154,7 +154,7 @@ class TestWhoIsLetIn:
                     assert answer.status == status
 
     async def test_only_so_many_at_a_time(self, gateway: Gateway, monkeypatch: pytest.MonkeyPatch) -> None:
-        monkeypatch.setattr("openrois.gateway.places.MAX_APPLICATIONS", 2)
+        monkeypatch.setattr("openrois.gateway.connection_limits.MAX_APPLICATIONS", 2)
         async with deployment.application(gateway) as first, deployment.application(gateway):
             assert await upgraded(gateway, "") == 503
             assert await first.code("rois.system.connect") == "OK"
@@ -334,7 +334,7 @@ class TestPings:
     async def test_one_whose_answers_wait_behind_its_own_requests_stays(
         self, robot: Robot, monkeypatch: pytest.MonkeyPatch
     ) -> None:
-        monkeypatch.setattr("openrois.jsonrpc.intake.MAX_RUNNING_REQUESTS", 2)
+        monkeypatch.setattr("openrois.jsonrpc.request_queue.MAX_RUNNING_REQUESTS", 2)
         # The application is in this process too, and stands still with it where the machine is busy.
         monkeypatch.setattr("openrois.transport.silence.STOOD_STILL", 0.02)
         async with (

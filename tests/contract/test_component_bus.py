@@ -6,13 +6,13 @@ from contextlib import AbstractAsyncContextManager, asynccontextmanager
 
 import pytest
 
+from openrois.adapter.dialer import serve_parent
 from openrois.contract import ComponentBus, Event, Fault, FaultSource, SubscriptionLost
-from openrois.dialer import serve_parent
-from openrois.engine import Engine
+from openrois.engine.engine import Engine
+from openrois.engine.registry import LocalRegistry
 from openrois.errors import Aborted, BadParameter, ComponentFailed, RoISError, TimedOut, Unsupported
 from openrois.gateway.server import run_gateway
 from openrois.gateway.settings import GatewaySettings
-from openrois.registry import LocalRegistry
 from openrois.types.codes import ErrorType
 from openrois.types.messages import Argument
 from tests.support.components import Bell, Lamp

@@ -12,12 +12,12 @@ import pytest
 import pytest_asyncio
 from playwright.async_api import Browser, Locator, expect
 
-from openrois.application import EngineHost
+from openrois.adapter.dialer import serve_parent
+from openrois.aio.tasks import TaskScope
 from openrois.catalog.payload import Data
-from openrois.dialer import serve_parent
 from openrois.gateway.server import Gateway, run_gateway
 from openrois.gateway.settings import GatewaySettings
-from openrois.tasks import TaskScope
+from openrois.session.session import EngineHost
 from openrois.types.profiles import component_urn
 from tests.support.browser import GATEWAY_AWAY, PATIENCE, Visit, visiting
 from tests.support.demo import free_port

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from openrois.authoring.marks import command
+from openrois.component.authoring.marks import command
 from tests.support.components import Bell
 from tests.support.ground import Ground, ground, robot_program, turns
 from tests.support.invariants import PATIENCE, Witness

@@ -16,13 +16,13 @@ import pytest
 from aiohttp import ClientSession
 from websockets.exceptions import InvalidHandshake
 
+from openrois.adapter.dialer import serve_parent
 from openrois.adapter.running import hosted, serve
+from openrois.aio.tasks import TaskScope
 from openrois.client import Client, ConnectionState, Reconnect
-from openrois.dialer import serve_parent
 from openrois.errors import ComponentFailed
 from openrois.journal import file as journal_file
 from openrois.journal.file import JournalFile, Record
-from openrois.tasks import TaskScope
 from tests.support.components import Bell, Lamp
 from tests.support.demo import free_port
 from tests.support.ground import gateway_program, ground, turns

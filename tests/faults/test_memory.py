@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 from aiohttp import ClientSession
 
-from openrois.application import EngineHost
-from openrois.dialer import serve_parent
-from openrois.engine import Engine
-from openrois.registry import LocalRegistry
-from openrois.tasks import TaskScope
+from openrois.adapter.dialer import serve_parent
+from openrois.aio.tasks import TaskScope
+from openrois.engine.engine import Engine
+from openrois.engine.registry import LocalRegistry
+from openrois.session.session import EngineHost
 from tests.support.components import Bell, Lamp
 from tests.support.ground import gateway_program
 from tests.support.invariants import Book

@@ -6,11 +6,11 @@ from typing import Any
 
 import pytest
 
-from openrois import stopping
-from openrois.authoring.marks import command, query
-from openrois.component import Component
-from openrois.jsonrpc.intake import MAX_RUNNING_REQUESTS
-from openrois.registry import MAX_QUERIES
+from openrois.commands import stop
+from openrois.component.authoring.marks import command, query
+from openrois.component.component import Component
+from openrois.engine.registry import MAX_QUERIES
+from openrois.jsonrpc.request_queue import MAX_RUNNING_REQUESTS
 from tests.support.components import Lamp
 from tests.support.ground import ground, turns
 from tests.support.seeds import SOME
@@ -54,7 +54,7 @@ async def test_stop_passes_whatever_stands_before_an_adapter(
     seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # How fast this machine is does not matter here: behind the others it would have to wait for ever.
-    monkeypatch.setattr(stopping, "STOP_TIMEOUT", 10.0)
+    monkeypatch.setattr(stop, "STOP_TIMEOUT", 10.0)
     monkeypatch.setattr(Pensive, "asked", 0)
     monkeypatch.setattr(Pensive, "may_answer", asyncio.Event())
     thinkers = [Pensive(f"thinker{number}") for number in range(MAX_RUNNING_REQUESTS // MAX_QUERIES)]

@@ -11,7 +11,7 @@ from aiohttp import web
 from cryptography.hazmat.primitives.asymmetric import ed25519
 from websockets.exceptions import InvalidStatus
 
-from openrois.gateway import tenure
+from openrois.gateway import token_expiry
 from openrois.gateway.server import run_gateway
 from openrois.gateway.settings import GatewaySettings
 from tests.support.ground import turns
@@ -46,7 +46,7 @@ async def refused(book: Book, url: str, token: str) -> int:
 async def test_f18_a_token_that_ends(
     seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(tenure, "CHECK_INTERVAL", 0.02)
+    monkeypatch.setattr(token_expiry, "CHECK_INTERVAL", 0.02)
     chance, book, wall = random.Random(seed), Book(), WallClock()
     settings = GatewaySettings(port=0, auth_keys=(key_file(tmp_path),), audit_file=tmp_path / "audit.jsonl")
     with wall.everywhere():

@@ -12,15 +12,15 @@ from typing import Any, Final
 import pytest
 from websockets.exceptions import InvalidStatus
 
+from openrois.adapter.dialer import serve_parent
 from openrois.adapter.running import hosted
-from openrois.authoring.marks import command
-from openrois.component import Component
-from openrois.dialer import serve_parent
-from openrois.gateway import applications, server, tenure
+from openrois.aio.tasks import TaskScope
+from openrois.component.authoring.marks import command
+from openrois.component.component import Component
+from openrois.gateway import applications, server, token_expiry
 from openrois.gateway.server import run_gateway
 from openrois.gateway.settings import GatewaySettings
 from openrois.leases.model import Rules
-from openrois.tasks import TaskScope
 from tests.support.components import Bell, Lamp, Rover
 from tests.support.ground import Ground, ground, turns
 from tests.support.invariants import Book, Witness, calm
@@ -34,17 +34,17 @@ YEAR: Final = 365 * 86_400.0
 LAMP, BELL, SPARE, ROVER, SLOTH = (f"robot/{name}" for name in ("lamp", "bell", "spare", "rover", "sloth"))
 
 FOLLOWS: Final = {
-    "openrois/access/command.py": "a token that is made is good from now on",
-    "openrois/application.py": "the times that are told with faults and events",
-    "openrois/audit.py": "the times of records",
-    "openrois/authoring/signatures.py": "the time of a message that says none",
-    "openrois/event_log.py": "how long the details of an event last is read once, when it is told",
-    "openrois/faults.py": "the times of faults",
-    "openrois/gateway/entrance.py": "when tokens begin and end",
+    "openrois/auth/command.py": "a token that is made is good from now on",
+    "openrois/session/session.py": "the times that are told with faults and events",
+    "openrois/observability/audit.py": "the times of records",
+    "openrois/component/authoring/signatures.py": "the time of a message that says none",
+    "openrois/session/events.py": "how long the details of an event last is read once, when it is told",
+    "openrois/engine/faults.py": "the times of faults",
+    "openrois/gateway/auth_setup.py": "when tokens begin and end",
     "openrois/gateway/server.py": "TURN credentials, and the first epoch of a process",
     "openrois/journal/file.py": "what a former process left is forgotten after a week",
     "openrois/journal/journal.py": "the times of records",
-    "openrois/registry.py": "the end that an event says of itself",
+    "openrois/engine/registry.py": "the end that an event says of itself",
     "openrois/remote/faults.py": "the time of a fault that comes without one",
 }
 """Who may read the wall clock, and what for. Deadlines, leases, pings, quotas and switches may not."""
@@ -217,7 +217,7 @@ async def test_f21_quotas(
 async def test_f21_tokens_follow_the_wall_clock(
     seed: int, tmp_path: Path, caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(tenure, "CHECK_INTERVAL", 0.01)
+    monkeypatch.setattr(token_expiry, "CHECK_INTERVAL", 0.01)
     chance, book, wall, real = random.Random(seed), Book(), WallClock(), time.time()
     settings = GatewaySettings(port=0, auth_keys=(key_file(tmp_path),))
     with wall.everywhere():

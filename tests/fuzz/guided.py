@@ -60,12 +60,12 @@ with atheris.instrument_imports(include=INSTRUMENTED):
     from openrois_streaming.sending.sender import Negotiated, RtpSender
 
     from openrois.catalog.streaming import VIDEO_STREAMING
-    from openrois.condition import parse_condition
+    from openrois.engine.condition import parse_condition
     from openrois.errors import BadParameter
     from openrois.jsonrpc.protocol import Notification, Peer, Request, Violation
-    from openrois.profile_xml.parse import MalformedProfile
-    from openrois.profile_xml.read import ComponentDocument, read_profile
-    from openrois.profile_xml.write import component_xml, engine_xml
+    from openrois.profiles.xml.parse import MalformedProfile
+    from openrois.profiles.xml.read import ComponentDocument, read_profile
+    from openrois.profiles.xml.write import component_xml, engine_xml
     from openrois.types.profiles import HRIEngineProfile, RoISIdentifier
     from openrois.types.values import check_value, decode_value, encode_value
 

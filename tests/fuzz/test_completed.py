@@ -12,10 +12,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from openrois.application import EngineHost
-from openrois.engine import Engine
+from openrois.engine.engine import Engine
 from openrois.gateway.adapters import serve_adapter
 from openrois.gateway.applications import serve_application
+from openrois.session.session import EngineHost
 from openrois.transport.memory import MemoryStream, memory_pair
 from openrois.transport.stream import StreamClosed
 from tests.support.deployment import PATIENCE, until

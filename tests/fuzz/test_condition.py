@@ -6,7 +6,7 @@ from contextlib import suppress
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from openrois.condition import Comparison, parse_condition
+from openrois.engine.condition import Comparison, parse_condition
 from openrois.errors import BadParameter
 
 PROPERTIES = frozenset({"component_ref", "component_type"})

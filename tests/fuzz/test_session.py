@@ -7,10 +7,10 @@ from typing import Any
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from openrois.engine import Engine
+from openrois.engine.engine import Engine
+from openrois.engine.registry import LocalRegistry
 from openrois.gateway.adapters import serve_adapter
 from openrois.gateway.applications import serve_application
-from openrois.registry import LocalRegistry
 from openrois.transport.memory import MemoryStream, memory_pair
 from tests.support.components import Bell, Lamp
 from tests.support.deployment import until

@@ -7,16 +7,16 @@ from typing import Any
 import pytest
 from websockets.asyncio.client import ClientConnection, connect
 
-from openrois.application import EngineHost
+from openrois.adapter.dialer import serve_parent
+from openrois.aio.tasks import TaskScope
 from openrois.catalog.actuation import NAVIGATION
 from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.contract import Event, SubscriptionLost
-from openrois.dialer import serve_parent
-from openrois.engine import Engine
+from openrois.engine.engine import Engine
 from openrois.errors import Aborted, BadParameter, ComponentFailed, Unsupported
 from openrois.gateway.server import Gateway
 from openrois.gateway.socket import ADAPTER
-from openrois.tasks import TaskScope
+from openrois.session.session import EngineHost
 from openrois.types.codes import ComponentStatus
 from openrois.types.messages import Argument
 from tests.support.deployment import gateway, until

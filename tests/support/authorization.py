@@ -7,17 +7,17 @@ from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass, field
 from typing import Any, Final, cast
 
-from openrois.access.principal import Principal, Role
-from openrois.application import EngineHost
-from openrois.audit import Audit
+from openrois.aio.tasks import TaskScope
+from openrois.auth.principal import Principal, Role
 from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.catalog.component_type import ComponentType
 from openrois.contract import Client, Sink
-from openrois.engine import Engine
+from openrois.engine.engine import Engine
+from openrois.engine.registry import LocalRegistry
 from openrois.gateway.applications import serve_application
-from openrois.gateway.tenure import Tenure
-from openrois.registry import LocalRegistry
-from openrois.tasks import TaskScope
+from openrois.gateway.token_expiry import Tenure
+from openrois.observability.audit import Audit
+from openrois.session.session import EngineHost
 from openrois.transport.memory import memory_pair
 from openrois.transport.stream import MessageStream
 from openrois.types.messages import Argument, Result

@@ -9,7 +9,7 @@ from openrois_avatar.vision.box import Box
 from openrois_avatar.vision.seen import Person, Seen
 
 from openrois.contract import Event
-from openrois.registry import LocalRegistry
+from openrois.engine.registry import LocalRegistry
 from openrois.types.messages import Argument
 from openrois.types.values import decode_value
 from tests.support.streaming import VirtualClock

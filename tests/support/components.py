@@ -2,9 +2,9 @@
 
 import asyncio
 
-from openrois.authoring.marks import command, event, query
-from openrois.authoring.parameters import parameter
-from openrois.component import DEAD_MAN, Component
+from openrois.component.authoring.marks import command, event, query
+from openrois.component.authoring.parameters import parameter
+from openrois.component.component import DEAD_MAN, Component
 from openrois.errors import ComponentFailed, TimedOut
 from openrois.types.messages import Result
 

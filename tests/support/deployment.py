@@ -10,18 +10,18 @@ from typing import Any
 import pytest
 from websockets.asyncio.client import ClientConnection, connect
 
-from openrois.application import EngineHost
-from openrois.authoring.marks import command, query
-from openrois.component import Component
+from openrois.adapter.dialer import serve_parent
+from openrois.aio.tasks import TaskScope
+from openrois.component.authoring.marks import command, query
+from openrois.component.component import Component
 from openrois.contract import Extension
-from openrois.dialer import serve_parent
-from openrois.engine import Engine
+from openrois.engine.engine import Engine
+from openrois.engine.registry import LocalRegistry
 from openrois.gateway.server import Gateway, run_gateway
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import ADAPTER, APPLICATION, SocketProfile
 from openrois.jsonrpc.session import RpcSession
-from openrois.registry import LocalRegistry
-from openrois.tasks import TaskScope
+from openrois.session.session import EngineHost
 from openrois.types.codes import ComponentStatus
 from tests.support.components import Bell, Lamp
 from tests.support.schema import check_notification, check_result

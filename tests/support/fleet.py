@@ -8,17 +8,17 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any, Final, cast
 
-from openrois.application import EngineHost
-from openrois.arguments import check_arguments
+from openrois.adapter.dialer import serve_parent
+from openrois.aio.tasks import TaskScope
 from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.catalog.component_type import ComponentType
 from openrois.catalog.payload import Payload
 from openrois.catalog.streaming import ConnectStreamResults, NotifyStreamStatus, StreamArguments, StreamStatusResults
-from openrois.dialer import serve_parent
-from openrois.engine import Engine
+from openrois.component.arguments import check_arguments
+from openrois.engine.engine import Engine
+from openrois.engine.registry import LocalRegistry
 from openrois.errors import Aborted, BadParameter, Unsupported, require_usable
-from openrois.registry import LocalRegistry
-from openrois.tasks import TaskScope
+from openrois.session.session import EngineHost
 from openrois.types.codes import ComponentStatus, ErrorType, StreamStatus
 from openrois.types.messages import Argument, Parameter, Result
 

@@ -5,7 +5,7 @@ import json
 from cryptography.hazmat.primitives.asymmetric import ec
 from cryptography.hazmat.primitives.serialization import Encoding, PublicFormat
 
-from openrois.access.refusal import Refusal
+from openrois.auth.refusal import Refusal
 from openrois.types.access import MAX_TOKEN
 from tests.support.tokens import SECRET, Keys, b64, claims_of, forge, issue, jwk, part, pem
 

@@ -15,16 +15,16 @@ from typing import Any, Final
 import pytest
 from aiohttp import ClientSession
 
-from openrois.application import EngineHost
-from openrois.component import Component
-from openrois.dialer import serve_parent
-from openrois.engine import Engine
+from openrois.adapter.dialer import serve_parent
+from openrois.aio.tasks import TaskScope
+from openrois.component.component import Component
+from openrois.engine.engine import Engine
+from openrois.engine.registry import LocalRegistry
 from openrois.gateway import server
 from openrois.gateway.server import Gateway, run_gateway
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import ADAPTER, APPLICATION
-from openrois.registry import LocalRegistry
-from openrois.tasks import TaskScope
+from openrois.session.session import EngineHost
 from openrois.testing import FaultRelay
 from openrois.transport import silence
 from tests.support.components import Bell, Lamp

@@ -9,17 +9,17 @@ from typing import Any, Final, cast
 
 from websockets.asyncio.server import ServerConnection, serve
 
-from openrois.application import ApplicationSession, EngineHost
+from openrois.aio.tasks import TaskScope
 from openrois.client import Client, Reconnect
-from openrois.engine import Engine
+from openrois.engine.engine import Engine
+from openrois.engine.registry import LocalRegistry
 from openrois.gateway.applications import serve_application
 from openrois.gateway.server import run_gateway
 from openrois.gateway.settings import GatewaySettings
 from openrois.interfaces import base_methods
 from openrois.jsonrpc.session import RpcSession
 from openrois.leases.model import Rules
-from openrois.registry import LocalRegistry
-from openrois.tasks import TaskScope
+from openrois.session.session import ApplicationSession, EngineHost
 from openrois.transport.memory import MemoryStream, memory_pair
 from openrois.transport.stream import MessageStream
 from openrois.transport.websocket import WebSocketStream

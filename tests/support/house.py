@@ -11,7 +11,7 @@ from openrois_avatar.scene import synthetic_scene
 from openrois_avatar.settings import AvatarSettings
 from openrois_streaming.rendition import RenditionFigures
 
-from openrois.dialer import serve_parent
+from openrois.adapter.dialer import serve_parent
 from openrois.gateway.server import Gateway, run_gateway
 from openrois.gateway.settings import GatewaySettings
 from tests.support.black_box import Application, application

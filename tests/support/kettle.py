@@ -7,8 +7,8 @@ from typing import Annotated, Any, Final, cast
 from openrois.catalog.common import ROIS_COMMON
 from openrois.catalog.component_type import CommandType, ComponentType, EventType, QueryType
 from openrois.catalog.payload import Data, Payload
+from openrois.engine.registry import LocalRegistry
 from openrois.errors import ComponentFailed
-from openrois.registry import LocalRegistry
 from openrois.types.codes import ComponentFunction, ErrorType
 from openrois.types.messages import Result
 from tests.support.fleet import NOON, Part, Robot

@@ -8,7 +8,7 @@ from lxml import etree
 from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.catalog.common import ROIS_COMMON
 from openrois.catalog.component_type import ComponentType
-from openrois.profile_xml.read import ComponentDocument, read_profile
+from openrois.profiles.xml.read import ComponentDocument, read_profile
 from openrois.types.profiles import HRIComponentProfile, ParameterProfile
 
 __all__ = ["differences", "schema"]

@@ -16,7 +16,7 @@ from openrois_avatar.link.protocol import PixelFormat
 from openrois_avatar.scene import external_scene
 from openrois_streaming.clock import SystemClock
 
-from openrois.dialer import serve_parent
+from openrois.adapter.dialer import serve_parent
 from openrois.gateway.server import Gateway
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from tests.support.avatar_link import HELLO

@@ -7,7 +7,7 @@ from contextlib import asynccontextmanager, suppress
 from openrois_avatar.adapter import Avatar, run_avatar
 from openrois_avatar.settings import AvatarSettings
 
-from openrois.dialer import serve_parent
+from openrois.adapter.dialer import serve_parent
 from openrois.gateway.server import Gateway, run_gateway
 from openrois.gateway.settings import GatewaySettings
 

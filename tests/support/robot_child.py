@@ -4,7 +4,7 @@ import sys
 import time
 
 from openrois.adapter import blocking, run
-from openrois.authoring.marks import command
+from openrois.component.authoring.marks import command
 from tests.support.components import Bell, Lamp
 
 

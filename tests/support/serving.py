@@ -7,10 +7,10 @@ from functools import partial
 
 from aiohttp import web
 
-from openrois.gateway.http_connection import HttpConnection
 from openrois.gateway.socket import APPLICATION, ServerSocket
-from openrois.heads import Heads
-from openrois.tcp_server import serving_tcp
+from openrois.http_limits.header_timeout import Heads
+from openrois.http_limits.http_connection import HttpConnection
+from openrois.http_limits.tcp_server import serving_tcp
 
 
 @asynccontextmanager

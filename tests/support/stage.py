@@ -18,8 +18,8 @@ from openrois_streaming.network.settings import NetworkSettings
 from openrois_streaming.stats import StreamStats
 from openrois_streaming.testing import ImpairedPath, Impairments
 
-from openrois.dialer import serve_parent
-from openrois.tasks import TaskScope
+from openrois.adapter.dialer import serve_parent
+from openrois.aio.tasks import TaskScope
 from tests.support.ground import Ground, ground
 from tests.support.loopback import some_address
 from tests.support.spectator import MEDIA_PATIENCE, Spectator

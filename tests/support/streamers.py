@@ -20,10 +20,10 @@ from openrois_streaming.session import StreamSession
 from openrois_streaming.synthetic import ColourBars, Tone
 from websockets.asyncio.client import ClientConnection, connect
 
-from openrois.dialer import serve_parent
+from openrois.adapter.dialer import serve_parent
+from openrois.aio.tasks import TaskScope
 from openrois.gateway.server import Gateway, run_gateway
 from openrois.gateway.settings import GatewaySettings
-from openrois.tasks import TaskScope
 from tests.support.deployment import until
 
 Message = dict[str, Any]

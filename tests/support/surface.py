@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Final
 from unittest import mock
 
-from openrois.cli import main
+from openrois.cli.__main__ import main
 from openrois.gateway.configuration import settings_of
 
 __all__ = ["RECORD", "surface"]

@@ -6,15 +6,15 @@ from contextlib import AsyncExitStack, asynccontextmanager
 from dataclasses import dataclass, field
 from typing import Any
 
-from openrois.application import EngineHost
+from openrois.aio.tasks import TaskScope
 from openrois.contract import ComponentBus
-from openrois.engine import Engine
+from openrois.engine.engine import Engine
 from openrois.gateway.adapters import serve_adapter
 from openrois.gateway.applications import serve_application
 from openrois.jsonrpc.session import NotificationHandler, RpcSession
 from openrois.remote.proxy import RemoteProxy
 from openrois.remote.serve import serve_engine
-from openrois.tasks import TaskScope
+from openrois.session.session import EngineHost
 from openrois.transport.memory import memory_pair
 from openrois.transport.stream import MessageStream
 

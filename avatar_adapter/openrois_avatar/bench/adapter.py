@@ -14,7 +14,7 @@ from openrois_streaming.clock import SystemClock
 from openrois_streaming.synthetic import TalkingHead
 
 from openrois.adapter import Component, command
-from openrois.dialer import serve_parent
+from openrois.adapter.dialer import serve_parent
 from openrois.types.references import reference
 from openrois_avatar.adapter import AUDIO, VIDEO, serve_scene
 from openrois_avatar.bench.partner import SWITCH_INTERVAL

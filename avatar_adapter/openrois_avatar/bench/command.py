@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from openrois.bench.command import add_gateway_benches, add_json, carry_out, count, seconds, tell
-from openrois.command_line import CommandLine
+from openrois.cli.command_line import CommandLine
 from openrois_avatar.bench.browser import find_chromium
 from openrois_avatar.bench.fanout import FanoutSettings, run_fanout
 from openrois_avatar.bench.latency import LatencySettings, run_latency

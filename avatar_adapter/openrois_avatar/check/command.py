@@ -5,7 +5,7 @@ import secrets
 import sys
 from collections.abc import Sequence
 
-from openrois.command_line import CommandLine
+from openrois.cli.command_line import CommandLine
 from openrois_avatar.check.acting import Patience
 from openrois_avatar.check.finding import Finding, Outcome, as_json, as_text, summary
 from openrois_avatar.check.visit import CannotStart, visiting

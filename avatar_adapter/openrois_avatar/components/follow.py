@@ -7,7 +7,7 @@ from typing import Annotated, Any, Final
 from pydantic import Field
 
 from openrois.adapter import BadParameter, ComponentFailed, components, parameter
-from openrois.tasks import TaskScope
+from openrois.aio.tasks import TaskScope
 from openrois_avatar.components.moving import Figure, Moving
 from openrois_avatar.legs import Motion
 from openrois_avatar.link.messages import Floor, Place, Thing, Things, Waypoint

@@ -6,8 +6,8 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass
 
 from openrois.adapter import ComponentFailed, ComponentStatus
+from openrois.aio.tasks import TaskScope
 from openrois.errors import TimedOut
-from openrois.tasks import TaskScope
 from openrois_avatar.legs import Legs, Motion
 from openrois_avatar.link.messages import Place
 from openrois_avatar.wayfinding import Ways

@@ -8,7 +8,7 @@ from typing import Final
 from openrois_streaming.clock import MediaClock
 
 from openrois.adapter import Component, ComponentStatus, components
-from openrois.tasks import TaskScope
+from openrois.aio.tasks import TaskScope
 from openrois_avatar.components.sensing import Localizing, Sense
 from openrois_avatar.link.messages.motion import Kind
 from openrois_avatar.sensing.activity import Activity

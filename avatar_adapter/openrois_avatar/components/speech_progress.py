@@ -5,7 +5,7 @@ from datetime import UTC, datetime
 from typing import Any, Protocol
 
 from openrois.adapter import Component, ComponentStatus, event, parameter
-from openrois.listeners import Listeners
+from openrois.aio.listeners import Listeners
 from openrois.types.codes import CompletedStatus
 from openrois_avatar.utterance import MarkReached, Progress, SpeechBegan, SpeechEnded, WordSpoken
 from openrois_avatar.voice import Voice

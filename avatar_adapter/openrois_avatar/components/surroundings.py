@@ -7,7 +7,7 @@ from typing import Final
 from openrois_streaming.clock import MediaClock
 
 from openrois.adapter import Component, ComponentStatus, Payload, event, query
-from openrois.tasks import TaskScope
+from openrois.aio.tasks import TaskScope
 from openrois_avatar.link.messages import Floor, Place, Things
 from openrois_avatar.link.messages.motion import Point
 from openrois_avatar.sensing.changes import Place as Position

@@ -7,8 +7,8 @@ from openrois_streaming.clock import MediaClock
 from pydantic import Field
 
 from openrois.adapter import Component, ComponentStatus, Payload, command, event, parameter, query
+from openrois.aio.tasks import TaskScope
 from openrois.errors import Aborted
-from openrois.tasks import TaskScope
 from openrois_avatar.teleoperation.pilot import Controls, Pilot
 from openrois_avatar.teleoperation.seat import Seat
 from openrois_avatar.teleoperation.steering import STANDING, Steering

@@ -11,7 +11,7 @@ from openrois_signaling.turn import turn_credential
 from openrois_streaming.network.servers import read_servers
 from openrois_streaming.network.settings import NetworkSettings
 
-from openrois.command_line import CommandLine, port_number
+from openrois.cli.command_line import CommandLine, port_number
 from openrois_avatar.doctor import machine, network
 from openrois_avatar.doctor.finding import Finding, Level, as_json, as_text, exit_status, summary
 from openrois_avatar.doctor.media import media

@@ -14,8 +14,8 @@ from openrois_signaling.messages import MediaKind
 from openrois_streaming.clock import SystemClock
 
 from openrois.adapter.running import hosted
-from openrois.application import EngineHost
-from openrois.tasks import TaskScope
+from openrois.aio.tasks import TaskScope
+from openrois.session.session import EngineHost
 from openrois.types.codes import ComponentStatus
 from openrois.types.references import reference
 from openrois_avatar.components.speech_synthesis import SpeechSynthesis

@@ -10,10 +10,10 @@ from urllib.parse import unquote, urlsplit
 
 from aiohttp import WSCloseCode, WSMsgType, web
 
-from openrois.access.loopback import is_loopback
-from openrois.http_log import HTTP_LOG
-from openrois.rate import RateLimit
-from openrois.tasks import TaskScope
+from openrois.aio.rate import RateLimit
+from openrois.aio.tasks import TaskScope
+from openrois.auth.loopback import is_loopback
+from openrois.observability.http_log import HTTP_LOG
 from openrois_avatar.facades.messages.reading import MESSAGE_LIMIT, ProtocolError
 from openrois_avatar.facades.streamer import Heard, Streamer, StreamerFactory
 

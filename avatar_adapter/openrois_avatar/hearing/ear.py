@@ -8,7 +8,7 @@ import numpy as np
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.source import SAMPLE_RATE, RawAudio
 
-from openrois.listeners import Listeners
+from openrois.aio.listeners import Listeners
 from openrois_avatar.devices import Microphone
 from openrois_avatar.hearing.bearing import is_stereo
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from openrois_streaming.source import RawAudio
 
-from openrois.listeners import Listeners
+from openrois.aio.listeners import Listeners
 from openrois_avatar.hearing.downsample import SPEECH_RATE, Downsampler
 from openrois_avatar.hearing.ear import Ear
 from openrois_avatar.hearing.voice_activity import PREROLL, VoiceActivity

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 from openrois_streaming.clock import MediaClock
 
-from openrois.backoff import Backoff
-from openrois.listeners import Listeners
+from openrois.aio.listeners import Listeners
+from openrois.transport.backoff import Backoff
 from openrois_avatar.hearing.downsample import SPEECH_RATE
 from openrois_avatar.hearing.hearing import Hearing
 from openrois_avatar.hearing.recognizer import Expectation, RecognizerFailed, SpeechRecognizer, Transcriber

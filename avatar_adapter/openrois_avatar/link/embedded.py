@@ -12,7 +12,7 @@ from typing import Any, Final, NoReturn, Self
 from openrois_streaming.clock import MediaClock, SystemClock
 from openrois_streaming.source import RawAudio
 
-from openrois.backoff import Backoff
+from openrois.transport.backoff import Backoff
 from openrois_avatar.child import Output, child_process, ended_within
 from openrois_avatar.link.address import ADDRESS_VARIABLE, SECRET_VARIABLE
 from openrois_avatar.link.connection import EngineConnection

@@ -12,7 +12,7 @@ from typing import Final, Self
 from openrois_streaming.clock import MediaClock, SystemClock
 from openrois_streaming.source import RawAudio
 
-from openrois.tasks import TaskScope
+from openrois.aio.tasks import TaskScope
 from openrois_avatar.link.linked import LinkedEngine
 from openrois_avatar.link.messages import Event, Hello
 from openrois_avatar.link.receivers import tell

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Final
 
-from openrois.access.loopback import is_loopback
+from openrois.auth.loopback import is_loopback
 from openrois_avatar.link.address import Address, TcpAddress, UnixAddress, parse_address
 from openrois_avatar.link.messages import LinkError
 from openrois_avatar.link.private import clear, private_path

@@ -4,7 +4,7 @@ import argparse
 from dataclasses import dataclass
 from urllib.parse import urlsplit
 
-from openrois.access.loopback import is_loopback
+from openrois.auth.loopback import is_loopback
 
 __all__ = ["PixelStreaming", "add_pixel_streaming_options", "pixel_streaming"]
 

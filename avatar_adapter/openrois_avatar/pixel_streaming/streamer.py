@@ -9,9 +9,9 @@ from typing import Final, TypeAlias
 from openrois_signaling.messages import IceServer
 from websockets.exceptions import InvalidHandshake
 
-from openrois.backoff import Backoff
+from openrois.aio.tasks import TaskScope
 from openrois.errors import RoISError
-from openrois.tasks import TaskScope
+from openrois.transport.backoff import Backoff
 from openrois.transport.stream import MessageStream, StreamClosed
 from openrois.transport.websocket import dial
 from openrois_avatar.facades.messages import pixel_streaming as wire

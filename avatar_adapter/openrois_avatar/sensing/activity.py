@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 
-from openrois.listeners import Listeners
+from openrois.aio.listeners import Listeners
 
 __all__ = ["Activity"]
 

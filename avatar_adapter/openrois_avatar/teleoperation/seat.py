@@ -12,9 +12,9 @@ from openrois_streaming.clock import MediaClock
 from openrois_streaming.input.holding import Holding
 from openrois_streaming.input.reader import MALFORMED_LIMIT, InputReader, Label
 
+from openrois.aio.listeners import Listeners
 from openrois.contract import Client
 from openrois.errors import OutOfResources
-from openrois.listeners import Listeners
 from openrois.types.streams import HolderNotification
 from openrois_avatar.teleoperation.pilot import Pilot
 

@@ -12,8 +12,8 @@ from typing import Final
 from openrois_streaming.clock import MediaClock, wall_at
 from openrois_streaming.source import RawVideo
 
-from openrois.listeners import Listeners
-from openrois.tasks import TaskScope
+from openrois.aio.listeners import Listeners
+from openrois.aio.tasks import TaskScope
 from openrois_avatar.devices import Camera
 from openrois_avatar.sensing.activity import Activity
 from openrois_avatar.sensing.figures import SenseFigures

@@ -22,9 +22,9 @@ from openrois_avatar.vision.watch import Watch
 from openrois_streaming.source import RawVideo
 from pydantic import ValidationError
 
-from openrois.component import Component
+from openrois.component.component import Component
+from openrois.engine.registry import LocalRegistry
 from openrois.errors import BadParameter, ComponentFailed, OutOfResources
-from openrois.registry import LocalRegistry
 from openrois.testing import ComponentContract
 from openrois.types.messages import Argument
 from tests.support.camera import CameraStage, somebody

@@ -13,8 +13,8 @@ from openrois_avatar.link.messages import Command, Completed, Look, Place, React
 from openrois_avatar.link.messages import Viewpoint as LinkViewpoint
 
 from openrois.contract import Event, SubscriptionLost
+from openrois.engine.registry import LocalRegistry
 from openrois.errors import Aborted, BadParameter, ComponentFailed, Unsupported
-from openrois.registry import LocalRegistry
 from openrois.types.codes import ComponentStatus
 from openrois.types.messages import Argument, Result
 

@@ -23,7 +23,7 @@ from openrois_avatar.sound import AvatarSound
 from openrois_avatar.voice import Voice
 from openrois_avatar.world import World
 
-from openrois.component import Component
+from openrois.component.component import Component
 from openrois.testing import ComponentContract
 from openrois.types.codes import ComponentStatus
 from tests.avatar.components.test_speech_progress import Attention

@@ -12,8 +12,8 @@ from openrois_avatar.link.messages.motion import Kind
 from openrois_avatar.motion.planning import Policy
 from openrois_avatar.wayfinding import BODY
 
+from openrois.engine.registry import LocalRegistry
 from openrois.errors import Aborted, BadParameter, ComponentFailed, TimedOut
-from openrois.registry import LocalRegistry
 from openrois.types.messages import Argument
 from tests.support.floors import SQUARE, floors, rectangle, room_along
 from tests.support.streaming import settle

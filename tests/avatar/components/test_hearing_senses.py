@@ -13,8 +13,8 @@ from openrois_avatar.microphone_senses import microphone_senses
 from openrois_streaming.source import SAMPLE_RATE
 
 from openrois.contract import Event, Fault, SubscriptionLost
+from openrois.engine.registry import LocalRegistry
 from openrois.errors import BadParameter, ComponentFailed
-from openrois.registry import LocalRegistry
 from openrois.types.messages import Argument
 from tests.support.hearing import not_speech, stereo_48k, voice
 from tests.support.listening import Listened, ScriptedRecognizer

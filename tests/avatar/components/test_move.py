@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 from openrois_avatar.link.messages import Floor, Halt, Place, Walk, Waypoint
 
+from openrois.engine.registry import LocalRegistry
 from openrois.errors import Aborted, BadParameter, ComponentFailed
-from openrois.registry import LocalRegistry
 from openrois.types.messages import Argument
 from tests.support.floors import SQUARE, rectangle
 from tests.support.streaming import settle

@@ -15,8 +15,8 @@ from openrois_avatar.motion.targets import Position
 from openrois_avatar.wayfinding import BODY, Ways
 from openrois_avatar.world import World
 
+from openrois.engine.registry import LocalRegistry
 from openrois.errors import Aborted, BadParameter, ComponentFailed, RoISError, TimedOut
-from openrois.registry import LocalRegistry
 from openrois.types.messages import Argument, Result
 from tests.support.floors import SQUARE, Point, floors, points, rectangle, room_along
 from tests.support.streaming import settle

@@ -10,7 +10,7 @@ from openrois_avatar.link.messages import Thing, Things
 from openrois_avatar.world import World
 
 from openrois.contract import Event, SubscriptionLost
-from openrois.registry import LocalRegistry
+from openrois.engine.registry import LocalRegistry
 from openrois.types.codes import ComponentStatus
 from openrois.types.messages import Argument
 from tests.support.streaming import VirtualClock, settle

@@ -8,9 +8,9 @@ from openrois_avatar.components.sensing import Localizing, Sense
 from openrois_avatar.sensing.changes import Place
 
 from openrois.adapter import components
-from openrois.component import Component
+from openrois.component.component import Component
+from openrois.engine.registry import LocalRegistry
 from openrois.errors import BadParameter
-from openrois.registry import LocalRegistry
 from openrois.testing import ComponentContract, memory_gateway
 from openrois.types.messages import Argument
 

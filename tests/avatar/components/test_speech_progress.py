@@ -17,10 +17,10 @@ from openrois_avatar.speech.synthesizer import Synthesizer
 from openrois_avatar.voice import Voice
 from openrois_streaming.source import RawAudio
 
+from openrois.aio.listeners import Listeners
 from openrois.contract import Event, SubscriptionLost
+from openrois.engine.registry import LocalRegistry
 from openrois.errors import Aborted
-from openrois.listeners import Listeners
-from openrois.registry import LocalRegistry
 from openrois.types.codes import ComponentFunction
 from openrois.types.messages import Argument, Result
 from tests.support.streaming import VirtualClock, settle

@@ -9,8 +9,8 @@ from openrois_avatar.components.speech_synthesis import SpeechSynthesis
 from openrois_avatar.sound import AvatarSound
 from openrois_avatar.voice import Voice
 
+from openrois.engine.registry import LocalRegistry
 from openrois.errors import Aborted, BadParameter, ComponentFailed
-from openrois.registry import LocalRegistry
 from openrois.types.messages import Argument, Result
 from tests.support.streaming import VirtualClock, settle
 from tests.support.voice import ScriptedSynthesizer

@@ -5,8 +5,8 @@ import json
 import pytest
 from openrois_avatar.components.streaming import AudioStreaming, VideoStreaming
 
+from openrois.engine.registry import LocalRegistry
 from openrois.errors import BadParameter
-from openrois.registry import LocalRegistry
 from openrois.types.codes import ComponentStatus
 from openrois.types.messages import Argument
 

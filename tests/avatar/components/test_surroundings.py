@@ -9,8 +9,8 @@ from openrois_avatar.link.messages import Floor, Place, Thing, Things
 from openrois_avatar.world import World
 
 from openrois.contract import Event, SubscriptionLost
+from openrois.engine.registry import LocalRegistry
 from openrois.errors import ComponentFailed
-from openrois.registry import LocalRegistry
 from openrois.testing import ComponentContract
 from openrois.types.codes import ComponentStatus
 from tests.support.streaming import VirtualClock, settle

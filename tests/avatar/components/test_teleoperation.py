@@ -7,8 +7,8 @@ from openrois_avatar.teleoperation.seat import Seat
 from openrois_streaming.input.messages import Held
 
 from openrois.contract import Client, Event, SubscriptionLost
+from openrois.engine.registry import LocalRegistry
 from openrois.errors import Aborted, ComponentFailed, OutOfResources
-from openrois.registry import LocalRegistry
 from openrois.types.codes import ComponentStatus
 from openrois.types.messages import Argument
 from openrois.types.streams import HolderNotification

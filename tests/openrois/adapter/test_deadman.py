@@ -9,14 +9,14 @@ import pytest
 
 from openrois.adapter import components, running
 from openrois.adapter.deadman import ALLOWANCE, DeadMan, HolderExtension
-from openrois.authoring.marks import command
-from openrois.component import DEAD_MAN, Component
+from openrois.aio.tasks import TaskScope
+from openrois.component.authoring.marks import command
+from openrois.component.component import DEAD_MAN, Component
 from openrois.contract import Client
-from openrois.engine import Engine
+from openrois.engine.engine import Engine
+from openrois.engine.registry import LocalRegistry
 from openrois.errors import Aborted, Unsupported
-from openrois.lifeline import Lifeline
-from openrois.registry import LocalRegistry
-from openrois.tasks import TaskScope
+from openrois.jsonrpc.heartbeat import Lifeline
 from openrois.types.streams import HolderNotification
 from tests.support import wire
 from tests.support.components import Lamp, Rover

@@ -191,7 +191,7 @@ class TestRun:
         async with program(f"ws://127.0.0.1:{port}/adapter") as process:
             line = await said(process, "no gateway")
             assert f"no gateway answers at ws://127.0.0.1:{port}/adapter; `openrois gateway` starts one here" in line
-            assert " I openrois.dialer: " in line
+            assert " I openrois.adapter.dialer: " in line
             await said(process, "trying again in")
             process.send_signal(signal.SIGINT)
             assert await ended(process) == 0

@@ -8,7 +8,7 @@ from lxml import etree
 
 from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.catalog.common import ROIS_COMMON
-from openrois.profile_xml.write import component_xml, engine_xml
+from openrois.profiles.xml.write import component_xml, engine_xml
 from openrois.types.profiles import HRIEngineProfile, RoISIdentifier
 from tests.support.normative import differences, schema
 

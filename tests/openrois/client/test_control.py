@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from openrois.application import EngineHost
+from openrois.aio.tasks import TaskScope
 from openrois.client import (
     BindingLost,
     Client,
@@ -24,9 +24,9 @@ from openrois.client import (
 )
 from openrois.errors import Aborted, ComponentFailed, OutOfResources, Unsupported
 from openrois.gateway.applications import serve_application
-from openrois.gateway.tenure import Tenure
+from openrois.gateway.token_expiry import Tenure
 from openrois.journal.journal import Journal
-from openrois.tasks import TaskScope
+from openrois.session.session import EngineHost
 from openrois.transport.stream import StreamClosed
 from openrois.types.leases import LeaseState
 from tests.support import grounds

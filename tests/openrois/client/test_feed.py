@@ -7,7 +7,7 @@ import pytest
 
 from openrois.client import Client, where
 from openrois.client.feed import Feed
-from openrois.condition import parse_condition
+from openrois.engine.condition import parse_condition
 from tests.support.grounds import Line
 
 PROPERTIES = frozenset({"component_ref", "component_type"})

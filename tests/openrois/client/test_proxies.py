@@ -5,7 +5,6 @@ from typing import Annotated, Any
 
 import pytest
 
-from openrois.authoring.marks import command
 from openrois.catalog.actuation import NavigationParameters
 from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.catalog.common import ROIS_COMMON
@@ -20,9 +19,10 @@ from openrois.client.components import (
     SpeechSynthesis,
     SystemInformation,
 )
-from openrois.component import Component
+from openrois.component.authoring.marks import command
+from openrois.component.component import Component
+from openrois.engine.registry import LocalRegistry
 from openrois.errors import Aborted, BadParameter, ComponentFailed, OutOfResources, Unsupported
-from openrois.registry import LocalRegistry
 from openrois.types.codes import ComponentStatus
 from tests.support.fleet import NOON, everything, example
 from tests.support.grounds import Ground

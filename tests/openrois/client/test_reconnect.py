@@ -8,8 +8,6 @@ from typing import Any
 
 import pytest
 
-from openrois.application import EngineHost
-from openrois.change_notice import CHANGES_AT_ONCE
 from openrois.client import (
     BindingLost,
     BindingRestored,
@@ -29,6 +27,8 @@ from openrois.client import (
 from openrois.client.components import Navigation, PersonDetection
 from openrois.errors import OutOfResources, Unsupported
 from openrois.gateway.applications import serve_application
+from openrois.session.change_notice import CHANGES_AT_ONCE
+from openrois.session.session import EngineHost
 from openrois.transport.stream import MessageStream, StreamClosed
 from tests.support.fleet import everything
 from tests.support.grounds import Clock, Line, eventually

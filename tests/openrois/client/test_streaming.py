@@ -6,8 +6,8 @@ import pytest
 
 from openrois.client import Client, streaming
 from openrois.client.components import AudioStreaming, VideoStreaming
+from openrois.engine.registry import LocalRegistry
 from openrois.errors import ComponentFailed, Unsupported
-from openrois.registry import LocalRegistry
 from openrois.types.codes import StreamStatus
 from openrois.types.streams import StreamStatusNotification
 from tests.support.grounds import Ground, Line, eventually, serve_plain

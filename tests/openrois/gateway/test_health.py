@@ -10,7 +10,7 @@ import aiohttp
 import pytest
 
 from openrois.gateway.server import Gateway
-from openrois.health import Readiness
+from openrois.observability.health import Readiness
 from tests.support import deployment
 
 TOKEN = "s" * 16
@@ -33,7 +33,7 @@ def test_what_is_lacking() -> None:
 
 
 async def test_a_gateway_that_is_full_is_not_ready(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("openrois.gateway.places.MAX_APPLICATIONS", 1)
+    monkeypatch.setattr("openrois.gateway.connection_limits.MAX_APPLICATIONS", 1)
     async with deployment.gateway(metrics_token=TOKEN) as gateway:
         assert await asked(gateway, "readyz") == (200, {"status": "ready"})
         async with deployment.application(gateway) as app:

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from openrois.engine import Engine
+from openrois.engine.engine import Engine
 from openrois.gateway.adapters import serve_adapter
 from openrois.remote.attachment import ATTACHED
 from openrois.transport.memory import MemoryStream, memory_pair

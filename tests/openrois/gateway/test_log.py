@@ -11,7 +11,7 @@ import aiohttp
 import pytest
 
 from openrois.gateway.server import Gateway
-from openrois.log_lines import JsonLine, Redaction
+from openrois.observability.log_lines import JsonLine, Redaction
 from openrois.transport.credentials import Credentials
 from openrois.transport.websocket import dial
 from tests.support import deployment

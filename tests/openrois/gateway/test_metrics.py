@@ -11,9 +11,9 @@ from prometheus_client import Metric
 from prometheus_client.parser import text_string_to_metric_families
 
 from openrois.gateway import metrics
+from openrois.gateway.connection_limits import MAX_ADAPTERS, MAX_APPLICATIONS
 from openrois.gateway.encryption import Certificate
 from openrois.gateway.metrics import FIGURES, HISTOGRAMS
-from openrois.gateway.places import MAX_ADAPTERS, MAX_APPLICATIONS
 from openrois.gateway.server import Gateway
 from tests.support import deployment
 from tests.support.certificates import Authority

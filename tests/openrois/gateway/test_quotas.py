@@ -9,8 +9,8 @@ import pytest
 from websockets.asyncio.client import ClientConnection
 from websockets.exceptions import InvalidStatus
 
+from openrois.engine.registry import LocalRegistry
 from openrois.gateway.server import Gateway
-from openrois.registry import LocalRegistry
 from tests.support import deployment
 from tests.support.guarded import ask, fresh, guarded
 from tests.support.streams import Camera, FakeStreams

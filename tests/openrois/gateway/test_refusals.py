@@ -6,11 +6,11 @@ from typing import Any
 
 import pytest
 
-from openrois.application import ApplicationSession, EngineHost
-from openrois.audit import Audit
-from openrois.engine import Engine
+from openrois.aio.tasks import TaskScope
+from openrois.engine.engine import Engine
 from openrois.gateway.refusals import REFUSALS_AT_ONCE, REFUSALS_PER_SECOND, RefusalNotes
-from openrois.tasks import TaskScope
+from openrois.observability.audit import Audit
+from openrois.session.session import ApplicationSession, EngineHost
 from openrois.types.codes import ReturnCode
 from openrois.types.messages import ReturnResult
 from tests.support.authorization import place, principal

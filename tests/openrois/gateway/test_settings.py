@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from openrois.access.loopback import is_loopback
+from openrois.auth.loopback import is_loopback
 from openrois.gateway.settings import GatewaySettings
 
 

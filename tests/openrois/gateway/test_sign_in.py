@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
-from openrois.access.principal import Principal, Role
-from openrois.audit import Audit
+from openrois.auth.principal import Principal, Role
 from openrois.gateway import sign_in
 from openrois.gateway.sign_in import SignIns
+from openrois.observability.audit import Audit
 from tests.support.clock import Clock
 from tests.support.guarded import ask, fresh, guarded
 

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from openrois.access.principal import LOCAL
+from openrois.auth.principal import LOCAL
 from tests.support import deployment
 from tests.support.deployment import Robot
 

@@ -12,7 +12,7 @@ from urllib.parse import urlsplit
 import aiohttp
 from websockets.exceptions import ConnectionClosed
 
-from openrois.registry import LocalRegistry
+from openrois.engine.registry import LocalRegistry
 from tests.support import deployment
 from tests.support.components import Lamp
 from tests.support.guarded import Guarded, fresh, guarded

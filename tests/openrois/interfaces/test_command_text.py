@@ -8,12 +8,12 @@ from typing import Any
 
 import pytest
 
-from openrois import command_budget
-from openrois.access.principal import LOCAL
-from openrois.application import EngineHost
-from openrois.engine import Engine
-from openrois.registry import LocalRegistry
-from openrois.tasks import TaskScope
+from openrois.aio.tasks import TaskScope
+from openrois.auth.principal import LOCAL
+from openrois.commands import quota
+from openrois.engine.engine import Engine
+from openrois.engine.registry import LocalRegistry
+from openrois.session.session import EngineHost
 from tests.support.authorization import PATIENCE, Place, Wire, principal
 from tests.support.components import Lamp
 from tests.support.deployment import Door
@@ -45,7 +45,7 @@ class Scene:
 
 @pytest.fixture
 async def scene(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Scene]:
-    monkeypatch.setattr(command_budget, "MAX_TEXT_OF_SUBJECT", SHARE)
+    monkeypatch.setattr(quota, "MAX_TEXT_OF_SUBJECT", SHARE)
     door, turn = Door(), asyncio.Event()
 
     async def sleep(_seconds: float) -> None:

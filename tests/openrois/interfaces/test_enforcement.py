@@ -12,12 +12,12 @@ from openrois_signaling.relay import Relay
 from pydantic import BaseModel
 
 import openrois
-from openrois.access.principal import ALLOWED, LOCAL, Principal, Role
-from openrois.application import ApplicationSession
+from openrois.auth.principal import ALLOWED, LOCAL, Principal, Role
 from openrois.gateway import applications
 from openrois.interfaces.enforcement import enforced
 from openrois.jsonrpc.session import Handler, Reply
 from openrois.leases import tokens
+from openrois.session.session import ApplicationSession
 from openrois.types.messages import ReturnResult, SearchResult
 from openrois.types.methods import METHODS
 from openrois.types.references import new_id

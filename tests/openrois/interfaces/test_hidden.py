@@ -9,10 +9,10 @@ from typing import Any, Final
 
 import pytest
 
-from openrois.access.principal import Role
+from openrois.auth.principal import Role
 from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.gateway.applications import serve_application
-from openrois.gateway.tenure import Tenure
+from openrois.gateway.token_expiry import Tenure
 from openrois.transport.websocket import dial
 from openrois.types.codes import ErrorType
 from openrois.types.references import new_id

@@ -11,7 +11,7 @@ from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
 from hypothesis.stateful import Bundle, RuleBasedStateMachine, initialize, invariant, rule, run_state_machine_as_test
 
-from openrois.access.principal import Principal
+from openrois.auth.principal import Principal
 from openrois.types.codes import ErrorType
 from openrois.types.references import new_id
 from tests.openrois.interfaces.test_matrix import condition, unit

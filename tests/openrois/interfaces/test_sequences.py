@@ -6,10 +6,10 @@ from typing import Any
 
 import pytest
 
-from openrois.application import EngineHost
-from openrois.engine import Engine
-from openrois.registry import LocalRegistry
-from openrois.tasks import TaskScope
+from openrois.aio.tasks import TaskScope
+from openrois.engine.engine import Engine
+from openrois.engine.registry import LocalRegistry
+from openrois.session.session import EngineHost
 from openrois.types.messages import MAX_DELAY
 from tests.support.components import Lamp
 from tests.support.deployment import forever

@@ -4,11 +4,11 @@ from typing import Any
 
 import pytest
 
-from openrois.application import EngineHost
-from openrois.engine import Engine
-from openrois.gateway.tenure import Tenure
-from openrois.registry import LocalRegistry
-from openrois.tasks import TaskScope
+from openrois.aio.tasks import TaskScope
+from openrois.engine.engine import Engine
+from openrois.engine.registry import LocalRegistry
+from openrois.gateway.token_expiry import Tenure
+from openrois.session.session import EngineHost
 from tests.support.authorization import Place, principal
 from tests.support.components import Lamp
 

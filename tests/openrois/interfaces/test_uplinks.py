@@ -7,7 +7,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from openrois.access.principal import LOCAL, Principal
+from openrois.auth.principal import LOCAL, Principal
 from openrois.interfaces.uplinks import may_be_uplink
 from openrois.types.messages import Parameter
 from tests.openrois.interfaces.test_matrix import unit

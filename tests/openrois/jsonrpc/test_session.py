@@ -9,8 +9,8 @@ import pytest
 from pydantic import BaseModel
 
 from openrois.jsonrpc.handler import MAX_PROBLEMS
-from openrois.jsonrpc.intake import MAX_RUNNING_REQUESTS
 from openrois.jsonrpc.outbox import Outbox
+from openrois.jsonrpc.request_queue import MAX_RUNNING_REQUESTS
 from openrois.jsonrpc.session import (
     InvalidParams,
     Reply,

@@ -5,7 +5,7 @@ from urllib.parse import urlsplit
 import aiohttp
 import pytest
 
-from openrois import heads
+from openrois.http_limits import header_timeout
 from openrois.metrics.server import MAX_SCRAPES, MetricsUnavailable, metrics_address, serving_metrics
 
 
@@ -72,7 +72,7 @@ async def test_what_is_no_text_is_no_token() -> None:
 
 @pytest.mark.parametrize("said", [b"", b"GET /metrics HTTP/1.1\r\nHost: x\r\n\r\nGET /me"])
 async def test_who_does_not_say_what_it_wants_is_cut(monkeypatch: pytest.MonkeyPatch, said: bytes) -> None:
-    monkeypatch.setattr(heads, "HEAD_TIMEOUT", 0.05)
+    monkeypatch.setattr(header_timeout, "HEAD_TIMEOUT", 0.05)
     reasons: list[str] = []
     async with serving_metrics("127.0.0.1", 0, write, turned_away=reasons.append) as url:
         reader, writer = await asyncio.open_connection("127.0.0.1", urlsplit(url).port)

@@ -1,6 +1,6 @@
 """The ids under which commands are sent to another engine."""
 
-from openrois.command_log import MAX_ID
+from openrois.commands.history import MAX_ID
 from openrois.remote.commands import MAX_USED, MAX_USED_TEXT, RemoteCommand, RemoteCommands
 
 

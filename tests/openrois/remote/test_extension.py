@@ -7,12 +7,12 @@ from typing import Any
 
 import pytest
 
+from openrois.aio.tasks import TaskScope
 from openrois.contract import Client
 from openrois.errors import ComponentFailed
 from openrois.jsonrpc.outbox import Outbox, OutboxOverflow
 from openrois.remote import extension
 from openrois.remote.extension import EXTENSION_NOTIFICATIONS, RemoteExtension
-from openrois.tasks import TaskScope
 
 OFFER = "signaling.offer"
 CONNECT, SUSPEND = "rois.stream.connect_stream", "rois.stream.suspend_stream"

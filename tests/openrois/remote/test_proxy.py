@@ -8,12 +8,12 @@ from typing import Any
 
 import pytest
 
+from openrois.aio.tasks import TaskScope
 from openrois.contract import Client, Event, SubscriptionLost
 from openrois.errors import Aborted, ComponentFailed, EngineUnreachable, NotResponding, TimedOut, Unsupported
 from openrois.jsonrpc.outbox import CONTROL_LIMIT
 from openrois.jsonrpc.session import RpcSession
 from openrois.remote.proxy import RemoteProxy
-from openrois.tasks import TaskScope
 from openrois.transport.memory import MemoryStream, memory_pair
 from tests.support.plain import profile_result
 

@@ -9,12 +9,12 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from openrois.application import EngineHost
-from openrois.dialer import serve_parent
-from openrois.engine import Engine
-from openrois.registry import LocalRegistry
+from openrois.adapter.dialer import serve_parent
+from openrois.aio.tasks import TaskScope
+from openrois.engine.engine import Engine
+from openrois.engine.registry import LocalRegistry
 from openrois.remote.serve import STREAM_GRACE, serve_engine
-from openrois.tasks import TaskScope
+from openrois.session.session import EngineHost
 from openrois.transport.memory import MemoryStream, memory_pair
 from openrois.types.codes import StreamStatus
 from tests.support.components import Bell, Lamp

@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 
 import pytest
 
+from openrois.aio.tasks import TaskScope
 from openrois.errors import ComponentFailed, RoISError
 from openrois.remote import stops as module
 from openrois.remote.stops import SharedStops
-from openrois.tasks import TaskScope
 from openrois.types.messages import Result
 
 ARM, LEG = "robot/arm", "robot/leg"

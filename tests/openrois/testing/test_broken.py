@@ -7,10 +7,10 @@ from typing import Any
 import pytest
 
 from openrois.adapter import BadParameter, Component, ComponentFailed, command, event, parameter, query
-from openrois.component import Component as Plain
+from openrois.component.component import Component as Plain
 from openrois.contract import Sink
+from openrois.engine.registry import LocalRegistry
 from openrois.errors import RoISError, Unsupported
-from openrois.registry import LocalRegistry
 from openrois.testing import ComponentContract, findings, message_rules
 from openrois.testing.contract import LOCAL_RULES, RULES
 from openrois.types.codes import ComponentFunction, ComponentStatus

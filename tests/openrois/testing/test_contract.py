@@ -6,8 +6,8 @@ import pytest
 from pydantic import Field
 
 from openrois.adapter import command
-from openrois.component import Component
-from openrois.registry import LocalRegistry
+from openrois.component.component import Component
+from openrois.engine.registry import LocalRegistry
 from openrois.testing import ComponentContract, findings, memory_gateway
 from openrois.testing.contract import LOCAL_RULES, RULES, LocalRule
 from tests.support.basics import BASICS

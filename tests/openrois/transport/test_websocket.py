@@ -8,7 +8,7 @@ import pytest
 from websockets.asyncio.server import ServerConnection, serve
 from websockets.exceptions import InvalidHandshake, InvalidURI
 
-from openrois.tasks import TaskScope
+from openrois.aio.tasks import TaskScope
 from openrois.transport import websocket
 from openrois.transport.stream import StreamClosed
 from openrois.transport.websocket import MAX_MESSAGE, WebSocketStream, dial

@@ -1,0 +1,62 @@
+"""Issuing tokens with a key of one's own, for development and small deployments."""
+
+import secrets
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import jwt
+
+from openrois.auth.claims import MAX_NAME, MAX_PATTERN, MAX_PATTERNS, ClaimRules, read_claims
+from openrois.auth.key_files import read_signing_key
+from openrois.auth.principal import Role
+from openrois.auth.refusal import TokenRefused
+
+__all__ = ["issue_token"]
+
+
+def issue_token(
+    key: Path,
+    subject: str,
+    roles: Sequence[Role],
+    scope: Sequence[str],
+    *,
+    now: int,
+    ttl: int,
+    issuer: str = "",
+    audience: str = "",
+) -> str:
+    """Return a new token.
+
+    Args:
+        key: the file with what it is signed with: a private key, or a secret for HS256.
+        subject: who it is for.
+        roles: what that one is.
+        scope: patterns of component references; without one an administrator sees everything, everybody else nothing.
+        now: epoch seconds.
+        ttl: for how many seconds it is good.
+        issuer: the claim `iss`; empty for none.
+        audience: the claim `aud`; empty for none.
+
+    Raises:
+        ValueError: the key cannot be used, or no gateway would take such a token.
+    """
+    algorithm, material = read_signing_key(key)
+    claims: dict[str, Any] = {
+        "sub": subject,
+        "iat": now,
+        "exp": now + ttl,
+        "jti": secrets.token_hex(16),
+        "roles": [role.value for role in roles],
+    }
+    claims |= {"scope": list(scope)} if scope else {}
+    claims |= {"iss": issuer} if issuer else {}
+    claims |= {"aud": audience} if audience else {}
+    try:
+        read_claims(claims, ClaimRules(issuer, audience, ttl), now)
+    except TokenRefused:
+        raise ValueError(
+            f"no gateway would take such a token: --sub has 1 to {MAX_NAME} printable characters, "
+            f"each pattern of a scope 1 to {MAX_PATTERN}, {MAX_PATTERNS} times at most"
+        ) from None
+    return jwt.encode(claims, material, algorithm)

@@ -1,0 +1,1 @@
+"""The `openrois` command and what all commands have in common; it imports no command."""

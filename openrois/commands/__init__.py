@@ -1,0 +1,1 @@
+"""Commands between acceptance and end: their ids, quota, sequence and STOP."""

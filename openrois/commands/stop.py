@@ -1,0 +1,88 @@
+"""STOP: a component's own `stop`, and the end of its commands with ABORT, whether or not it answers in time."""
+
+import asyncio
+import logging
+from collections.abc import Iterable
+from functools import partial
+from typing import Final
+
+from openrois.aio.tasks import TaskScope
+from openrois.commands.pending import AcceptedCommands
+from openrois.engine.engine import Engine
+from openrois.errors import RoISError
+
+__all__ = ["PAUSE", "STOP_TIMEOUT", "stop_components"]
+
+_log = logging.getLogger(__name__)
+
+STOP_TIMEOUT: Final = 1.0
+"""Seconds that a component has to say that it has stopped; its commands end with ABORT then in any case."""
+
+PAUSE: Final = 0.05
+"""Seconds after which a component that has not yet stopped for others is told again, for all who asked meanwhile."""
+
+
+async def stop_components(
+    engine: Engine, accepted: AcceptedCommands, tasks: TaskScope, component_refs: Iterable[str], reason: str
+) -> dict[str, str]:
+    """Stop components side by side; what is asked for several times before it has begun is done once.
+
+    Args:
+        engine: where they are.
+        accepted: the commands that may run on them.
+        tasks: owns the stops, which go on when whoever asked for them is gone.
+        component_refs: the components; what has no command `stop` has only its commands ended.
+        reason: a sentence for whoever sent those commands.
+
+    Returns:
+        Why a component did not say that it has stopped, by its reference; empty text where it did.
+    """
+    outcomes: dict[str, asyncio.Future[str]] = {}
+    for ref in component_refs:
+        if ref not in accepted.stops:
+            outcome = asyncio.get_running_loop().create_future()
+            stopping = tasks.start(_stop(engine, accepted, ref, reason, outcome))
+            stopping.add_done_callback(partial(_give_up, outcome))
+            accepted.stops[ref] = outcome
+        outcomes[ref] = accepted.stops[ref]
+    if outcomes:
+        await asyncio.wait(outcomes.values())
+    return {ref: outcome.result() for ref, outcome in outcomes.items()}
+
+
+async def _stop(
+    engine: Engine, accepted: AcceptedCommands, component_ref: str, reason: str, outcome: asyncio.Future[str]
+) -> None:
+    failure = ""
+    try:
+        async with asyncio.timeout(STOP_TIMEOUT):
+            before = accepted.stopping.get(component_ref)
+            if before is not None:
+                await asyncio.wait({before}, timeout=PAUSE)
+            # Whoever asks from now on needs another one: a command may have begun meanwhile.
+            del accepted.stops[component_ref]
+            accepted.stopping[component_ref] = outcome
+            for command in accepted.of(component_ref):
+                command.stopping = reason
+            profile = engine.directory.component_profiles.get(component_ref)
+            if profile is not None and profile.command("stop") is not None:
+                await engine.invoke(component_ref, "stop")
+    except TimeoutError:
+        failure = f"no answer within {STOP_TIMEOUT:g} s"
+    except RoISError as error:
+        failure = str(error)
+    finally:
+        for stops in (accepted.stops, accepted.stopping):
+            if stops.get(component_ref) is outcome:
+                del stops[component_ref]
+        for command in accepted.of(component_ref):
+            command.abort(reason)
+    outcome.set_result(failure)
+    if failure:
+        _log.warning("%s did not confirm that it has stopped: %s", component_ref, failure)
+
+
+def _give_up(outcome: asyncio.Future[str], _task: asyncio.Task[None]) -> None:
+    """Let nobody wait for what failed, or was cancelled."""
+    if not outcome.done():
+        outcome.set_result("the engine could not stop it")

@@ -1,0 +1,126 @@
+"""Everything that decides who is let in and for how long, put together from the settings."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from openrois.aio.tasks import TaskScope
+from openrois.auth.claims import ClaimRules
+from openrois.auth.jwks import KeySetCache, fetch_from_file, fetch_from_url
+from openrois.auth.key_files import read_keys
+from openrois.auth.keys import KeySource, StoredKeys
+from openrois.auth.principal import Principal
+from openrois.auth.revocations import NOTHING_REVOKED, Revocations, parse_revocations
+from openrois.auth.tokens import TokenVerifier
+from openrois.gateway.admission import Admission, origin_rules
+from openrois.gateway.encryption import Certificate
+from openrois.gateway.reloading import Reloader
+from openrois.gateway.renewal import Renewal
+from openrois.gateway.settings import GatewaySettings
+from openrois.gateway.sign_in import SignIns
+from openrois.gateway.token_expiry import Tenures
+from openrois.observability.audit import Audit
+
+__all__ = ["Entrance"]
+
+_LONGEST_LIST: Final = 16 << 20
+"""Characters of a list of revocations."""
+
+
+@dataclass(frozen=True, slots=True)
+class Entrance:
+    """The way into a gateway.
+
+    Attributes:
+        admission: who is let in.
+        tenures: for how long.
+        renewal: how that is made longer.
+        sign_ins: records who came and left.
+        certificate: what TLS is done with; None for none.
+        reloader: reads again what has changed: keys, revocations, the certificate.
+    """
+
+    admission: Admission
+    tenures: Tenures
+    renewal: Renewal
+    sign_ins: SignIns
+    certificate: Certificate | None
+    reloader: Reloader
+
+    @classmethod
+    def open(
+        cls,
+        settings: GatewaySettings,
+        audit: Audit,
+        tasks: TaskScope,
+        turned_away: Callable[[str], None],
+        clock: Callable[[], float] = time.time,
+    ) -> "Entrance":
+        """Read keys and lists and begin to watch them, and everyone who is let in.
+
+        Args:
+            settings: what the gateway's owner sets.
+            audit: hears of everyone who is refused.
+            tasks: owns what goes on.
+            turned_away: counts refused connections by reason.
+            clock: epoch seconds.
+
+        Raises:
+            ValueError: a file cannot be read, or is not what it has to be.
+        """
+        reloader = Reloader()
+        revoked = _Revoked(settings.auth_revocations, reloader)
+        verifier = None
+        if settings.is_authenticated:
+            rules = ClaimRules(settings.auth_issuer, settings.auth_audience, settings.auth_max_lifetime)
+            verifier = TokenVerifier(_keys(settings, reloader, tasks), rules, clock, revoked.covers)
+        certificate = None
+        if settings.tls_cert is not None and settings.tls_key is not None:
+            certificate = Certificate(settings.tls_cert, settings.tls_key, clock)
+            reloader.add((settings.tls_cert, settings.tls_key), certificate.load, "the certificate")
+        tenures = Tenures(clock, revoked.covers, audit, tasks)
+        tasks.start(reloader.run())
+        tasks.start(tenures.watch())
+        admission = Admission(origin_rules(settings), verifier, audit, turned_away)
+        return cls(admission, tenures, Renewal(verifier, clock, audit), SignIns(audit), certificate, reloader)
+
+
+def _keys(settings: GatewaySettings, reloader: Reloader, tasks: TaskScope) -> KeySource:
+    if settings.auth_jwks:
+        return KeySetCache(fetch_from_url(settings.auth_jwks), time.monotonic, tasks)
+    if settings.auth_jwks_file is not None:
+        return KeySetCache(fetch_from_file(settings.auth_jwks_file), time.monotonic, tasks)
+    stored = StoredKeys(read_keys(settings.auth_keys))
+
+    def read_again() -> None:
+        stored.keys = read_keys(settings.auth_keys)
+
+    reloader.add(settings.auth_keys, read_again, "the keys for tokens")
+    return stored
+
+
+class _Revoked:
+    """The list of who is not let in any more, as the file is now."""
+
+    def __init__(self, path: Path | None, reloader: Reloader) -> None:
+        self._list: Revocations = NOTHING_REVOKED
+        if path is not None:
+            self._read(path)
+            reloader.add((path,), lambda: self._read(path), "the list of revocations")
+
+    def _read(self, path: Path) -> None:
+        try:
+            with path.open(encoding="utf-8") as file:
+                text = file.read(_LONGEST_LIST + 1)
+            if len(text) > _LONGEST_LIST:
+                raise ValueError("it is too long")
+            self._list = parse_revocations(text)
+        except OSError as error:
+            raise ValueError(f"{path} cannot be read: {error.strerror}") from None
+        except ValueError as error:
+            raise ValueError(f"{path}: {error}") from None
+
+    def covers(self, principal: Principal) -> bool:
+        return self._list.covers(principal)

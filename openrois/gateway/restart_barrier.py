@@ -1,0 +1,76 @@
+"""After a restart applications are let in when the adapters that were there before are back, or after a moment."""
+
+import asyncio
+import logging
+from collections.abc import Awaitable, Callable, Iterator
+from contextlib import contextmanager
+from typing import Final
+
+from openrois.session.session import EngineHost
+
+__all__ = ["Returning"]
+
+_log = logging.getLogger(__name__)
+
+RETURN_TIME: Final = 3.0
+"""Seconds that they have: an adapter looks for its gateway at least every second."""
+
+
+class Returning:
+    """The engines that the journal knows of, and those that are there now.
+
+    Args:
+        host: the gateway's engine, which has none yet.
+        sleep: waits for some seconds.
+    """
+
+    def __init__(self, host: EngineHost, sleep: Callable[[float], Awaitable[None]] = asyncio.sleep) -> None:
+        self._host = host
+        self._sleep = sleep
+        self._there: frozenset[str] = frozenset()
+        self._missing = set(host.journal.engines)
+        self._over = asyncio.Event()
+
+    @property
+    def is_over(self) -> bool:
+        """Whether nobody is waited for any more."""
+        return self._over.is_set()
+
+    async def wait(self) -> None:
+        """Wait until nobody is waited for any more."""
+        await self._over.wait()
+
+    @contextmanager
+    def watching(self) -> Iterator[None]:
+        """Wait for them, and keep the journal's list, while the block runs: who leaves after it is remembered."""
+        self._end_if_complete()
+        if not self.is_over:
+            _log.info("applications wait for engines that were there before: %s", ", ".join(sorted(self._missing)))
+            self._host.tasks.start(self._give_up())
+        stop_listening = self._host.engine.on_change(self._look)
+        try:
+            yield
+        finally:
+            stop_listening()
+
+    def _look(self) -> None:
+        if self._host.draining:
+            return
+        there = frozenset(self._host.engine.directory.profile.engine_ids()) - {self._host.engine.engine_id}
+        for engine_id in there ^ self._there:
+            self._host.journal.engine(engine_id, is_there=engine_id in there)
+        self._there = there
+        self._missing -= there
+        self._end_if_complete()
+
+    def _end_if_complete(self) -> None:
+        if not self._missing:
+            self._over.set()
+
+    async def _give_up(self) -> None:
+        await self._sleep(RETURN_TIME)
+        for engine_id in sorted(self._missing):
+            _log.warning("%s was there before the restart and is not back", engine_id)
+            self._host.journal.engine(engine_id, is_there=False)
+        self._missing.clear()
+        self._end_if_complete()

@@ -1,0 +1,158 @@
+"""Telling of leases: sessions how things stand as they see it, adapters who holds what."""
+
+import asyncio
+from collections.abc import Callable, Mapping
+from typing import Any, Final, Protocol, cast
+
+from openrois.aio.tasks import TaskScope
+from openrois.auth.principal import Principal
+from openrois.contract import Client
+from openrois.engine.engine import Engine
+from openrois.leases.changes import Asked, Declined, Why, Withdrawn
+from openrois.leases.lease_notify import tell_holder
+from openrois.leases.model import LeaseModel
+from openrois.types.leases import (
+    LeaseChangedNotification,
+    LeaseDeclinedNotification,
+    LeaseRequestedNotification,
+    LeaseState,
+    LeaseStatus,
+    LeaseWithdrawnNotification,
+)
+from openrois.types.streams import HolderNotification
+
+__all__ = ["SENTENCES", "Holder", "Telling", "session_of"]
+
+SENTENCES: Final[Mapping[Why, str]] = {
+    Why.BOUND: "it was free",
+    Why.RELEASED: "it was given back",
+    Why.GRANTED: "its holder has handed it over",
+    Why.TAKEN: "an administrator has taken it",
+    Why.RESUMED: "its holder has gone on over another connection",
+    Why.EXPIRED: "its holder's connection was lost and did not come back in time",
+    Why.LEFT: "its holder has left",
+    Why.GONE: "the component is gone",
+}
+
+
+class Holder(Protocol):
+    """A session that may hold components. Identity decides.
+
+    Attributes:
+        principal: who it is.
+        client: it, as adapters know it.
+        leasing: whether it knows of leases, and wants to hear of them.
+        bound: what it has bound.
+    """
+
+    principal: Principal
+    client: Client
+    leasing: bool
+    bound: set[str]
+
+    def tell(self, method: str, params: Mapping[str, Any]) -> None:
+        """Send the application a notification; must not block."""
+        ...
+
+
+class Telling:
+    """Tells of the leases of one engine.
+
+    Args:
+        model: how things stand.
+        engine: whose adapters are told.
+        tasks: owns what goes on when a call has been answered.
+        now: monotonic seconds.
+    """
+
+    def __init__(self, model: LeaseModel, engine: Engine, tasks: TaskScope, now: Callable[[], float]) -> None:
+        self._model = model
+        self._engine = engine
+        self._tasks = tasks
+        self._now = now
+        self._watchers: dict[str, set[Holder]] = {}
+
+    def status(self, component_ref: str, viewer: Holder) -> LeaseStatus:
+        """Return how things stand with a component, as somebody sees it."""
+        held = self._model.holding.holder(component_ref)
+        queue = self._model.waiting.queue(component_ref)
+        position = next((place for place, request in enumerate(queue, 1) if request.asker is viewer), 0)
+        if held is None:
+            return LeaseStatus(component_ref=component_ref)
+        return LeaseStatus(
+            component_ref=component_ref,
+            state=self._state(held[0], viewer),
+            holder=session_of(held[0]).principal.subject,
+            epoch=held[1],
+            waiting=len(queue),
+            position=position,
+        )
+
+    def _state(self, holder: object, viewer: Holder) -> LeaseState:
+        if holder is viewer:
+            return LeaseState.MINE
+        return LeaseState.ABSENT if holder in self._model.absent else LeaseState.HELD
+
+    def watch(self, component_ref: str, viewer: Holder) -> None:
+        """Tell somebody from now on, until it leaves, when a component has another holder."""
+        self._watchers.setdefault(component_ref, set()).add(viewer)
+
+    def adapter(self, component_ref: str, holder: Holder, epoch: int, *, holds: bool) -> None:
+        """Tell the adapter of a component whether somebody holds it."""
+        told = HolderNotification(component_ref=component_ref, holds=holds, epoch=epoch)
+        self._tasks.start(tell_holder(self._engine, told, holder.client))
+
+    def of_request(self, change: Asked | Declined | Withdrawn) -> None:
+        """Tell the holder, or who asks, what became of a request."""
+        request = change.request
+        named = {"component_ref": request.component_ref, "request_id": request.request_id}
+        match change:
+            case Asked(_, holder):
+                left = max(0.0, (request.deadline or 0.0) - self._now())
+                subject = session_of(request.asker).principal.subject
+                asked = LeaseRequestedNotification(**named, subject=subject, answer_ms=round(left * 1000))
+                self.say(session_of(holder), asked)
+            case Declined(_, in_time, gone):
+                answer = "its holder keeps it" if in_time else "its holder did not answer in time"
+                reason = SENTENCES[Why.GONE] if gone else answer
+                self.say(session_of(request.asker), LeaseDeclinedNotification(**named, reason=reason))
+            case Withdrawn(_, holder):
+                self.say(session_of(holder), LeaseWithdrawnNotification(**named))
+
+    def to_all(self, component_ref: str, former: Holder | None, reason: str, *, but: Holder | None = None) -> None:
+        """Tell everybody whom it concerns how things stand with a component."""
+        held = self._model.holding.holder(component_ref)
+        concerned = set(self._watchers.get(component_ref, ()))
+        concerned |= {session_of(request.asker) for request in self._model.waiting.queue(component_ref)}
+        concerned |= {
+            holder for holder in (former, None if held is None else session_of(held[0])) if holder is not None
+        }
+        for viewer in concerned - {but}:
+            self.say(viewer, self.changed(component_ref, viewer, reason))
+
+    def changed(self, component_ref: str, viewer: Holder, reason: str) -> LeaseChangedNotification:
+        """Return what somebody is told when a component has another holder or another queue."""
+        status = self.status(component_ref, viewer)
+        return LeaseChangedNotification(**status.model_dump(), reason=reason)
+
+    def say(self, viewer: Holder, told: "_Told") -> None:
+        """Tell somebody, if it wants notifications of extensions, once what it has asked is answered."""
+        if viewer.leasing and viewer.principal.sees(told.component_ref):
+            # What was asked is answered first.
+            params = told.model_dump(mode="json")
+            asyncio.get_running_loop().call_soon(viewer.tell, told.method, params)
+
+    def forget(self, viewer: Holder) -> None:
+        """Tell somebody no more what it only watches."""
+        for component_ref in [ref for ref, viewers in self._watchers.items() if viewer in viewers]:
+            self._watchers[component_ref].discard(viewer)
+            if not self._watchers[component_ref]:
+                del self._watchers[component_ref]
+
+
+_Told = LeaseChangedNotification | LeaseRequestedNotification | LeaseDeclinedNotification | LeaseWithdrawnNotification
+
+
+def session_of(holder: object) -> Holder:
+    """Return what the model takes for any object as what it is."""
+    return cast(Holder, holder)

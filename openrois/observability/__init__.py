@@ -1,0 +1,1 @@
+"""Logs, the audit trail and health; what is measured is in `metrics`."""

@@ -1,1 +1,0 @@
-"""`openrois profile`: profiles out of a gateway or the catalog into files, and out of files into JSON."""

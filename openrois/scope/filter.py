@@ -1,0 +1,93 @@
+"""What a principal is shown of a tree of engines and of its faults: what is out of scope is not there. Pure."""
+
+from collections.abc import Collection
+from dataclasses import replace
+from typing import Final
+
+from openrois.auth.principal import Principal
+from openrois.contract import Directory, Fault
+from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile
+from openrois.types.references import engine_of
+
+__all__ = ["ShownDirectories", "shown_directory", "shown_fault"]
+
+MAX_SCOPES: Final = 1024
+"""Directories that are kept; there are as many as scopes of those who are connected."""
+
+_UNNAMED: Final = "the engine has a fault"
+
+
+def _sees_everything(principal: Principal) -> bool:
+    return principal.is_administrator and "*" in principal.scope
+
+
+def shown_directory(directory: Directory, principal: Principal) -> Directory:
+    """Return a directory without what is out of scope.
+
+    An engine without a component in scope, its own or below it, is not there either, but for administrators whose scope
+    is everything; the root always is. For these the directory is returned as it is.
+    """
+    if _sees_everything(principal):
+        return directory
+    components = {
+        ref: _shown_component(profile, principal)
+        for ref, profile in directory.component_profiles.items()
+        if principal.sees(ref)
+    }
+    return Directory(_shown_engine(directory.profile, components.keys()), components)
+
+
+def _shown_component(profile: HRIComponentProfile, principal: Principal) -> HRIComponentProfile:
+    """Return a component's profile without the refs of parts that are out of scope; nothing is copied in vain."""
+    named = tuple(ref for ref in profile.sub_component_profiles if "/" not in ref or principal.sees(ref))
+    if len(named) == len(profile.sub_component_profiles):
+        return profile
+    return profile.model_copy(update={"sub_component_profiles": named})
+
+
+def _shown_engine(profile: HRIEngineProfile, components: Collection[str]) -> HRIEngineProfile:
+    below = (_shown_engine(sub_profile, components) for sub_profile in profile.sub_profiles)
+    return profile.model_copy(
+        update={
+            "sub_profiles": tuple(sub_profile for sub_profile in below if sub_profile.component_refs()),
+            "component_ids": tuple(ref for ref in profile.component_ids if ref in components),
+        }
+    )
+
+
+def shown_fault(fault: Fault, directory: Directory, shown: Directory, principal: Principal) -> Fault | None:
+    """Return a fault as the principal may hear of it, None where it may not.
+
+    The sentence about a fault of an engine may name any component: who is not shown all of them reads another.
+
+    Args:
+        fault: what happened.
+        directory: all there is.
+        shown: what the principal is shown of that.
+        principal: who is told.
+    """
+    if fault.component_ref:
+        return fault if principal.sees(fault.component_ref) else None
+    if engine_of(fault.error_id) not in shown.profile.engine_ids():
+        return None
+    whole = len(shown.component_profiles) == len(directory.component_profiles)
+    return fault if whole else replace(fault, description=_UNNAMED)
+
+
+class ShownDirectories:
+    """What everybody who is connected is shown of one engine: those with the same scope share a directory."""
+
+    def __init__(self) -> None:
+        self._of: Directory | None = None
+        self._by_scope: dict[tuple[bool, tuple[str, ...]], Directory] = {}
+
+    def get(self, directory: Directory, principal: Principal) -> Directory:
+        """Return what the principal is shown of the newest directory."""
+        if directory is not self._of or len(self._by_scope) >= MAX_SCOPES:
+            self._of = directory
+            self._by_scope.clear()
+        key = (principal.is_administrator, principal.scope)
+        shown = self._by_scope.get(key)
+        if shown is None:
+            shown = self._by_scope[key] = shown_directory(directory, principal)
+        return shown

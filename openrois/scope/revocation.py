@@ -1,0 +1,61 @@
+"""What an application loses when its principal is shown less, or may do less, than before."""
+
+import logging
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
+
+from openrois.auth.principal import Principal
+from openrois.contract import Client
+from openrois.engine.engine import Engine
+from openrois.errors import RoISError
+from openrois.types.references import engine_of
+from openrois.types.streams import STREAM_METHODS
+
+__all__ = ["Claims", "end_streams", "lost_uplinks"]
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class Claims:
+    """What a principal may have: nothing that it could not get now."""
+
+    principal: Principal
+
+    def _may(self, method: str, component_ref: str) -> bool:
+        return self.principal.may_call(method) and self.principal.sees(component_ref)
+
+    def lost_bindings(self, bound: Iterable[str]) -> list[str]:
+        """Return the components that it may not have bound."""
+        return [ref for ref in bound if not self._may("rois.command.bind", ref)]
+
+    def lost_streams(self, streams: Mapping[str, str]) -> list[str]:
+        """Return the ids of the streams that it may not have; the component_ref of each is given."""
+        return [stream_id for stream_id, ref in streams.items() if not self._may(STREAM_METHODS["connect_stream"], ref)]
+
+    def loses_subscription(self, component_ref: str) -> bool:
+        """Tell whether it may not be subscribed to events of a component."""
+        return not self._may("rois.event.subscribe", component_ref)
+
+
+def lost_uplinks(component_ref: str, uplinks: Mapping[str, str], held: Collection[str]) -> list[str]:
+    """Return the ids of the uplinks that are lost with the lease of a component: nothing of its engine is held now.
+
+    Args:
+        component_ref: the component.
+        uplinks: the component_ref of each uplink, by stream_id.
+        held: the components that are held still.
+    """
+    engine_id = engine_of(component_ref)
+    if any(engine_of(ref) == engine_id for ref in held):
+        return []
+    return [stream_id for stream_id, ref in uplinks.items() if engine_of(ref) == engine_id]
+
+
+async def end_streams(engine: Engine, stream_ids: Iterable[str], client: Client) -> None:
+    """End streams of an application at their engines; one that cannot be asked ends them when the link is lost."""
+    for stream_id in stream_ids:
+        try:
+            await engine.extension.call(STREAM_METHODS["disconnect_stream"], {"stream_id": stream_id}, client)
+        except RoISError as error:
+            _log.warning("a stream that its application may not have any more could not be ended: %s", error)

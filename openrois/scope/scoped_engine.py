@@ -1,0 +1,173 @@
+"""An engine as one principal sees it: every reference of its applications is looked up here, and nowhere else."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from openrois.aio.listeners import Listeners
+from openrois.auth.principal import Principal
+from openrois.contract import Client, ComponentBus, Extension, Fault
+from openrois.engine.engine import Engine, leads_to
+from openrois.errors import NotResponding, TimedOut, Unsupported
+from openrois.scope.filter import ShownDirectories, shown_fault
+from openrois.types.messages import Argument, Result
+from openrois.types.profiles import HRIComponentProfile
+from openrois.types.references import engine_of
+from openrois.types.streams import subject_of
+
+__all__ = ["VisibleEngine"]
+
+
+class VisibleEngine:
+    """What a principal is shown of an engine, and how it reaches it.
+
+    What is out of scope is refused by the look-up that refuses what does not exist, with the same words.
+
+    Args:
+        engine: all there is.
+        principal: who looks.
+        shown: keeps what those who look are shown.
+
+    Attributes:
+        directory: what there is for the principal now.
+        engine_ids: the engines in it.
+    """
+
+    def __init__(self, engine: Engine, principal: Principal, shown: ShownDirectories) -> None:
+        self._engine = engine
+        self._principal = principal
+        self._shown = shown
+        self._changes: Listeners[bool] = Listeners()
+        self._stop_listening = engine.on_change(self._look_again)
+        self._look()
+
+    def _look(self) -> None:
+        self.directory = self._shown.get(self._engine.directory, self._principal)
+        self.engine_ids = frozenset(self.directory.profile.engine_ids())
+
+    def _look_again(self) -> None:
+        former = self.directory
+        self._look()
+        # To whoever is shown everything any change is one, also that of an engine which comes back as it was.
+        whole = self.directory is self._engine.directory
+        self._changes.tell(whole or self.directory != former)
+
+    def close(self) -> None:
+        """Look no more."""
+        self._stop_listening()
+
+    @property
+    def engine_id(self) -> str:
+        """The engine's name in its tree."""
+        return self._engine.engine_id
+
+    @property
+    def principal(self) -> Principal:
+        """Who looks; another one may take its place at any time, and sees at once what it is shown."""
+        return self._principal
+
+    @principal.setter
+    def principal(self, principal: Principal) -> None:
+        if principal != self._principal:
+            self._principal = principal
+            self._look_again()
+
+    def on_change(self, listener: Callable[[bool], None]) -> Callable[[], None]:
+        """Call `listener` whenever the tree or the principal changes; return what ends that.
+
+        It is told whether what is shown is different now, and must not block.
+        """
+        return self._changes.add(listener)
+
+    def sees(self, component_ref: str) -> bool:
+        """Tell whether a component is in scope, whether it exists or not."""
+        return self._principal.sees(component_ref)
+
+    def hides(self, component_ref: str) -> bool:
+        """Tell whether a component exists and is out of scope: for the audit trail, never for an answer."""
+        is_there, is_seen = component_ref in self._engine.directory.component_profiles, self.sees(component_ref)
+        return is_there and not is_seen
+
+    def require(self, component_ref: str) -> HRIComponentProfile:
+        """Return the profile of a component.
+
+        Raises:
+            Unsupported: it does not exist, or is out of scope.
+        """
+        profile = self.directory.component_profiles.get(component_ref)
+        if profile is None:
+            raise Unsupported(f"there is no component {component_ref[:200]!r}")
+        return profile
+
+    def has_lost(self, component_ref: str | None) -> bool:
+        """Tell whether a component is in scope whose engine went away without a word."""
+        return component_ref is not None and component_ref in self._engine.lost and self.sees(component_ref)
+
+    def shown_fault(self, fault: Fault) -> Fault | None:
+        """Return a fault as the principal may hear of it, None where it may not."""
+        return shown_fault(fault, self._engine.directory, self.directory, self._principal)
+
+    def route(self, ref_or_id: str) -> ComponentBus:
+        """Return the bus behind which the engine stands that leads `ref_or_id`.
+
+        Raises:
+            Unsupported: there is no such engine.
+        """
+        self._require_engine(ref_or_id)
+        return self._engine.route(ref_or_id)
+
+    def _require_engine(self, ref_or_id: str) -> None:
+        if engine_of(ref_or_id) not in self.engine_ids:
+            raise Unsupported(f"there is no engine for {ref_or_id[:200]!r}")
+
+    def leads_alike(self, one: str, other: str) -> bool:
+        """Tell whether two references or ids lead to the same bus."""
+        return self._engine.leads_alike(one, other)
+
+    def leads_to(self, component_ref: str, bus: ComponentBus) -> bool:
+        """Tell whether a component is shown still, and behind `bus`."""
+        return component_ref in self.directory.component_profiles and leads_to(self._engine, component_ref, bus)
+
+    async def query(self, component_ref: str, query_type: str) -> tuple[Result, ...]:
+        """Ask a component."""
+        self.require(component_ref)
+        return await self._engine.query(component_ref, query_type)
+
+    async def invoke(
+        self, component_ref: str, command_type: str, arguments: tuple[Argument, ...] = (), command_id: str = ""
+    ) -> tuple[Result, ...]:
+        """Run a command of a component to its end."""
+        self.require(component_ref)
+        return await self._engine.invoke(component_ref, command_type, arguments, command_id)
+
+    def blame(self, component_ref: str, silence: NotResponding) -> TimedOut:
+        """Report that a call to a component had no answer; return what to raise."""
+        return self._engine.blame(component_ref, silence)
+
+    @property
+    def extension(self) -> Extension:
+        """The streaming and signaling methods of the engines that are shown."""
+        return _VisibleExtension(self, self._engine.extension)
+
+
+@dataclass(frozen=True, slots=True)
+class _VisibleExtension:
+    """The extension of what is shown."""
+
+    visible: VisibleEngine
+    extension: Extension
+
+    def engines(self) -> frozenset[str]:
+        """Return the ids of the engines that have streams."""
+        return self.extension.engines() & self.visible.engine_ids
+
+    async def call(self, method: str, params: Mapping[str, Any], client: Client) -> dict[str, Any]:
+        """Pass a call to the engine named by its component_ref, stream_id or peer_id."""
+        if "component_ref" in params:
+            self.visible.require(params["component_ref"])
+        self.visible.route(subject_of(params))
+        return await self.extension.call(method, params, client)
+
+    async def forget(self, client: Client) -> None:
+        """Tell every engine that a client is gone, those too that were shown to it once."""
+        await self.extension.forget(client)

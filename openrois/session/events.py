@@ -1,0 +1,213 @@
+"""The subscriptions of one application and the details of the events it was told."""
+
+import asyncio
+import json
+import logging
+import time
+from collections import deque
+from collections.abc import Callable, Collection, Coroutine
+from dataclasses import dataclass, field
+from datetime import UTC
+from typing import Any, Final
+
+from openrois.aio.bounded_history import Remembered
+from openrois.contract import Event, SubscriptionLost
+from openrois.engine.engine import Engine
+from openrois.errors import BadParameter, EngineUnreachable, OutOfResources
+from openrois.jsonrpc.session import Reply
+from openrois.types.messages import Result, SubscribeResult
+from openrois.types.references import engine_of, new_id
+from openrois.types.streams import StreamStatusNotification
+from openrois.types.values import date_time, read_date_time
+
+__all__ = ["EventLog"]
+
+_log = logging.getLogger(__name__)
+
+MAX_SUBSCRIPTIONS: Final = 1024
+MAX_DETAILS: Final = 1024
+MAX_HELD: Final = 256
+DETAIL_LIFETIME: Final = 60.0
+MAX_DATE_TIME: Final = 64
+"""Characters of what an event says of its end; a longer text is no DateTime anyway."""
+
+_STATUS_EVENT: Final = "notify_stream_status"
+
+
+@dataclass(eq=False)
+class _Subscription:
+    """One subscription; events that come before its reply has left are held back until then."""
+
+    subscribe_id: str
+    component_ref: str
+    event_type: str
+    bus_id: str = ""
+    open: bool = False
+    dropped: bool = False
+    held: deque[Event] = field(default_factory=lambda: deque(maxlen=MAX_HELD))
+
+    def __post_init__(self) -> None:
+        self.as_json = json.dumps(self.subscribe_id)
+
+
+@dataclass(slots=True)
+class _Told:
+    """What was told, and when, by both clocks."""
+
+    event: Event
+    at: float
+    wall: float
+
+
+class EventLog:
+    """What one application has subscribed to and what it may ask details of."""
+
+    def __init__(
+        self,
+        engine: Engine,
+        notify: Callable[..., None],
+        clock: Callable[[], float] = time.monotonic,
+        wall_clock: Callable[[], float] = time.time,
+    ) -> None:
+        self._engine = engine
+        self._notify = notify
+        self._clock = clock
+        self._wall_clock = wall_clock
+        self._subscriptions: dict[str, _Subscription] = {}
+        self._details: Remembered[_Told] = Remembered(MAX_DETAILS)
+
+    def count(self) -> int:
+        """Return how many subscriptions there are."""
+        return len(self._subscriptions)
+
+    async def subscribe(self, component_ref: str, event_type: str, *, of_streams: bool) -> Reply:
+        """Subscribe and return the reply, after which events flow.
+
+        Args:
+            component_ref: whose event.
+            event_type: which event.
+            of_streams: the component's engine tells each application about its own streams, so that no subscription
+                of its own is needed and none sees another's streams.
+
+        Raises:
+            OutOfResources: the application has too many subscriptions.
+            RoISError: the component refused.
+        """
+        if len(self._subscriptions) >= MAX_SUBSCRIPTIONS:
+            raise OutOfResources(f"one application has at most {MAX_SUBSCRIPTIONS} subscriptions")
+        subscription = _Subscription(new_id(engine_of(component_ref)), component_ref, event_type)
+        self._subscriptions[subscription.subscribe_id] = subscription
+        if not (of_streams and event_type == _STATUS_EVENT):
+            await self._listen(subscription)
+        return Reply(SubscribeResult(subscribe_id=subscription.subscribe_id), lambda: self._open(subscription))
+
+    async def _listen(self, subscription: _Subscription) -> None:
+        try:
+            subscription.bus_id = await self._engine.subscribe(
+                subscription.component_ref, subscription.event_type, lambda item: self._take(subscription, item)
+            )
+        except BaseException:
+            self._subscriptions.pop(subscription.subscribe_id, None)
+            raise
+        if subscription.subscribe_id not in self._subscriptions:
+            # The engine was lost, or the application left, while the component took the subscription.
+            await self._engine.unsubscribe(subscription.bus_id)
+            raise EngineUnreachable("the subscription ended before it began")
+
+    async def unsubscribe(self, subscribe_id: str) -> None:
+        """End a subscription; an unknown id is ignored."""
+        subscription = self._subscriptions.pop(subscribe_id, None)
+        if subscription is not None and subscription.bus_id:
+            await self._engine.unsubscribe(subscription.bus_id)
+
+    def clear(self) -> Coroutine[Any, Any, None]:
+        """Forget every subscription at once, so that none is meant that comes after; return what ends them."""
+        former, self._subscriptions = self._subscriptions, {}
+        return self._end([subscription.bus_id for subscription in former.values() if subscription.bus_id])
+
+    async def _end(self, bus_ids: list[str]) -> None:
+        """End subscriptions at the engine; one that cannot be ended properly does not keep the others."""
+        ending = (self._engine.unsubscribe(bus_id) for bus_id in bus_ids)
+        for outcome in await asyncio.gather(*ending, return_exceptions=True):
+            if isinstance(outcome, Exception):
+                _log.info("a subscription could not be ended: %s", outcome)
+
+    def keep_only(self, component_refs: Collection[str]) -> None:
+        """Forget subscriptions to own streams of components that are no longer there; of others their bus tells."""
+        for subscription in tuple(self._subscriptions.values()):
+            if not subscription.bus_id and subscription.component_ref not in component_refs:
+                del self._subscriptions[subscription.subscribe_id]
+
+    def drop(self, is_lost: Callable[[str], bool]) -> Coroutine[Any, Any, None]:
+        """Forget at once the subscriptions to components that are lost to the application; return what ends them."""
+        dropped = [s for s in self._subscriptions.values() if is_lost(s.component_ref)]
+        for subscription in dropped:
+            del self._subscriptions[subscription.subscribe_id]
+            subscription.open, subscription.dropped = False, True
+        return self._end([subscription.bus_id for subscription in dropped if subscription.bus_id])
+
+    def listens_to(self, component_ref: str) -> bool:
+        """Tell whether there is a subscription to an event of the component."""
+        return any(s.open and s.component_ref == component_ref for s in self._subscriptions.values())
+
+    def details(self, event_id: str, sees: Callable[[str], bool] = lambda _component_ref: True) -> tuple[Result, ...]:
+        """Return the results of an event that this application was told.
+
+        Args:
+            event_id: the event.
+            sees: tells whether the component that it is of is in the application's scope, which may have changed.
+
+        Raises:
+            BadParameter: it was never told, or too long ago, or is out of scope by now.
+        """
+        told = self._details.get(event_id)
+        if told is None or self._is_over(told) or not sees(told.event.component_ref):
+            raise BadParameter(f"there are no details of an event {event_id[:200]!r}")
+        return told.event.results
+
+    def _is_over(self, told: _Told) -> bool:
+        """Tell whether the details have expired: when the event says, or a while after it was told.
+
+        How long that is was settled when it was told: the wall clock may have been set since.
+        """
+        try:
+            expire = read_date_time(told.event.expire[:MAX_DATE_TIME])
+        except ValueError:
+            return self._clock() >= told.at + DETAIL_LIFETIME
+        if expire.tzinfo is None:
+            expire = expire.replace(tzinfo=UTC)
+        return self._clock() >= told.at + expire.timestamp() - told.wall
+
+    def stream_status(self, notice: StreamStatusNotification) -> None:
+        """Turn a status notification of an own stream into the event, for each subscription to it."""
+        component_ref = notice.component_ref
+        results = (
+            Result(name="timestamp", data_type_ref="DateTime", value=notice.timestamp),
+            Result(name="status", data_type_ref="Stream_Status", value=notice.status.value),
+            Result(name="stream_id", data_type_ref="string", value=notice.stream_id),
+        )
+        expire = date_time(self._wall_clock() + DETAIL_LIFETIME)
+        event = Event(new_id(engine_of(component_ref)), _STATUS_EVENT, component_ref, expire, results)
+        for subscription in tuple(self._subscriptions.values()):
+            if subscription.event_type == _STATUS_EVENT and subscription.component_ref == component_ref:
+                self._take(subscription, event)
+
+    def _open(self, subscription: _Subscription) -> None:
+        if subscription.dropped:
+            return
+        subscription.open = True
+        while subscription.held:
+            self._tell(subscription, subscription.held.popleft())
+
+    def _take(self, subscription: _Subscription, item: Event | SubscriptionLost) -> None:
+        if isinstance(item, SubscriptionLost):
+            self._subscriptions.pop(subscription.subscribe_id, None)
+        elif subscription.open:
+            self._tell(subscription, item)
+        else:
+            subscription.held.append(item)
+
+    def _tell(self, subscription: _Subscription, event: Event) -> None:
+        told = _Told(event, self._clock(), self._wall_clock())
+        self._details.put(event.event_id, told, event.results)
+        self._notify("rois.event.notify_event", event.text.told_to(subscription.as_json), droppable=True)

@@ -1,0 +1,364 @@
+"""One application at one engine: what it has bound, subscribed, started and connected, and how it is told.
+
+The same class stands on both sides of a hop. At a gateway the session is an application's and the rules of reservation
+hold; at an adapter it is the gateway's, which is trusted: it has checked the application behind it already.
+"""
+
+import asyncio
+import logging
+import secrets
+import time
+from collections.abc import Awaitable, Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, Final, cast
+
+from openrois.aio.tasks import TaskScope
+from openrois.auth.principal import LOCAL, Principal, quota_name
+from openrois.auth.subject_quotas import SubjectQuotas
+from openrois.commands.history import MAX_RUNNING, MAX_RUNNING_TEXT, CommandLog
+from openrois.commands.pending import AcceptedCommands
+from openrois.commands.quota import MAX_UNFINISHED, MAX_UNFINISHED_TEXT, CommandBudget
+from openrois.contract import Client, Fault
+from openrois.engine.engine import Engine
+from openrois.journal.journal import Journal
+from openrois.jsonrpc.connection_stats import Traffic
+from openrois.jsonrpc.heartbeat import Lifeline
+from openrois.jsonrpc.protocol import Peer, RequestId
+from openrois.jsonrpc.reply_order import ReplyFirst
+from openrois.jsonrpc.unread import UnreadBudget
+from openrois.leases.epoch_fence import Fence
+from openrois.leases.keeper import LeaseKeeper
+from openrois.leases.lease_notifications import Holder
+from openrois.leases.model import Rules
+from openrois.observability.audit import Audit
+from openrois.scope.filter import ShownDirectories
+from openrois.scope.revocation import Claims, end_streams, lost_uplinks
+from openrois.scope.scoped_engine import VisibleEngine
+from openrois.session.change_notice import ChangeNotice
+from openrois.session.errors import ErrorLog
+from openrois.session.events import EventLog
+from openrois.session.lost_streams import lost_streams
+from openrois.session.stream_parameters import StreamParameters
+from openrois.types.codes import CompletedStatus, ErrorType, StreamStatus
+from openrois.types.messages import Completed, ErrorNotification
+from openrois.types.reasons import ReasonNotification, sentence
+from openrois.types.references import engine_of
+from openrois.types.streams import (
+    EventsDroppedNotification,
+    StreamStatusNotification,
+    subject_of,
+)
+
+__all__ = ["RESTARTS", "ApplicationSession", "EngineHost"]
+
+_log = logging.getLogger(__name__)
+
+RESTARTS: Final = "the gateway is about to restart"
+
+Notify = Callable[..., None]
+
+
+@dataclass
+class EngineHost:
+    """An engine and what its sessions share.
+
+    Attributes:
+        engine: the engine that is spoken to.
+        tasks: owns the commands; they go on when the application that started them is gone.
+        leases: who holds which component.
+        shown: what applications are shown of the engine.
+        commands: what the commands take that are accepted and not finished.
+        unread: what waits to be sent on all connections.
+        quotas: what the applications of one subject may have together.
+        sleep: waits for some seconds, between the commands of a sequence.
+        wall_clock: epoch seconds.
+        ice_servers: what an end of a stream may use, as the W3C's RTCIceServer objects; given who it is for.
+        ice_ttl: seconds for which that may be kept.
+        audit: who did what, and what was refused.
+        traffic: the connections, and what they did.
+        journal: what was accepted and how it ended, for whoever asks after a restart.
+        accepted: commands that can be ended from outside.
+        lease_rules: how long leases last.
+        first_epoch: the number of the first lease.
+        draining: it is about to end, and begins nothing new.
+        lifeline: to the parent, for what moves.
+        fence: which parent told of the latest holder.
+    """
+
+    engine: Engine
+    tasks: TaskScope
+    shown: ShownDirectories = field(default_factory=ShownDirectories)
+    commands: CommandBudget = field(default_factory=CommandBudget)
+    unread: UnreadBudget = field(default_factory=UnreadBudget)
+    quotas: SubjectQuotas = field(default_factory=SubjectQuotas)
+    sleep: Callable[[float], Awaitable[None]] = asyncio.sleep
+    wall_clock: Callable[[], float] = time.time
+    ice_servers: Callable[[str], tuple[Mapping[str, Any], ...]] = lambda _user: ()
+    ice_ttl: int = 3600
+    audit: Audit = field(default_factory=Audit)
+    traffic: Traffic = field(default_factory=Traffic)
+    journal: Journal = field(default_factory=Journal)
+    accepted: AcceptedCommands = field(default_factory=AcceptedCommands)
+    lease_rules: Rules = field(default_factory=Rules)
+    first_epoch: int = 1
+    draining: bool = False
+    lifeline: Lifeline = field(default_factory=Lifeline)
+    fence: Fence = field(default_factory=Fence)
+    leases: LeaseKeeper = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.leases = LeaseKeeper(
+            self.engine,
+            self.tasks,
+            self.accepted,
+            rules=self.lease_rules,
+            first_epoch=self.first_epoch,
+            acted=self.audit.acted,
+            on_lost=_end_uplinks,
+        )
+        self.quotas.absent = lambda: self.leases.model.absent
+
+    def crashed(self, what: str) -> None:
+        """Report that something went wrong inside the engine, which is nobody else's fault."""
+        self.engine.report(ErrorType.ENGINE_INTERNAL_ERROR, f"{what} failed inside the engine")
+
+
+def _end_uplinks(component_ref: str, holder: Holder) -> None:
+    """End what a session sends into an engine when it does not operate anything there any more."""
+    session = cast(ApplicationSession, holder)
+    held = session.host.leases.model.holding.held_by(session)
+    lost = lost_uplinks(component_ref, session.uplinks, held)
+    if lost:
+        session.host.tasks.start(end_streams(session.host.engine, lost, session.client))
+
+
+class ApplicationSession:
+    """The state of one connection that speaks RoIS to the engine.
+
+    Args:
+        host: the engine and what is shared.
+        notify: sends a notification to the application: method, params, `droppable=True` for events and
+            `dispensable=True` for reasons.
+        trusted: the other side is the parent engine; it needs no reservations.
+        passes: sees every extension notification on its way to the application, and says whether it goes on.
+        left: called when the application has left and its streams and peer connections are over.
+        principal: who it is; another one takes its place when it shows a new token.
+
+    Attributes:
+        engine: what the principal is shown of the engine: whatever an application names is looked up there.
+        end_connection: ends the connection at once; called when another session has gone on in this one's place.
+        streams: the component_ref of each of its streams, by stream_id.
+        uplinks: those of them that it may have only as long as it operates their engine.
+    """
+
+    def __init__(
+        self,
+        host: EngineHost,
+        notify: Notify,
+        *,
+        trusted: bool = False,
+        passes: Callable[[str, Mapping[str, Any]], bool] = lambda _method, _params: True,
+        left: Callable[[], None] = lambda: None,
+        principal: Principal = LOCAL,
+    ) -> None:
+        self.host = host
+        self.engine = VisibleEngine(host.engine, principal, host.shown)
+        self.trusted = trusted
+        # A parent speaks for many applications: the share of one is kept where they are known apart.
+        own = (MAX_UNFINISHED, MAX_UNFINISHED_TEXT) if trusted else (MAX_RUNNING, MAX_RUNNING_TEXT)
+        self.commands = CommandLog(time.monotonic, host.commands, *own)
+        self.events = EventLog(host.engine, notify, wall_clock=host.wall_clock)
+        self.errors = ErrorLog()
+        self.bound: set[str] = set()
+        self.connected = trusted
+        self.client_id = secrets.token_hex(16)
+        self.client = self._new_client()
+        self.streams: dict[str, str] = {}
+        self.uplinks: dict[str, str] = {}
+        self.stream_parameters = StreamParameters()
+        self.connecting = 0
+        self.order = ReplyFirst()
+        self.extended = False
+        self.leasing = False
+        self.closed = False
+        self.successor: ApplicationSession | None = None
+        self.end_connection: Callable[[], None] = lambda: None
+        self.tell = self._notify = notify
+        self._passes = passes
+        self._left = left
+        self._change_notice = ChangeNotice(lambda: notify("rois.system.profile_changed", {}))
+        self._stop_listening = self.engine.on_change(self._tree_changed)
+        self._stop_watching = host.engine.faults.add(self._take_fault)
+
+    def _new_client(self) -> Client:
+        return Client(self.client_id, self._take_extension_notification)
+
+    @property
+    def principal(self) -> Principal:
+        """Who the application is; one that is put in its place is shown something else, and loses what it is not."""
+        return self.engine.principal
+
+    @principal.setter
+    def principal(self, principal: Principal) -> None:
+        claims = Claims(principal)
+        bound = claims.lost_bindings(self.bound)
+        streams = claims.lost_streams(self.streams)
+        # First of all it sees no more: what follows is not told of to whoever may not know of it.
+        self.engine.principal = principal
+        self.bound.difference_update(bound)
+        for component_ref in bound:
+            self.give_back(component_ref)
+        for component_ref in claims.lost_bindings(self.host.leases.waited_for(self)):
+            self.host.leases.withdraw(component_ref, self)
+        if streams:
+            self.host.tasks.start(end_streams(self.host.engine, streams, self.client))
+        self.host.tasks.start(self.events.drop(claims.loses_subscription))
+
+    @property
+    def sharer(self) -> str | None:
+        """Against whose share commands count; None for a parent, and where nobody has to prove who it is."""
+        return None if self.trusted or self.principal is LOCAL else self.principal.subject
+
+    @property
+    def quota_name(self) -> str:
+        """Against whose quotas connections, streams and what waits unread count."""
+        return quota_name(self.principal, self.client_id)
+
+    def may_operate(self, component_ref: str) -> bool:
+        """Tell whether this session may change what the component does."""
+        if self.trusted:
+            return self.host.fence.admits(self, component_ref)
+        return self.host.leases.is_held(component_ref, self)
+
+    def is_barred_from(self, component_ref: str) -> bool:
+        """Tell whether another session has the component now; one that nobody has is open to what was accepted."""
+        return not self.trusted and self.host.leases.is_held_by_another(component_ref, self.present())
+
+    def present(self) -> "ApplicationSession":
+        """Return the session that has gone on where this one ended; itself where none has."""
+        session = self
+        while session.successor is not None:
+            session = session.successor
+        return session
+
+    def give_back(self, component_ref: str) -> None:
+        """End the session's reservation of a component, if it has one; its adapter is told."""
+        self.host.leases.release(component_ref, self)
+
+    def succeed(self, former: "ApplicationSession") -> None:
+        """Go on in the place of another session: its commands are told of here, what it had bound is bound here."""
+        self.commands, former.successor = former.commands, self
+        self.bound |= former.bound
+        if not former.closed:
+            former.end_connection()
+
+    def explain(self, request_id: RequestId, reason: object) -> None:
+        """Tell the application why the reply that comes right behind is a refusal, if it would understand that."""
+        if request_id is not None:
+            self._explain("request_id", request_id, reason)
+
+    def _explain(self, name: str, subject: str | float, reason: object) -> None:
+        line = sentence(reason) if self.extended else ""
+        if line:
+            self._notify(ReasonNotification.method, {name: subject, "reason": line}, dispensable=True)
+
+    def completed(self, command_id: str, status: CompletedStatus, reason: object = "") -> None:
+        """Tell the application how a command ended, and right before that why, where there is a reason."""
+        session = self.present()
+        session._explain("command_id", command_id, reason)
+        session._notify(
+            "rois.command.completed", Completed(command_id=command_id, status=status).model_dump(mode="json")
+        )
+
+    def gap(self, dropped: int) -> str | None:
+        """Return the message that stands where events were dropped, if the application would understand it."""
+        if not self.extended:
+            return None
+        told = EventsDroppedNotification(count=dropped)
+        return Peer.notification(told.method, told.model_dump(mode="json"))
+
+    def _take_fault(self, fault: Fault) -> None:
+        shown = self.engine.shown_fault(fault) if self._is_concerned_by(fault) else None
+        if shown is None:
+            return
+        self.errors.note(shown)
+        told = ErrorNotification(error_id=fault.error_id, error_type=fault.error_type).model_dump(mode="json")
+        # Whatever was asked and failed is answered first.
+        asyncio.get_running_loop().call_soon(lambda: self._notify("rois.system.notify_error", told, droppable=True))
+
+    def _is_concerned_by(self, fault: Fault) -> bool:
+        """Tell whether the application works with the component; of the engine's own faults all hear that connected."""
+        component_ref = fault.component_ref
+        if self.trusted or not component_ref:
+            return self.connected
+        return (
+            component_ref in self.bound
+            or self.events.listens_to(component_ref)
+            or self.commands.has_one_on(component_ref)
+            or component_ref in self.streams.values()
+        )
+
+    def _tree_changed(self, visibly: bool) -> None:
+        """Let go of what is not shown any more: it has left the tree, or the principal's scope."""
+        shown = self.engine.directory.component_profiles.keys()
+        for notice in lost_streams(self.streams, self.engine.directory, self.host.wall_clock()):
+            self._deliver(notice.method, notice.model_dump(mode="json"), notice)
+        self.events.keep_only(shown)
+        self.bound &= shown
+        self.stream_parameters.keep_only(shown)
+        if visibly:
+            self._change_notice.changed()
+
+    def _take_extension_notification(self, method: str, params: Mapping[str, Any]) -> None:
+        # Read before it waits: a malformed one is the fault of who tells it, not of the call that it waits for.
+        is_status = method == StreamStatusNotification.method
+        notice = StreamStatusNotification.model_validate(params) if is_status else None
+        engine_id = engine_of(subject_of(params))
+
+        def deliver() -> None:
+            shown = engine_id in self.engine.engine_ids and (notice is None or self.engine.sees(notice.component_ref))
+            # What is not shown any more could not be ended in time.
+            if shown:
+                self._deliver(method, params, notice)
+
+        self.order.tell(engine_id, deliver)
+
+    def _deliver(self, method: str, params: Mapping[str, Any], notice: StreamStatusNotification | None) -> None:
+        if not self._passes(method, params):
+            return
+        if notice is not None:
+            self.events.stream_status(notice)
+            if notice.status is StreamStatus.STREAMING_NOT_CONNECTED:
+                self.streams.pop(notice.stream_id, None)
+                self.uplinks.pop(notice.stream_id, None)
+        if self.extended:
+            self._notify(method, params)
+
+    async def leave(self, *, lost: bool = False) -> None:
+        """Give back reservations, subscriptions and streams. What runs goes on.
+
+        Args:
+            lost: the connection was lost; what is reserved may be kept for a while.
+        """
+        self.connected = False
+        if lost:
+            self.host.leases.lose(self)
+        else:
+            self.host.leases.leave(self)
+            self.bound.clear()
+        self.streams.clear()
+        self.uplinks.clear()
+        self.stream_parameters.keep_only(())
+        self.order.clear()
+        self._left()
+        former, self.client = self.client, self._new_client()
+        await asyncio.gather(self.events.clear(), self.engine.extension.forget(former))
+
+    async def close(self, *, lost: bool = False) -> None:
+        """Leave for good; a session whose connection was lost may have a successor."""
+        self.closed = True
+        self._stop_listening()
+        self._stop_watching()
+        self._change_notice.close()
+        self.engine.close()
+        await self.leave(lost=lost)

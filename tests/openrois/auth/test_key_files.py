@@ -1,0 +1,58 @@
+"""Keys in files."""
+
+import stat
+from pathlib import Path
+
+import pytest
+
+from openrois.auth.key_files import make_key_files, read_key_file, read_keys, read_signing_key
+from openrois.auth.keys import ALGORITHMS, MAX_KEY_FILE
+from tests.support.tokens import SECRET, Keys, key_file, pem
+
+
+@pytest.mark.parametrize("algorithm", ALGORITHMS)
+def test_new_keys(algorithm: str, tmp_path: Path) -> None:
+    path = tmp_path / "key"
+    files = make_key_files(path, algorithm)
+    assert stat.S_IMODE(path.stat().st_mode) == 0o600
+    assert read_signing_key(path)[0] == algorithm
+    (key,) = read_keys(files[-1:])
+    assert key.algorithm == algorithm
+    with pytest.raises(FileExistsError):
+        make_key_files(path, algorithm)
+
+
+def test_what_cannot_be_read(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="cannot be read: No such file"):
+        read_key_file(tmp_path / "nothing")
+    (tmp_path / "binary").write_bytes(b"\xff" * 40)
+    with pytest.raises(ValueError, match="not plain text"):
+        read_key_file(tmp_path / "binary")
+    (tmp_path / "long").write_bytes(b"x" * (MAX_KEY_FILE + 1))
+    with pytest.raises(ValueError, match="more than"):
+        read_key_file(tmp_path / "long")
+
+
+def test_a_flaw_names_the_file_and_not_what_is_in_it(tmp_path: Path) -> None:
+    path = key_file(tmp_path, "canary-short")
+    for read in (lambda: read_keys([path]), lambda: read_signing_key(path)):
+        with pytest.raises(ValueError, match=str(path)) as refused:
+            read()
+        assert "canary" not in str(refused.value)
+
+
+def test_a_public_key_signs_nothing(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="give the private one"):
+        read_signing_key(key_file(tmp_path, pem(Keys().p256)))
+    with pytest.raises(ValueError, match="key"):
+        read_signing_key(key_file(tmp_path, "-----BEGIN PRIVATE KEY-----\nxx\n-----END PRIVATE KEY-----"))
+
+
+def test_a_secret_that_others_can_read(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    path = key_file(tmp_path)
+    read_keys([path])
+    assert not caplog.records
+    path.chmod(0o644)
+    read_keys([path])
+    assert "chmod 600" in caplog.text
+    assert SECRET not in caplog.text

@@ -1,0 +1,113 @@
+"""Commands and what is kept of them: of an application, of a subject and of all, given back once."""
+
+import pytest
+
+from openrois.commands.quota import (
+    FIRST_OF_SUBJECT,
+    FIRST_TEXT_OF_SUBJECT,
+    MAX_OF_SUBJECT,
+    MAX_TEXT_OF_SUBJECT,
+    RESERVED,
+    RESERVED_TEXT,
+    STOP_TEXT,
+    Allowance,
+    CommandBudget,
+)
+from openrois.errors import OutOfResources
+
+MANY = 1_000_000_000
+
+
+def somebody() -> Allowance:
+    return Allowance("one application", MANY, MANY)
+
+
+@pytest.mark.parametrize(
+    ("count", "text", "reason"),
+    [
+        (MAX_OF_SUBJECT, 0, f"one subject has at most {MAX_OF_SUBJECT} unfinished commands"),
+        (2, MAX_TEXT_OF_SUBJECT, f"at most {MAX_TEXT_OF_SUBJECT} bytes are kept .* of one subject"),
+    ],
+)
+def test_one_subject_has_a_share(count: int, text: int, reason: str) -> None:
+    budget = CommandBudget()
+    taken = budget.take(somebody(), count, text, "ann")
+    own = somebody()
+    with pytest.raises(OutOfResources, match=reason):
+        budget.take(own, 1, 1, "ann")
+    assert (own.taken, own.text, budget.taken, budget.text) == (0, 0, count, text)
+    budget.take(somebody(), 1, 1, "bob")
+    budget.take(somebody(), 1, 1, None)
+    for _ in range(count):
+        taken.end_one()
+    budget.take(own, 1, 1, "ann")
+
+
+@pytest.mark.parametrize("text", [0, 4096])
+def test_however_many_take_all_they_can_the_next_finds_something(text: int) -> None:
+    budget, taken = CommandBudget(), []
+
+    def fill(subject: str) -> int:
+        """Take until no more is given; return how often there was something."""
+        for times in range(MAX_OF_SUBJECT + 1):
+            try:
+                taken.append(budget.take(somebody(), 1, text, subject))
+            except OutOfResources:
+                return times
+        raise AssertionError
+
+    shares = [fill(f"subject {number}") for number in range(64)]
+    assert shares[:4] == [3072, 2304, 1728, 1296]
+    assert fill("subject 0") == 0
+    assert {fill(f"somebody new {number}") for number in range(400)} == {FIRST_OF_SUBJECT}
+    budget.take(somebody(), 1, STOP_TEXT, "subject 1", beyond=1)
+
+
+@pytest.mark.parametrize("text", [0, FIRST_TEXT_OF_SUBJECT // FIRST_OF_SUBJECT])
+def test_what_is_reserved_is_for_the_first_commands_of_each_subject(text: int) -> None:
+    budget, taken = CommandBudget(), []
+    # Whatever has filled the rest.
+    taken.append(budget.take(somebody(), budget.most - RESERVED, budget.most_text - RESERVED_TEXT))
+    subjects = [f"subject {number}" for number in range(RESERVED // FIRST_OF_SUBJECT)]
+    for subject in subjects:
+        for _ in range(FIRST_OF_SUBJECT):
+            taken.append(budget.take(somebody(), 1, text, subject))
+        with pytest.raises(OutOfResources, match="a smaller share than usual"):
+            budget.take(somebody(), 1, 1, subject)
+    with pytest.raises(OutOfResources, match="the engine has at most"):
+        budget.take(somebody(), 1, 0, "one subject more")
+    taken[-1].end_one()
+    budget.take(somebody(), 1, text, subjects[-1])
+
+
+def test_a_first_command_that_is_too_long_has_no_share_of_what_is_reserved() -> None:
+    budget = CommandBudget()
+    budget.take(somebody(), 1, budget.most_text - RESERVED_TEXT)
+    with pytest.raises(OutOfResources, match="a smaller share than usual"):
+        budget.take(somebody(), 1, FIRST_TEXT_OF_SUBJECT + 1, "ann")
+    budget.take(somebody(), 1, FIRST_TEXT_OF_SUBJECT, "ann")
+
+
+def test_who_is_the_only_subject_has_the_whole() -> None:
+    budget = CommandBudget()
+    budget.take(somebody(), budget.most, budget.most_text)
+    with pytest.raises(OutOfResources, match="the engine has at most"):
+        budget.take(somebody(), 1)
+
+
+def test_shares_that_nobody_uses_are_forgotten() -> None:
+    budget = CommandBudget()
+    for number in range(100):
+        taken = budget.take(somebody(), 1, 1, f"subject {number}")
+        assert len(budget._shares) <= 2
+        taken.end_one()
+    del taken
+    assert len(budget._shares) == 0
+
+
+def test_a_stop_is_taken_when_nothing_else_is() -> None:
+    budget, own = CommandBudget(most=2, most_text=100), Allowance("one application", 2, 100)
+    budget.take(own, 2, 100)
+    budget.take(own, 1, STOP_TEXT, "ann", beyond=1)
+    with pytest.raises(OutOfResources):
+        budget.take(own, 1, 0, "ann", beyond=1)

@@ -1,0 +1,101 @@
+"""Who still gets in when many are in already."""
+
+import asyncio
+from collections import Counter
+from contextlib import AsyncExitStack
+from typing import Any
+
+import pytest
+from aiohttp import web
+from websockets.asyncio.client import connect
+
+from openrois.gateway import connection_limits as module
+from openrois.gateway import server
+from openrois.gateway.connection_limits import ENTERING, Places
+from openrois.gateway.server import run_gateway
+from openrois.gateway.settings import GatewaySettings
+from tests.support.plain import attached, plain_adapter
+
+
+@pytest.fixture
+def turned_away() -> Counter[str]:
+    return Counter()
+
+
+@pytest.fixture
+def places(monkeypatch: pytest.MonkeyPatch, turned_away: Counter[str]) -> Places:
+    monkeypatch.setattr(module, "MAX_APPLICATIONS", 3)
+    monkeypatch.setattr(module, "MAX_ADAPTERS", 1)
+    return Places(lambda reason: turned_away.update((reason,)), per_address=2)
+
+
+def test_adapters_have_places_of_their_own(places: Places, turned_away: Counter[str]) -> None:
+    with places.of_application("a"), places.of_application("a"), places.of_application("b"):
+        assert places.is_full
+        with pytest.raises(web.HTTPServiceUnavailable), places.of_application("c"):
+            pass
+        with places.of_adapter(), pytest.raises(web.HTTPServiceUnavailable), places.of_adapter():
+            pass
+    assert not places.is_full
+    with places.of_adapter():
+        assert places.is_full
+        with places.of_application("c"):
+            pass
+    assert turned_away == {"full": 2}
+
+
+def test_one_address_has_so_many(places: Places, turned_away: Counter[str]) -> None:
+    with places.of_application("a"), places.of_application("a"):
+        with pytest.raises(web.HTTPTooManyRequests), places.of_application("a"):
+            pass
+        with places.of_application("b"):
+            pass
+    with places.of_application("a"):
+        pass
+    assert turned_away == {"too many from one address": 1}
+
+
+async def test_of_a_crowd_a_few_come_in_at_a_time(places: Places) -> None:
+    inside: list[int] = []
+    came: list[int] = []
+    may_go = asyncio.Event()
+
+    async def come(number: int) -> None:
+        async with places.entering():
+            came.append(number)
+            inside.append(number)
+            assert len(inside) <= ENTERING
+            await may_go.wait()
+            inside.remove(number)
+
+    async with asyncio.TaskGroup() as crowd:
+        for number in range(20):
+            crowd.create_task(come(number))
+        gives_up = crowd.create_task(come(20))
+        await asyncio.sleep(0)
+        assert (came, places.waiting) == (list(range(ENTERING)), 21 - ENTERING)
+        gives_up.cancel()
+        await asyncio.sleep(0)
+        assert places.waiting == 20 - ENTERING
+        may_go.set()
+    assert (came, places.waiting) == (list(range(20)), 0)
+
+
+async def test_an_adapter_does_not_wait_behind_a_crowd(monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[Places] = []
+
+    class Noted(Places):
+        def __init__(self, *arguments: Any) -> None:
+            super().__init__(*arguments)
+            made.append(self)
+
+    monkeypatch.setattr(server, "Places", Noted)
+    async with run_gateway(GatewaySettings(port=0)) as gateway, AsyncExitStack() as stack:
+        async with AsyncExitStack() as crowd:
+            for _ in range(ENTERING):
+                await crowd.enter_async_context(made[0].entering())
+            app = asyncio.ensure_future(connect(gateway.url.replace("http", "ws", 1), proxy=None).__aenter__())
+            await stack.enter_async_context(plain_adapter(gateway))
+            await attached(gateway)
+            assert not app.done()
+        await (await app).close()

@@ -1,0 +1,18 @@
+"""Two gateways that both believe to be in charge."""
+
+from openrois.leases.epoch_fence import Fence
+
+
+def test_the_later_holder_wins() -> None:
+    fence = Fence()
+    assert fence.admits("old", "r/arm")
+    assert fence.note("old", "r/arm", 5)
+    assert fence.note("new", "r/arm", 7)
+    assert (fence.admits("old", "r/arm"), fence.admits("new", "r/arm")) == (False, True)
+    assert not fence.note("old", "r/arm", 6)
+    assert not fence.note("new", "r/arm", 3)
+    assert fence.admits("new", "r/arm")
+    assert fence.admits("old", "r/lamp")
+    fence.forget("new")
+    fence.forget("nobody")
+    assert fence.admits("old", "r/arm")
