@@ -15,7 +15,7 @@ from openrois_avatar.motion import ground, moves, planning, targets
 from openrois_avatar.speech import markup
 from openrois_avatar.teleoperation import pilot
 from openrois_avatar.vision import box, head_gestures, tracks, watch
-from openrois_streaming.supervision import HUNG
+from openrois_streaming.source.supervision import HUNG
 
 DOCS = Path(__file__).parents[1] / "docs"
 

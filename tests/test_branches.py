@@ -8,43 +8,42 @@ import pytest
 ROOT = Path(__file__).parents[1]
 # Whole processes and sockets are others' business: what is pure is tested by itself.
 TESTS = (
-    *(f"tests/openrois/{part}" for part in ("authoring", "catalog", "jsonrpc", "leases", "profile_xml", "types")),
-    *(f"tests/openrois/gateway/test_{part}.py" for part in ("frames", "origins", "stalling")),
+    *(
+        f"tests/openrois/{part}"
+        for part in (
+            *("aio", "catalog", "commands", "component", "engine", "jsonrpc", "leases"),
+            *("observability", "profiles/xml", "scope", "session", "types"),
+        )
+    ),
+    *(f"tests/openrois/gateway/test_{part}.py" for part in ("origins", "stalling")),
+    "tests/openrois/http_limits/test_websocket_frames.py",
+    "tests/openrois/transport/test_backoff.py",
     "tests/openrois/bench/test_figures.py",
     "tests/openrois/bench/test_table.py",
     "tests/openrois/journal/test_former.py",
     *(
         f"tests/openrois/auth/test_{part}.py"
-        for part in ("claims", "keys", "loopback", "principal", "revocations", "tokens")
+        for part in ("claims", "keys", "loopback", "principal", "revocations", "subject_quotas", "tokens")
     ),
     *(
         f"tests/openrois/conformance/test_{part}.py"
         for part in ("command_ids", "manifest", "probe_engine", "strictness", "table")
     ),
     *(str(path.relative_to(ROOT)) for path in sorted((ROOT / "tests/openrois").glob("test_*.py"))),
-    *(
-        f"tests/streaming/test_{part}.py"
-        for part in (
-            "arrival",
-            "encoder_health",
-            "encoder_limit",
-            "level",
-            "places",
-            "state",
-            "liveness",
-            "keyframes",
-            "supervision",
-        )
-    ),
-    "tests/streaming/test_reference_chain.py",
+    *(f"tests/streaming/test_{part}.py" for part in ("state", "liveness")),
+    *(f"tests/streaming/source/test_{part}.py" for part in ("loudness", "supervision")),
+    *(f"tests/streaming/publish/test_{part}.py" for part in ("encoder_health", "encoder_limit", "key_frames")),
+    "tests/streaming/network/test_places.py",
+    "tests/streaming/peer/test_arrival.py",
+    "tests/streaming/publish/test_reference_chain.py",
     "tests/streaming/adaptation",
     "tests/streaming/input",
     "tests/streaming/rtp",
-    "tests/streaming/sending/test_probe.py",
+    "tests/streaming/send/test_probe.py",
     *(
         str(path.relative_to(ROOT))
-        for path in sorted((ROOT / "tests/streaming/receiving").glob("test_*.py"))
-        if path.stem not in {"test_decoders", "test_receiver", "test_sources"}
+        for path in sorted((ROOT / "tests/streaming/receive").glob("test_*.py"))
+        if path.stem not in {"test_decoders", "test_sources"}
     ),
     *(
         f"tests/streaming/testing/test_{part}.py"

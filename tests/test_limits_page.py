@@ -6,9 +6,9 @@ import re
 from pathlib import Path
 
 from openrois_avatar.metrics import figures as avatar
-from openrois_streaming.encoder_limit import ENCODERS_LIMIT
 from openrois_streaming.network.admission import AdmissionSettings
-from openrois_streaming.places import PlaceRules
+from openrois_streaming.network.places import PlaceRules
+from openrois_streaming.publish.encoder_limit import ENCODERS_LIMIT
 
 from openrois.gateway.configuration import settings_of
 from openrois.gateway.metrics import FIGURES, HISTOGRAMS
@@ -16,7 +16,7 @@ from openrois.gateway.socket import ADAPTER, APPLICATION
 
 ROOT = Path(__file__).parents[1]
 
-ELSEWHERE = ("authoring", "bench", "client", "conformance", "profile_command", "profile_xml", "testing")
+ELSEWHERE = ("bench", "client", "conformance", "profiles", "testing")
 """Packages that are no part of a gateway or of what an adapter is written with."""
 
 MEDIA = ("admission", "guard", "interfaces", "turns")

@@ -9,11 +9,11 @@ from typing import Final
 from openrois_streaming.adaptation.caps import Caps
 from openrois_streaming.clock import MediaClock, SystemClock
 from openrois_streaming.codecs import available_codecs
-from openrois_streaming.encoder_limit import ENCODERS_LIMIT
 from openrois_streaming.network.settings import NetworkSettings
-from openrois_streaming.publisher import AudioPublisher, Publishing, VideoPublisher
-from openrois_streaming.self_encoding import EitherPublisher, EncodedPublisher
-from openrois_streaming.sessions import StreamSessions
+from openrois_streaming.publish.encoder_limit import ENCODERS_LIMIT
+from openrois_streaming.publish.publisher import AudioPublisher, Publishing, VideoPublisher
+from openrois_streaming.publish.self_encoding import EitherPublisher, EncodedPublisher
+from openrois_streaming.session.sessions import StreamSessions
 
 from openrois.adapter.running import hosted
 from openrois.aio.tasks import TaskScope

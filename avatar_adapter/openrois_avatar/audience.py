@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from typing import Final
 
 from openrois_streaming.errors import UnknownStream
-from openrois_streaming.session import StreamSession
+from openrois_streaming.session.session import StreamSession
 from openrois_streaming.state import StreamStatus
 from openrois_streaming.stats import StreamStats
 

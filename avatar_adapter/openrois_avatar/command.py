@@ -14,7 +14,7 @@ from typing import Final
 import cv2
 import uvloop
 from openrois_streaming.adaptation.rung import MIN_BITRATE
-from openrois_streaming.seams.trial import UnsupportedLibrary
+from openrois_streaming.aiortc_internals.trial import UnsupportedLibrary
 
 from openrois.adapter.dialer import serve_parent
 from openrois.aio.memory_return import returning_memory

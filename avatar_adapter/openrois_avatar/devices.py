@@ -4,9 +4,9 @@ import asyncio
 from typing import Final
 
 from openrois_streaming.clock import MediaClock
-from openrois_streaming.level import SILENCE, Level, LevelMeter
-from openrois_streaming.shared_inlet import SharedInlet
-from openrois_streaming.source import RawAudio, RawVideo
+from openrois_streaming.source.loudness import SILENCE, Level, LevelMeter
+from openrois_streaming.source.shared_inlet import SharedInlet
+from openrois_streaming.source.source import RawAudio, RawVideo
 
 from openrois.aio.listeners import Listeners
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Final
 
-from openrois_streaming.supervision import HUNG, Pace, SourceWatch
+from openrois_streaming.source.supervision import HUNG, Pace, SourceWatch
 
 from openrois.types.codes import ComponentStatus, ErrorType
 
@@ -47,7 +47,7 @@ class Trouble:
 
 
 class Health:
-    """How one source fares. It is to be looked at every `LOOK_INTERVAL` of `openrois_streaming.supervision`.
+    """How one source fares. It is to be looked at every `LOOK_INTERVAL` of `openrois_streaming.source.supervision`.
 
     A source without frames for a second is in WARNING, one for five seconds, or one that says that it has failed, in
     ERROR. It is READY with its next frame, and for as long as none is wanted or none is missed yet.

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 
 from openrois_streaming.network.admission import AdmissionSettings
 from openrois_streaming.network.interfaces import host_addresses
+from openrois_streaming.network.places import KEPT_FOR_OPERATORS, PlaceRules, kept_places
 from openrois_streaming.network.settings import PROFILES, NetworkSettings, PortRange
-from openrois_streaming.places import KEPT_FOR_OPERATORS, PlaceRules, kept_places
 
 __all__ = [
     "add_host_options",

@@ -8,7 +8,7 @@ from functools import partial
 from typing import Final
 
 from openrois_streaming.clock import MediaClock
-from openrois_streaming.source import MediaSource, RawAudio, RawVideo
+from openrois_streaming.source.source import MediaSource, RawAudio, RawVideo
 from openrois_streaming.synthetic import ColourBars, Tone
 
 from openrois.aio.listeners import Listeners

@@ -3,8 +3,8 @@
 from dataclasses import dataclass, field
 from typing import Final
 
-from openrois_streaming.encoder_limit import ENCODERS_LIMIT
 from openrois_streaming.network.settings import NetworkSettings
+from openrois_streaming.publish.encoder_limit import ENCODERS_LIMIT
 
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from openrois_avatar.picture_size import PictureSize

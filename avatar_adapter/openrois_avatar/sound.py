@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 from openrois_streaming.clock import MediaClock
-from openrois_streaming.source import SAMPLE_RATE, RawAudio
+from openrois_streaming.source.source import SAMPLE_RATE, RawAudio
 
 from openrois_avatar.engine_sound import BLOCK, SEAM, EngineSound
 from openrois_avatar.sound_lag import SoundLag

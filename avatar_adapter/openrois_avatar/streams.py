@@ -12,16 +12,16 @@ from openrois_signaling.messages import Answer, Bye, Candidate, Direction, Downw
 from openrois_streaming import errors as media_errors
 from openrois_streaming import state
 from openrois_streaming.adaptation.caps import Caps
-from openrois_streaming.channels import Channels, InputSink, MakeChannels
 from openrois_streaming.clock import MediaClock
-from openrois_streaming.feed import MediaPublisher
-from openrois_streaming.inlet import MediaInlet
 from openrois_streaming.network.guard import GuardFigures
 from openrois_streaming.network.settings import NetworkSettings
 from openrois_streaming.network.turns import Ingress
-from openrois_streaming.session import StreamSession
-from openrois_streaming.sessions import StreamSessions
-from openrois_streaming.stream import StreamChange
+from openrois_streaming.peer.input_channels import Channels, InputSink, MakeChannels
+from openrois_streaming.peer.stream import StreamChange
+from openrois_streaming.publish.rendition_feed import MediaPublisher
+from openrois_streaming.session.session import StreamSession
+from openrois_streaming.session.sessions import StreamSessions
+from openrois_streaming.source.uplink_sink import MediaInlet
 from pydantic import ValidationError
 
 from openrois.contract import Client

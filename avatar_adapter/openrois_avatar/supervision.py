@@ -5,8 +5,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from openrois_streaming.clock import MediaClock
-from openrois_streaming.publisher import Publishing
-from openrois_streaming.supervision import LOOK_INTERVAL
+from openrois_streaming.publish.publisher import Publishing
+from openrois_streaming.source.supervision import LOOK_INTERVAL
 
 from openrois.component.component import Component
 from openrois_avatar.health import Health, Observed

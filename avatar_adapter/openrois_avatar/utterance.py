@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from openrois_streaming.clock import wall_at
-from openrois_streaming.source import SAMPLE_RATE
+from openrois_streaming.source.source import SAMPLE_RATE
 
 from openrois.errors import Aborted
 from openrois.types.codes import CompletedStatus

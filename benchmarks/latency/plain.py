@@ -17,9 +17,9 @@ from aiortc import RTCConfiguration, RTCPeerConnection, RTCRtpSender, RTCSession
 from aiortc.rtcconfiguration import RTCBundlePolicy
 from openrois_streaming.clock import SystemClock, wall_at
 from openrois_streaming.codecs import H264
-from openrois_streaming.fanout import Fanout, Subscription
-from openrois_streaming.source import RawVideo
-from openrois_streaming.stamp import stamped
+from openrois_streaming.source.fanout import Fanout, Subscription
+from openrois_streaming.source.source import RawVideo
+from openrois_streaming.source.stamp import stamped
 from openrois_streaming.synthetic import ColourBars, TalkingHead
 
 _CLOCK_RATE = 90_000

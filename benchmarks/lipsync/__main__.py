@@ -21,8 +21,8 @@ import uvloop
 from openrois_avatar.bench.partner import SWITCH_INTERVAL, Partner, partner
 from openrois_signaling.messages import Answer, Downward, Offer
 from openrois_streaming.clock import SystemClock
-from openrois_streaming.publisher import AudioPublisher, VideoPublisher
-from openrois_streaming.session import StreamSession
+from openrois_streaming.publish.publisher import AudioPublisher, VideoPublisher
+from openrois_streaming.session.session import StreamSession
 
 from benchmarks.lipsync.scenes import SCENES, played
 from openrois.bench.conditions import conditions, load

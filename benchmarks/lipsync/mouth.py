@@ -5,7 +5,7 @@ from typing import Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from openrois_streaming.source import SAMPLE_RATE, RawAudio, RawVideo
+from openrois_streaming.source.source import SAMPLE_RATE, RawAudio, RawVideo
 from openrois_streaming.testing.delays import percentile
 
 _STEP = 0.005

@@ -12,7 +12,7 @@ from openrois_avatar.sound import AvatarSound
 from openrois_avatar.speech.synthesizer import Synthesizer
 from openrois_avatar.voice import DEFAULT_CHARACTER, Voice
 from openrois_streaming.clock import MediaClock
-from openrois_streaming.source import MediaSource, RawAudio, RawVideo
+from openrois_streaming.source.source import MediaSource, RawAudio, RawVideo
 from openrois_streaming.synthetic import ColourBars, Tone
 
 SPEAKING = ("puppet", "panda3d")

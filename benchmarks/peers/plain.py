@@ -10,8 +10,8 @@ from aiortc import RTCConfiguration, RTCPeerConnection, RTCRtpSender, RTCSession
 from aiortc.codecs import h264
 from aiortc.rtcconfiguration import RTCBundlePolicy
 from openrois_streaming.clock import SystemClock
-from openrois_streaming.fanout import Fanout, Subscription
-from openrois_streaming.source import RawVideo
+from openrois_streaming.source.fanout import Fanout, Subscription
+from openrois_streaming.source.source import RawVideo
 from openrois_streaming.synthetic import TalkingHead
 
 from benchmarks.sender.fanout import BITRATE, Answering

@@ -42,11 +42,11 @@ from aiortc.rtp import RtcpReceiverInfo, RtcpRrPacket
 from openrois_signaling.messages import Answer, Offer
 from openrois_streaming.clock import SystemClock
 from openrois_streaming.encoded import EncodedFrame
-from openrois_streaming.fanout import DropOldest, Fanout, Subscription
-from openrois_streaming.keyframes import KeyFrameCause
-from openrois_streaming.rendition import HandedOn
+from openrois_streaming.publish.key_frames import KeyFrameCause
+from openrois_streaming.publish.rendition import HandedOn
 from openrois_streaming.rtp.payloads import payloads_of
-from openrois_streaming.session import StreamSession
+from openrois_streaming.session.session import StreamSession
+from openrois_streaming.source.fanout import DropOldest, Fanout, Subscription
 from openrois_streaming.state import StreamStatus
 
 FRAME_RATE, BITRATE = 30, 2_500_000

@@ -20,9 +20,9 @@ from openrois_avatar.bench.picture import Grain
 from openrois_avatar.bench.sender import LatestPicture
 from openrois_signaling.messages import Answer, Downward, Offer
 from openrois_streaming.clock import SystemClock, wall_at
-from openrois_streaming.publisher import VideoPublisher
-from openrois_streaming.session import StreamSession
-from openrois_streaming.stamp import stamped
+from openrois_streaming.publish.publisher import VideoPublisher
+from openrois_streaming.session.session import StreamSession
+from openrois_streaming.source.stamp import stamped
 
 WIDTH, HEIGHT, FPS = 1280, 720, 30
 STREAM = "stream"

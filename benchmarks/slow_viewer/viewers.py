@@ -14,8 +14,8 @@ from aiortc import MediaStreamTrack, RTCConfiguration, RTCPeerConnection, RTCSes
 from aiortc.mediastreams import MediaStreamError
 from aiortc.rtcconfiguration import RTCBundlePolicy
 from openrois_avatar.bench.partner import serve
-from openrois_streaming import stamp
 from openrois_streaming.clock import SystemClock
+from openrois_streaming.source import stamp
 from openrois_streaming.testing import ImpairedPath, Impairments, MeasuringSink
 from openrois_streaming.testing.pictures import PictureFigures, PictureLog, SeenPicture
 

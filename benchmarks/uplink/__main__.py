@@ -14,7 +14,7 @@ from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from openrois_streaming import stamp
+from openrois_streaming.source import stamp
 from openrois_streaming.testing.delays import percentile
 
 from benchmarks.uplink.media import MarkerFinder, PictureTrack, SoundTrack, delays, encoded

@@ -10,9 +10,9 @@ import av
 import numpy as np
 from aiortc import MediaStreamTrack
 from numpy.typing import NDArray
-from openrois_streaming import stamp
-from openrois_streaming.encoder_video import VideoEncoder
-from openrois_streaming.source import RawVideo
+from openrois_streaming.publish.video_encoder import VideoEncoder
+from openrois_streaming.source import stamp
+from openrois_streaming.source.source import RawVideo
 
 WIDTH, HEIGHT, FPS = 1280, 720, 30
 BITRATE: Final = 1_500_000

@@ -12,7 +12,7 @@ from aiortc.mediastreams import MediaStreamError
 from aiortc.rtcconfiguration import RTCBundlePolicy
 from numpy.typing import NDArray
 from openrois_streaming.clock import SystemClock
-from openrois_streaming.receiving.receiver import RtpReceiver
+from openrois_streaming.peer.receiver import RtpReceiver
 from openrois_streaming.testing.path import ImpairedPath
 
 Receiver = Literal["aiortc", "openrois"]

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from openrois_streaming.encoded import EncodedFrame
-from openrois_streaming.receiving.receiver import ReceiverFigures
+from openrois_streaming.receive.figures import ReceiverFigures
 from openrois_streaming.state import StreamStatus
 
 

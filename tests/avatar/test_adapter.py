@@ -12,10 +12,10 @@ from openrois_avatar.health import Health, Observed
 from openrois_avatar.link.messages import Pause
 from openrois_avatar.pauses import Pauses
 from openrois_avatar.scene import Scene, synthetic_scene
-from openrois_streaming import stamp
 from openrois_streaming.clock import SystemClock
-from openrois_streaming.sessions import StreamSessions
-from openrois_streaming.source import RawAudio, RawVideo
+from openrois_streaming.session.sessions import StreamSessions
+from openrois_streaming.source import stamp
+from openrois_streaming.source.source import RawAudio, RawVideo
 
 from tests.support.streaming import FedSource, VirtualClock, settle
 

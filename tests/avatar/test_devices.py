@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from openrois_avatar.components.operator import Operator
 from openrois_avatar.devices import LEVEL_INTERVAL, Camera, Microphone
-from openrois_streaming.level import SILENCE, Level
-from openrois_streaming.source import RawAudio, RawVideo
+from openrois_streaming.source.loudness import SILENCE, Level
+from openrois_streaming.source.source import RawAudio, RawVideo
 
 from openrois.engine.registry import LocalRegistry
 from openrois.errors import ComponentFailed

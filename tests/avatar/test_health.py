@@ -1,6 +1,6 @@
 import pytest
 from openrois_avatar.health import Health, Observed, Trouble, worst
-from openrois_streaming.supervision import HUNG, LOOK_INTERVAL, QUIET
+from openrois_streaming.source.supervision import HUNG, LOOK_INTERVAL, QUIET
 
 from openrois.types.codes import ComponentStatus, ErrorType
 

@@ -3,8 +3,8 @@ import argparse
 import pytest
 from openrois_avatar.network_options import add_host_options, add_network_options, host_arguments, network_settings
 from openrois_streaming.network.admission import AdmissionSettings
+from openrois_streaming.network.places import PlaceRules
 from openrois_streaming.network.settings import NetworkSettings, PortRange
-from openrois_streaming.places import PlaceRules
 
 
 def parse(*arguments: str) -> argparse.Namespace:

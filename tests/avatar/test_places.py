@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 from openrois_avatar.streams import AvatarStreams, Published
-from openrois_streaming import peer as peer_module
-from openrois_streaming.places import ANSWER_TIME, KEPT_FOR_OPERATORS, SESSIONS_LIMIT
+from openrois_streaming.network.places import ANSWER_TIME, KEPT_FOR_OPERATORS, SESSIONS_LIMIT
+from openrois_streaming.peer import peer as peer_module
 from websockets.asyncio.client import ClientConnection
 
 from openrois.adapter.dialer import serve_parent

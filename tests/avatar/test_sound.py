@@ -6,7 +6,7 @@ import pytest
 from numpy.typing import NDArray
 from openrois_avatar.engine_sound import BLOCK, SEAM
 from openrois_avatar.sound import KEPT_BLOCKS, MAX_QUEUED, AvatarSound, SoundBusy
-from openrois_streaming.source import RawAudio
+from openrois_streaming.source.source import RawAudio
 
 from tests.support.streaming import VirtualClock, settle
 

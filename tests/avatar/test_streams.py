@@ -8,11 +8,11 @@ from openrois_avatar.teleoperation.pilot import Pilot
 from openrois_avatar.teleoperation.seat import Seat
 from openrois_avatar.teleoperation.steering import Steering
 from openrois_signaling.messages import IceServer
-from openrois_streaming import peer as peer_module
 from openrois_streaming.adaptation.caps import Caps
 from openrois_streaming.adaptation.rung import ladder
 from openrois_streaming.adaptation.viewer import VIDEO_SHARE
-from openrois_streaming.places import SESSIONS_LIMIT
+from openrois_streaming.network.places import SESSIONS_LIMIT
+from openrois_streaming.peer import peer as peer_module
 
 from openrois.contract import Client
 from openrois.errors import BadParameter, OutOfResources, RoISError, Unsupported

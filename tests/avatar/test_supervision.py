@@ -6,12 +6,12 @@ import pytest
 from openrois_avatar.health import Health, Observed
 from openrois_avatar.supervision import Supervised, seen_of, supervise
 from openrois_streaming.encoded import EncodedFrame
-from openrois_streaming.fanout import SourceEnded
-from openrois_streaming.feed import Feed
-from openrois_streaming.publisher import VideoPublisher
-from openrois_streaming.source import RawVideo
+from openrois_streaming.publish.publisher import VideoPublisher
+from openrois_streaming.publish.rendition_feed import Feed
+from openrois_streaming.source.fanout import SourceEnded
+from openrois_streaming.source.source import RawVideo
+from openrois_streaming.source.supervision import HUNG, QUIET
 from openrois_streaming.stats import Counters
-from openrois_streaming.supervision import HUNG, QUIET
 from openrois_streaming.tasks import OwnedTasks
 
 from openrois.adapter.components import VideoStreaming
@@ -82,7 +82,9 @@ async def test_a_broken_source_is_reported_once_however_many_viewers_come_and_go
 
 async def test_a_publisher_is_seen_to_play_to_stall_and_to_fail(monkeypatch: pytest.MonkeyPatch) -> None:
     clock, source, encoders = VirtualClock(), FedSource[RawVideo](), FakeEncoders()
-    monkeypatch.setattr("openrois_streaming.publisher.VideoEncoder", lambda _, *, bitrate, **__: encoders(bitrate))
+    monkeypatch.setattr(
+        "openrois_streaming.publish.publisher.VideoEncoder", lambda _, *, bitrate, **__: encoders(bitrate)
+    )
     publisher = VideoPublisher(source, clock=clock, name="bars")
     assert seen_of(publisher) == Observed(None, wanted=False, unseen=True)
     rendition = publisher.renditions("video/H264")[0]
@@ -110,7 +112,9 @@ async def test_an_encoder_that_failed_is_nobodys_concern_when_its_viewers_have_g
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     clock, source, encoders = VirtualClock(), FedSource[RawVideo](), FakeEncoders()
-    monkeypatch.setattr("openrois_streaming.publisher.VideoEncoder", lambda _, *, bitrate, **__: encoders(bitrate))
+    monkeypatch.setattr(
+        "openrois_streaming.publish.publisher.VideoEncoder", lambda _, *, bitrate, **__: encoders(bitrate)
+    )
     publisher = VideoPublisher(source, clock=clock, size=(640, 360), name="bars")
     large, small = publisher.renditions("video/H264")
     shown: asyncio.Queue[EncodedFrame] = asyncio.Queue()

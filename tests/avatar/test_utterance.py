@@ -14,9 +14,9 @@ from openrois_avatar.sound import AvatarSound
 from openrois_avatar.speech.synthesizer import Speech, Synthesizer, Word
 from openrois_avatar.utterance import Progress, Utterance, WordSpoken
 from openrois_streaming.clock import SystemClock
-from openrois_streaming.publisher import AudioPublisher
-from openrois_streaming.session import StreamSession
-from openrois_streaming.source import RawAudio, RawVideo
+from openrois_streaming.publish.publisher import AudioPublisher
+from openrois_streaming.session.session import StreamSession
+from openrois_streaming.source.source import RawAudio, RawVideo
 from openrois_streaming.testing import ImpairedPath, Impairments, MeasuringSink
 from openrois_streaming.testing.stage import AUDIO, playing
 

@@ -11,7 +11,7 @@ from openrois_avatar.link.messages import Command, Silence, Speak
 from openrois_avatar.sound import AvatarSound
 from openrois_avatar.utterance import MarkReached, Progress, SpeechBegan, SpeechEnded, WordSpoken
 from openrois_avatar.voice import Voice
-from openrois_streaming.source import RawAudio
+from openrois_streaming.source.source import RawAudio
 
 from openrois.errors import Aborted, BadParameter, ComponentFailed, OutOfResources
 from openrois.types.codes import CompletedStatus

@@ -13,7 +13,7 @@ from openrois_signaling import messages as signaling
 from openrois_signaling import relay
 from openrois_streaming.input import reader
 from openrois_streaming.input.messages import MESSAGE_LIMIT
-from openrois_streaming.places import SESSIONS_LIMIT
+from openrois_streaming.network.places import SESSIONS_LIMIT
 
 from openrois.aio import bounded_history
 from openrois.auth import claims, jwks, keys

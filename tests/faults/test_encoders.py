@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from openrois_streaming.encoder_video import VideoEncoder
+from openrois_streaming.publish.video_encoder import VideoEncoder
 
 from tests.support.seeds import lasting
 from tests.support.spectator import AUDIO, VIDEO

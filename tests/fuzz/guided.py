@@ -20,12 +20,12 @@ from aioice import stun
 INSTRUMENTED = (
     "openrois",
     "openrois_avatar",
-    "openrois_streaming.sdp",
+    "openrois_streaming.peer.sdp",
     "openrois_streaming.network",
-    "openrois_streaming.receiving",
+    "openrois_streaming.receive",
     "openrois_streaming.rtp",
-    "openrois_streaming.seams",
-    "openrois_streaming.sending",
+    "openrois_streaming.aiortc_internals",
+    "openrois_streaming.send",
     "aiortc.rtp",
 )
 
@@ -44,20 +44,20 @@ with atheris.instrument_imports(include=INSTRUMENTED):
     )
     from openrois_avatar.link.messages import Hello, LinkError, Pause, React, VideoShape, Welcome
     from openrois_avatar.link.protocol import Audio, Message, Parser, Sender, encode
+    from openrois_streaming.aiortc_internals.ice_rehearsal import Rehearsal
+    from openrois_streaming.aiortc_internals.incoming import Incoming
+    from openrois_streaming.aiortc_internals.sending import DtlsWire, take_over
     from openrois_streaming.clock import SystemClock
     from openrois_streaming.encoded import EncodedFrame
     from openrois_streaming.errors import InvalidCandidate, InvalidDescription
     from openrois_streaming.network.guard import GuardFigures
     from openrois_streaming.network.policy import CandidatePolicy
-    from openrois_streaming.receiving.assembly import BYTES_LIMIT, PACKETS_LIMIT, VideoAssembly, VideoPacket
-    from openrois_streaming.receiving.payloads import h264_piece, vp8_piece
+    from openrois_streaming.peer.sdp import Answered, OfferedSection, clean_answer, read_candidate
+    from openrois_streaming.receive.assembly import BYTES_LIMIT, PACKETS_LIMIT, VideoAssembly, VideoPacket
+    from openrois_streaming.receive.payloads import h264_piece, vp8_piece
     from openrois_streaming.rtp.reports import ReceiverReport
-    from openrois_streaming.sdp import Answered, OfferedSection, clean_answer, read_candidate
-    from openrois_streaming.seams.ice_rehearsal import Rehearsal
-    from openrois_streaming.seams.incoming import Incoming
-    from openrois_streaming.seams.sending import DtlsWire, take_over
-    from openrois_streaming.sending.outlet import Outlet
-    from openrois_streaming.sending.sender import Negotiated, RtpSender
+    from openrois_streaming.send.outlet import Outlet
+    from openrois_streaming.send.sender import Negotiated, RtpSender
 
     from openrois.catalog.streaming import VIDEO_STREAMING
     from openrois.engine.condition import parse_condition

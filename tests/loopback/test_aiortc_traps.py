@@ -4,7 +4,7 @@ import pytest
 from openrois_signaling.messages import IceServer, Offer
 from openrois_streaming.errors import InvalidDescription, UnexpectedAnswer
 from openrois_streaming.network.settings import NetworkSettings
-from openrois_streaming.sending.sender import Negotiated, RtpSender, Wire
+from openrois_streaming.send.sender import Negotiated, RtpSender, Wire
 from openrois_streaming.state import StreamStatus
 
 from tests.support import loopback

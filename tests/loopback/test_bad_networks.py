@@ -6,7 +6,7 @@ from contextlib import asynccontextmanager
 import pytest
 from openrois_streaming.adaptation.budget import START
 from openrois_streaming.clock import SystemClock
-from openrois_streaming.publisher import VideoPublisher
+from openrois_streaming.publish.publisher import VideoPublisher
 from openrois_streaming.testing import ImpairedPath, Impairments, MeasuringSink, playing
 from openrois_streaming.testing.plugin import MakePath, MakeSink, MakeSource
 from openrois_streaming.testing.stage import VIDEO

@@ -6,7 +6,7 @@ from collections.abc import Awaitable, Callable
 from typing import Any
 
 import pytest
-from openrois_streaming import connection as connection_module
+from openrois_streaming.peer import connection as connection_module
 
 from tests.support import loopback
 from tests.support.loopback import Engine, Viewer

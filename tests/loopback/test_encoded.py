@@ -9,7 +9,7 @@ import pytest
 from openrois_avatar.link.embedded import EmbeddedEngine
 from openrois_avatar.link.messages import Event, Log
 from openrois_streaming.clock import SystemClock
-from openrois_streaming.self_encoding import EncodedPublisher
+from openrois_streaming.publish.self_encoding import EncodedPublisher
 from openrois_streaming.testing import ImpairedPath, Impairments, MeasuringSink, playing
 
 from tests.support import loopback

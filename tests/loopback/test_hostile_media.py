@@ -6,8 +6,8 @@ from collections.abc import AsyncIterator
 from contextlib import suppress
 
 import pytest
+from openrois_streaming.aiortc_internals.incoming import SOURCES_LIMIT
 from openrois_streaming.network.admission import RTCP_PER_SECOND
-from openrois_streaming.seams.incoming import SOURCES_LIMIT
 from openrois_streaming.state import StreamStatus
 
 from tests.loopback.test_uplinks import Ears, Talker

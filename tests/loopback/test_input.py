@@ -7,7 +7,7 @@ import pytest
 from openrois_streaming.clock import SystemClock
 from openrois_streaming.input.messages import Held, Key, State
 from openrois_streaming.input.reader import Label
-from openrois_streaming.publisher import VideoPublisher
+from openrois_streaming.publish.publisher import VideoPublisher
 from openrois_streaming.synthetic import ColourBars
 from openrois_streaming.testing import MeasuringSink
 from openrois_streaming.testing.hands import Hands

@@ -12,10 +12,10 @@ import ifaddr
 import pytest
 from aioice import stun
 from openrois_signaling.messages import Candidate, IceServer, Offer
+from openrois_streaming.aiortc_internals.ice import IceAgent
 from openrois_streaming.network.guard import PAIRS_LIMIT, QUEUE_LIMIT
 from openrois_streaming.network.interfaces import ADDRESSES_LIMIT
 from openrois_streaming.network.settings import NetworkSettings, PortRange
-from openrois_streaming.seams.ice import IceAgent
 from openrois_streaming.state import StreamStatus
 
 from tests.support import loopback

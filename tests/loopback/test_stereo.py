@@ -8,8 +8,8 @@ from statistics import median
 import numpy as np
 import pytest
 from openrois_avatar.hearing.bearing import SOUND_SPEED, WINDOW, BearingFinder, is_stereo
-from openrois_streaming.shared_inlet import SharedInlet
-from openrois_streaming.source import SAMPLE_RATE, RawAudio
+from openrois_streaming.source.shared_inlet import SharedInlet
+from openrois_streaming.source.source import SAMPLE_RATE, RawAudio
 
 from tests.support import loopback
 from tests.support.chromium import browser_at, tab

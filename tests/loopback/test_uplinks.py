@@ -8,9 +8,9 @@ import pytest
 from aiortc import RTCSessionDescription
 from openrois_signaling.messages import Offer
 from openrois_streaming.clock import SystemClock
-from openrois_streaming.level import LevelMeter
-from openrois_streaming.shared_inlet import SharedInlet
-from openrois_streaming.source import RawAudio, RawVideo
+from openrois_streaming.source.loudness import LevelMeter
+from openrois_streaming.source.shared_inlet import SharedInlet
+from openrois_streaming.source.source import RawAudio, RawVideo
 from openrois_streaming.state import StreamStatus
 from openrois_streaming.synthetic import ColourBars, Tone
 

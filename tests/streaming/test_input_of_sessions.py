@@ -3,9 +3,9 @@
 from collections.abc import AsyncIterator
 
 import pytest
-from openrois_streaming import peer as peer_module
 from openrois_streaming.input.reader import Label
 from openrois_streaming.liveness import SILENCE
+from openrois_streaming.peer import peer as peer_module
 
 from tests.support.streaming import settle
 from tests.support.viewing import Application, FakeChannels, FedPublisher, WirelessConnection

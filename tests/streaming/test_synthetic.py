@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from openrois_streaming.clock import wall_at
-from openrois_streaming.source import RawAudio, RawVideo
-from openrois_streaming.stamp import read, stamped
+from openrois_streaming.source.source import RawAudio, RawVideo
+from openrois_streaming.source.stamp import read, stamped
 from openrois_streaming.synthetic import ColourBars, TalkingHead, Tone
 
 from tests.support.streaming import VirtualClock

@@ -9,9 +9,9 @@ import numpy as np
 from openrois_avatar.link.client import LinkClient, connect_from_environment
 from openrois_avatar.link.messages import Bitrate, Command, Hello, KeyFrame, Log, Quit, VideoShape
 from openrois_streaming.codecs import H264
-from openrois_streaming.encoder_video import VideoEncoder
-from openrois_streaming.source import RawVideo
-from openrois_streaming.stamp import stamped
+from openrois_streaming.publish.video_encoder import VideoEncoder
+from openrois_streaming.source.source import RawVideo
+from openrois_streaming.source.stamp import stamped
 
 WIDTH, HEIGHT, FPS = 320, 180, 30
 HELLO = Hello("encoder", "1", VideoShape(WIDTH, HEIGHT, FPS, "h264"))

@@ -13,7 +13,7 @@ from openrois_avatar.link.address import ADDRESS_VARIABLE, SECRET_VARIABLE
 from openrois_avatar.link.connection import EngineConnection
 from openrois_avatar.link.messages import Completed, Event
 from openrois_avatar.link.server import LinkServer
-from openrois_streaming.source import RawAudio, RawVideo
+from openrois_streaming.source.source import RawAudio, RawVideo
 
 PATIENCE = 60.0
 """Seconds within which anything is expected, on a machine that is busy."""

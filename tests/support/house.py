@@ -9,7 +9,7 @@ from unittest.mock import patch
 from openrois_avatar.adapter import Avatar, run_avatar
 from openrois_avatar.scene import synthetic_scene
 from openrois_avatar.settings import AvatarSettings
-from openrois_streaming.rendition import RenditionFigures
+from openrois_streaming.publish.rendition import RenditionFigures
 
 from openrois.adapter.dialer import serve_parent
 from openrois.gateway.server import Gateway, run_gateway

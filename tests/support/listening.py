@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from openrois_avatar.devices import Microphone
 from openrois_avatar.hearing.recognizer import Expectation, RecognizerFailed, Transcriber
-from openrois_streaming.source import RawAudio
+from openrois_streaming.source.source import RawAudio
 
 from tests.support.streaming import FedSource, VirtualClock, settle
 

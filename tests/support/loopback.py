@@ -15,11 +15,11 @@ from openrois_signaling.messages import Answer, Bye, Candidate, Downward, IceSer
 from openrois_streaming.clock import SystemClock, wall_at
 from openrois_streaming.errors import SessionError
 from openrois_streaming.network.settings import NetworkSettings
-from openrois_streaming.publisher import AudioPublisher, VideoPublisher
-from openrois_streaming.session import StreamSession
-from openrois_streaming.source import MediaSource, RawVideo
+from openrois_streaming.peer.stream import StreamChange
+from openrois_streaming.publish.publisher import AudioPublisher, VideoPublisher
+from openrois_streaming.session.session import StreamSession
+from openrois_streaming.source.source import MediaSource, RawVideo
 from openrois_streaming.state import StreamStatus
-from openrois_streaming.stream import StreamChange
 from openrois_streaming.synthetic import ColourBars, Tone
 
 PATIENCE = 25.0

@@ -14,7 +14,7 @@ from typing import Final, Literal
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from openrois_streaming.source import RawVideo
+from openrois_streaming.source.source import RawVideo
 
 Picture = NDArray[np.uint8]
 Who = Literal["collins", "hopper"]

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 from av.video.codeccontext import VideoCodecContext
 from numpy.typing import NDArray
-from openrois_streaming.source import RawVideo
+from openrois_streaming.source.source import RawVideo
 
 Plane = NDArray[np.uint8]
 

@@ -5,8 +5,8 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
-from openrois_streaming.receiving.playout import BLOCK, Block, Playout, SoundPacket, UndecodableSound
-from openrois_streaming.receiving.stretch import Samples
+from openrois_streaming.receive.playout import BLOCK, Block, Playout, SoundPacket, UndecodableSound
+from openrois_streaming.receive.stretch import Samples
 
 PACKET = 960
 PACKET_SECONDS = PACKET / 48_000

@@ -11,9 +11,9 @@ from aiortc import MediaStreamTrack, RTCConfiguration, RTCPeerConnection, RTCRtp
 from aiortc.mediastreams import MediaStreamError
 from aiortc.rtcconfiguration import RTCBundlePolicy
 from openrois_streaming.clock import SystemClock
-from openrois_streaming.receiving.receiver import RtpReceiver
-from openrois_streaming.receiving.remote_time import RemoteClock
-from openrois_streaming.source import MediaSource, RawAudio, RawVideo
+from openrois_streaming.peer.receiver import RtpReceiver
+from openrois_streaming.receive.remote_time import RemoteClock
+from openrois_streaming.source.source import MediaSource, RawAudio, RawVideo
 from openrois_streaming.synthetic import ColourBars, Tone
 from openrois_streaming.testing.path import ImpairedPath
 

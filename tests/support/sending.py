@@ -5,8 +5,8 @@ from collections.abc import Callable, Sequence
 from aiortc.rtp import RtpPacket
 from openrois_streaming.encoded import EncodedFrame
 from openrois_streaming.rtp.reports import ReceiverReport
-from openrois_streaming.sending.outlet import Outlet
-from openrois_streaming.sending.sender import Negotiated, RtpSender
+from openrois_streaming.send.outlet import Outlet
+from openrois_streaming.send.sender import Negotiated, RtpSender
 
 from tests.support.streaming import VirtualClock
 

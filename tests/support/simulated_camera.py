@@ -4,10 +4,10 @@ import random
 from collections.abc import Callable
 
 from aiortc.rate import BandwidthUsage, RemoteBitrateEstimator
-from openrois_streaming.receiving.assembly import VideoAssembly, VideoPacket
-from openrois_streaming.receiving.limit import BitrateLimit
-from openrois_streaming.receiving.payloads import Piece
-from openrois_streaming.receiving.reception import SourceReception
+from openrois_streaming.receive.assembly import VideoAssembly, VideoPacket
+from openrois_streaming.receive.limit import BitrateLimit
+from openrois_streaming.receive.payloads import Piece
+from openrois_streaming.receive.reception import SourceReception
 from openrois_streaming.testing.link import Impairments, Link
 
 FRAME = 1 / 30

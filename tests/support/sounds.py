@@ -2,7 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from openrois_streaming.source import SAMPLE_RATE
+from openrois_streaming.source.source import SAMPLE_RATE
 
 
 def bursts(*starts: int, length: int = 2 * SAMPLE_RATE, amplitude: int = 16_000) -> NDArray[np.int16]:

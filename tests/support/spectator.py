@@ -15,11 +15,11 @@ from typing import Any, Final
 from aiortc import MediaStreamTrack, RTCConfiguration, RTCIceServer, RTCPeerConnection, RTCSessionDescription
 from aiortc.rtcconfiguration import RTCBundlePolicy
 from aiortc.sdp import candidate_from_sdp
+from openrois_streaming.aiortc_internals.ice import stop_consent_when_closed
 from openrois_streaming.clock import SystemClock
-from openrois_streaming.receiving.receiver import RtpReceiver
-from openrois_streaming.receiving.remote_time import RemoteClock
-from openrois_streaming.seams.ice import stop_consent_when_closed
-from openrois_streaming.source import MediaSource, RawAudio, RawVideo
+from openrois_streaming.peer.receiver import RtpReceiver
+from openrois_streaming.receive.remote_time import RemoteClock
+from openrois_streaming.source.source import MediaSource, RawAudio, RawVideo
 from openrois_streaming.testing import ImpairedPath
 from websockets.asyncio.client import ClientConnection
 

@@ -15,8 +15,8 @@ from openrois_avatar.facades.running import FacadeAvatar, run_facade
 from openrois_avatar.settings import AvatarSettings
 from openrois_signaling.messages import Answer, Candidate, Downward, Offer
 from openrois_streaming.clock import SystemClock
-from openrois_streaming.publisher import AudioPublisher, VideoPublisher
-from openrois_streaming.session import StreamSession
+from openrois_streaming.publish.publisher import AudioPublisher, VideoPublisher
+from openrois_streaming.session.session import StreamSession
 from openrois_streaming.synthetic import ColourBars, Tone
 from websockets.asyncio.client import ClientConnection, connect
 

@@ -9,8 +9,8 @@ from contextlib import asynccontextmanager
 from typing import Generic, TypeVar
 
 import numpy as np
-from openrois_streaming.encoder import Chunk
-from openrois_streaming.source import RawVideo
+from openrois_streaming.publish.encoder import Chunk
+from openrois_streaming.source.source import RawVideo
 
 T = TypeVar("T")
 

@@ -9,25 +9,25 @@ from typing import Any
 from aiortc import RTCPeerConnection
 from openrois_signaling.messages import Answer, Bye, Candidate, Downward, IceServer, Offer, StreamSection
 from openrois_streaming.adaptation.rung import Rung
-from openrois_streaming.channels import InputSink, MakeChannels, Take
+from openrois_streaming.aiortc_internals.sending import DtlsWire
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.encoded import EncodedFrame
 from openrois_streaming.errors import InvalidCandidate, InvalidDescription, PeerClosed, TooManySections
-from openrois_streaming.fanout import Fanout, Subscription
-from openrois_streaming.keyframes import KeyFrameCause
 from openrois_streaming.network.guard import GuardFigures
 from openrois_streaming.network.settings import NetworkSettings
 from openrois_streaming.network.turns import Ingress
-from openrois_streaming.receiving.receiver import ReceiverFigures
-from openrois_streaming.rendition import HandedOn
+from openrois_streaming.peer.input_channels import InputSink, MakeChannels, Take
+from openrois_streaming.peer.sdp import Answered
+from openrois_streaming.peer.section import Section
+from openrois_streaming.peer.stream import Stream, StreamChange
+from openrois_streaming.publish.key_frames import KeyFrameCause
+from openrois_streaming.publish.rendition import HandedOn
+from openrois_streaming.receive.figures import ReceiverFigures
 from openrois_streaming.rtp.reports import ReceiverReport
-from openrois_streaming.sdp import Answered
-from openrois_streaming.seams.sending import DtlsWire
-from openrois_streaming.section import Section
-from openrois_streaming.sending.outlet import Outlet
-from openrois_streaming.session import StreamSession
-from openrois_streaming.source import MediaSource, RawAudio
-from openrois_streaming.stream import Stream, StreamChange
+from openrois_streaming.send.outlet import Outlet
+from openrois_streaming.session.session import StreamSession
+from openrois_streaming.source.fanout import Fanout, Subscription
+from openrois_streaming.source.source import MediaSource, RawAudio
 
 from tests.support.sending import NEGOTIATED, Wires
 from tests.support.streaming import FedSource, VirtualClock, settle

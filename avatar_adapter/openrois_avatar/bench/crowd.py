@@ -16,8 +16,8 @@ from typing import Any, Final
 from aiortc import RTCConfiguration, RTCPeerConnection, RTCSessionDescription
 from aiortc.rtcconfiguration import RTCBundlePolicy
 from aiortc.rtp import RTCP_RTPFB_NACK, RtcpRtpfbPacket, RtpPacket
+from openrois_streaming.aiortc_internals.srtp import Protection
 from openrois_streaming.codecs import H264
-from openrois_streaming.seams.srtp import Protection
 from openrois_streaming.testing.candidates import addresses
 
 from openrois.bench.errors import BenchFailed, within

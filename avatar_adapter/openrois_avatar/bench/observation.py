@@ -4,7 +4,7 @@ import itertools
 from collections.abc import Sequence
 from typing import Self
 
-from openrois_streaming.stamp import NUMBER_MODULUS
+from openrois_streaming.source.stamp import NUMBER_MODULUS
 from pydantic import BaseModel, ConfigDict
 
 from openrois_avatar.bench.series import Series

@@ -10,7 +10,7 @@ import cv2
 import numpy as np
 from numpy.typing import NDArray
 from openrois_streaming.clock import MediaClock
-from openrois_streaming.source import RawVideo
+from openrois_streaming.source.source import RawVideo
 
 from openrois_avatar.bench.runs import FPS
 

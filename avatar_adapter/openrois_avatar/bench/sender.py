@@ -20,9 +20,9 @@ from aiortc.codecs import h264, vpx
 from aiortc.rtcconfiguration import RTCBundlePolicy
 from openrois_signaling.messages import Answer, Downward, Offer
 from openrois_streaming.clock import SystemClock
-from openrois_streaming.publisher import VideoPublisher
-from openrois_streaming.session import StreamSession
-from openrois_streaming.source import RawVideo
+from openrois_streaming.publish.publisher import VideoPublisher
+from openrois_streaming.session.session import StreamSession
+from openrois_streaming.source.source import RawVideo
 
 from openrois.jsonrpc.session import Handler
 from openrois_avatar.bench.partner import cpu_seconds, serve

@@ -1,8 +1,8 @@
 """Operator: what the adapter hears and sees of the person who operates the avatar. A component of our own."""
 
 import numpy as np
-from openrois_streaming.level import Level
-from openrois_streaming.source import RawVideo
+from openrois_streaming.source.loudness import Level
+from openrois_streaming.source.source import RawVideo
 
 from openrois.adapter import Component, ComponentFailed, Payload, event, query
 from openrois_avatar.devices import Camera, Microphone

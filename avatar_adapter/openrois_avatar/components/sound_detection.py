@@ -4,7 +4,7 @@ from collections.abc import Callable
 from datetime import UTC, datetime
 
 from openrois_streaming.clock import MediaClock, wall_at
-from openrois_streaming.source import RawAudio
+from openrois_streaming.source.source import RawAudio
 
 from openrois.adapter import components
 from openrois_avatar.components.sensing import Sense

@@ -9,7 +9,7 @@ from typing import Annotated, Final
 
 import numpy as np
 from openrois_streaming.clock import MediaClock, wall_at
-from openrois_streaming.source import RawAudio
+from openrois_streaming.source.source import RawAudio
 from pydantic import Field
 
 from openrois.adapter import ErrorType, components, parameter

@@ -10,8 +10,8 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Final
 
+from openrois_streaming.aiortc_internals.trial import UnsupportedLibrary, self_test
 from openrois_streaming.codecs import H264, LIBRARIES, OPUS, VP8, available_codecs
-from openrois_streaming.seams.trial import UnsupportedLibrary, self_test
 
 import openrois
 from openrois_avatar.backends import Backend, chosen

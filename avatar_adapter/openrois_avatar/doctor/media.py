@@ -10,7 +10,7 @@ from openrois_streaming.clock import SystemClock
 from openrois_streaming.input.messages import Key
 from openrois_streaming.input.reader import Label
 from openrois_streaming.network.settings import NetworkSettings
-from openrois_streaming.publisher import AudioPublisher, VideoPublisher
+from openrois_streaming.publish.publisher import AudioPublisher, VideoPublisher
 from openrois_streaming.synthetic import ColourBars, Tone
 from openrois_streaming.testing.pictures import PictureFigures
 from openrois_streaming.testing.sink import MeasuringSink

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from typing import Final
 
 from openrois_streaming.network.interfaces import NoInterface, host_addresses
-from openrois_streaming.network.reach import Unreachable, relayed_by, seen_by
 from openrois_streaming.network.servers import Servers, StunServer, TurnServer
 from openrois_streaming.network.settings import NetworkSettings
+from openrois_streaming.peer.reach import Unreachable, relayed_by, seen_by
 
 from openrois_avatar.doctor.finding import Finding, Level
 

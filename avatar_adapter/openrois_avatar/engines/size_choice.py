@@ -5,9 +5,9 @@ from collections.abc import Callable, Sequence
 from statistics import median
 from typing import Final
 
-from openrois_streaming.encoder import Chunk
-from openrois_streaming.encoder_video import VideoEncoder
-from openrois_streaming.source import RawVideo
+from openrois_streaming.publish.encoder import Chunk
+from openrois_streaming.publish.video_encoder import VideoEncoder
+from openrois_streaming.source.source import RawVideo
 
 from openrois_avatar.engines.animation.animator import Animator
 from openrois_avatar.engines.animation.visemes import Track

@@ -8,7 +8,7 @@ from openrois_signaling.messages import Answer, Bye, Candidate, Downward, MediaK
 from openrois_streaming import errors as media_errors
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.network.settings import NetworkSettings
-from openrois_streaming.sdp import read_candidate
+from openrois_streaming.peer.sdp import read_candidate
 from pydantic import ValidationError
 
 from openrois.contract import Client

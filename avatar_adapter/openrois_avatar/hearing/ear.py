@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 from openrois_streaming.clock import MediaClock
-from openrois_streaming.source import SAMPLE_RATE, RawAudio
+from openrois_streaming.source.source import SAMPLE_RATE, RawAudio
 
 from openrois.aio.listeners import Listeners
 from openrois_avatar.devices import Microphone

@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from openrois_streaming.source import RawAudio
+from openrois_streaming.source.source import RawAudio
 
 from openrois.aio.listeners import Listeners
 from openrois_avatar.hearing.downsample import SPEECH_RATE, Downsampler

@@ -4,8 +4,8 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from openrois_streaming.level import LevelMeter
-from openrois_streaming.source import SAMPLE_RATE
+from openrois_streaming.source.loudness import LevelMeter
+from openrois_streaming.source.source import SAMPLE_RATE
 
 from openrois_avatar.hearing.noise_floor import Loudness
 

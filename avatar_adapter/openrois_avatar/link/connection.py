@@ -8,7 +8,7 @@ import logging
 from collections.abc import Callable
 from typing import Final, Protocol, cast
 
-from openrois_streaming.source import RawAudio
+from openrois_streaming.source.source import RawAudio
 
 from openrois_avatar.link.messages import Bye, Command, Event, Hello, LinkError, Welcome
 from openrois_avatar.link.protocol import Audio, Bytes, Doorbell, Encoded, Message, Parser, Sender, Video, encode

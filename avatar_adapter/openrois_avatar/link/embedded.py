@@ -10,7 +10,7 @@ from contextlib import AsyncExitStack, suppress
 from typing import Any, Final, NoReturn, Self
 
 from openrois_streaming.clock import MediaClock, SystemClock
-from openrois_streaming.source import RawAudio
+from openrois_streaming.source.source import RawAudio
 
 from openrois.transport.backoff import Backoff
 from openrois_avatar.child import Output, child_process, ended_within

@@ -11,7 +11,7 @@ from typing import Final
 
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.rtp.h264_units import NotPassable, access_unit
-from openrois_streaming.source import EncodedVideo
+from openrois_streaming.source.source import EncodedVideo
 
 from openrois_avatar.link.demand import PictureDemand
 from openrois_avatar.link.inlet import Timestamps

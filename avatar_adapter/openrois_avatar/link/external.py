@@ -10,7 +10,7 @@ from types import TracebackType
 from typing import Final, Self
 
 from openrois_streaming.clock import MediaClock, SystemClock
-from openrois_streaming.source import RawAudio
+from openrois_streaming.source.source import RawAudio
 
 from openrois.aio.tasks import TaskScope
 from openrois_avatar.link.linked import LinkedEngine

@@ -8,7 +8,7 @@ from contextlib import asynccontextmanager
 from typing import Final, NamedTuple
 
 from openrois_streaming.clock import MediaClock
-from openrois_streaming.source import RawVideo
+from openrois_streaming.source.source import RawVideo
 
 from openrois_avatar.link.demand import PictureDemand
 from openrois_avatar.link.memory import PictureMemory

@@ -9,8 +9,8 @@ from types import TracebackType
 from typing import Self
 
 from openrois_streaming.clock import MediaClock
-from openrois_streaming.source import RawAudio
-from openrois_streaming.supervision import HUNG, LOOK_INTERVAL, SourceWatch
+from openrois_streaming.source.source import RawAudio
+from openrois_streaming.source.supervision import HUNG, LOOK_INTERVAL, SourceWatch
 
 from openrois_avatar.link.encoded_inlet import EngineEncoded
 from openrois_avatar.link.inlet import EngineVideo

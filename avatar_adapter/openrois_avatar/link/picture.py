@@ -8,7 +8,7 @@ from typing import TypeAlias
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from openrois_streaming.source import RawVideo
+from openrois_streaming.source.source import RawVideo
 
 from openrois_avatar.link.protocol import PixelFormat, Video
 

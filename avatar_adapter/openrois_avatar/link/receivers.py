@@ -9,7 +9,7 @@ from typing import TypeVar
 
 import numpy as np
 from openrois_streaming.clock import MediaClock
-from openrois_streaming.source import RawAudio
+from openrois_streaming.source.source import RawAudio
 
 from openrois_avatar.link.demand import PictureDemand
 from openrois_avatar.link.encoded_inlet import EngineEncoded

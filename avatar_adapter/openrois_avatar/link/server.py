@@ -17,7 +17,7 @@ from contextlib import asynccontextmanager, suppress
 from typing import Final
 
 from openrois_streaming.clock import MediaClock, SystemClock
-from openrois_streaming.source import RawAudio
+from openrois_streaming.source.source import RawAudio
 
 from openrois_avatar.link.connection import FAREWELL_TIMEOUT, EngineConnection
 from openrois_avatar.link.demand import PictureDemand

@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import Final
 
-from openrois_streaming.source import RawAudio
+from openrois_streaming.source.source import RawAudio
 
 from openrois_avatar.link.protocol import Audio
 

@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from typing import Final
 
-from openrois_streaming.receiving.receiver import ReceiverFigures
-from openrois_streaming.rendition import RenditionFigures
+from openrois_streaming.publish.rendition import RenditionFigures
+from openrois_streaming.receive.figures import ReceiverFigures
 from openrois_streaming.state import StreamStatus
 from openrois_streaming.stats import AdaptationStats, StreamStats
 

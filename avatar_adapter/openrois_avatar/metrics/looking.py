@@ -9,9 +9,9 @@ from dataclasses import asdict, replace
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.errors import UnknownStream
 from openrois_streaming.network.guard import GuardFigures
-from openrois_streaming.publisher import Publishing
-from openrois_streaming.session import StreamSession
-from openrois_streaming.sessions import StreamSessions
+from openrois_streaming.publish.publisher import Publishing
+from openrois_streaming.session.session import StreamSession
+from openrois_streaming.session.sessions import StreamSessions
 from openrois_streaming.stats import StreamStats
 
 from openrois_avatar.metrics.figures import Process, Snapshot, Source

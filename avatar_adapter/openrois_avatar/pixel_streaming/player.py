@@ -7,11 +7,11 @@ from contextlib import suppress
 from typing import Any, Final, TypeAlias
 
 from openrois_signaling.messages import Answer, Bye, Candidate, IceServer, Offer
-from openrois_streaming.announced import AnnouncedChannel
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.errors import UnknownStream
 from openrois_streaming.input.messages import Message as InputMessage
 from openrois_streaming.input.reader import Label
+from openrois_streaming.peer.data_channel import AnnouncedChannel
 
 from openrois.contract import Client
 from openrois.errors import RoISError

@@ -15,7 +15,7 @@ from typing import Any, Final, NamedTuple, Self
 import numpy as np
 from numpy.typing import NDArray
 from openrois_streaming.clock import MediaClock, SystemClock
-from openrois_streaming.source import SAMPLE_RATE
+from openrois_streaming.source.source import SAMPLE_RATE
 
 from openrois_avatar.child import Output, child_process, tell
 from openrois_avatar.engine_sound import SEAM

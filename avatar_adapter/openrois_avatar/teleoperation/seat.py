@@ -7,10 +7,10 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Final
 
-from openrois_streaming.channels import InputSink
 from openrois_streaming.clock import MediaClock
 from openrois_streaming.input.holding import Holding
 from openrois_streaming.input.reader import MALFORMED_LIMIT, InputReader, Label
+from openrois_streaming.peer.input_channels import InputSink
 
 from openrois.aio.listeners import Listeners
 from openrois.contract import Client

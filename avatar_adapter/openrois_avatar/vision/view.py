@@ -7,7 +7,7 @@ from typing import Final
 import cv2
 import numpy as np
 from numpy.typing import NDArray
-from openrois_streaming.source import RawVideo
+from openrois_streaming.source.source import RawVideo
 
 from openrois_avatar.vision.box import Face
 

@@ -10,7 +10,7 @@ from contextlib import contextmanager, suppress
 from typing import Final
 
 from openrois_streaming.clock import MediaClock, wall_at
-from openrois_streaming.source import RawVideo
+from openrois_streaming.source.source import RawVideo
 
 from openrois.aio.listeners import Listeners
 from openrois.aio.tasks import TaskScope

@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from typing import Final, NamedTuple, Self
 
 from openrois_streaming.network.admission import AdmissionSettings
+from openrois_streaming.network.places import PlaceRules
 from openrois_streaming.network.policy import PORTS_FROM, CandidatePolicy
-from openrois_streaming.places import PlaceRules
 
 PROFILES: Final = {
     "lan": CandidatePolicy(),

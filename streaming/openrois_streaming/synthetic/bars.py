@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrois_streaming.clock import MediaClock, wall_at
-from openrois_streaming.source import RawVideo
+from openrois_streaming.source.source import RawVideo
 from openrois_streaming.synthetic.marks import BLACK, GREY, WHITE, colour_planes, draw_lamp, shines
 from openrois_streaming.synthetic.pacing import due
 

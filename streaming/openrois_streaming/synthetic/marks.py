@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from openrois_streaming.stamp import stamp_rows
+from openrois_streaming.source.stamp import stamp_rows
 
 MARKER_HZ = 1000
 MARKER_SECONDS = 0.05

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from openrois_streaming.clock import MediaClock, wall_at
-from openrois_streaming.source import SAMPLE_RATE, RawAudio
+from openrois_streaming.source.source import SAMPLE_RATE, RawAudio
 from openrois_streaming.synthetic.marks import MARKER_HZ, MARKER_SECONDS
 from openrois_streaming.synthetic.pacing import due
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from openrois_streaming.source import SAMPLE_RATE
+from openrois_streaming.source.source import SAMPLE_RATE
 
 _WINDOW = SAMPLE_RATE // 1000
 """Samples of a millisecond, which is one period of the marker."""

@@ -5,8 +5,8 @@ from collections.abc import Callable
 
 from aiortc import RTCPeerConnection
 
-from openrois_streaming.channels import CONTROL_ID, INPUT_ID
 from openrois_streaming.input.messages import Message, State
+from openrois_streaming.peer.input_channels import CONTROL_ID, INPUT_ID
 
 
 class Hands:

@@ -3,7 +3,7 @@
 from collections import deque
 from dataclasses import dataclass
 
-from openrois_streaming.stamp import NUMBER_MODULUS, Stamp
+from openrois_streaming.source.stamp import NUMBER_MODULUS, Stamp
 from openrois_streaming.testing.delays import Delays
 
 KEPT = 20_000

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Literal, Protocol
 import pytest
 
 if TYPE_CHECKING:
-    from openrois_streaming.source import MediaSource
+    from openrois_streaming.source.source import MediaSource
     from openrois_streaming.testing import ImpairedPath, Impairments, MeasuringSink
 
 _MADE = pytest.StashKey[list[tuple[str, Callable[[], str]]]]()

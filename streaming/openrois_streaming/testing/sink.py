@@ -16,11 +16,12 @@ from aiortc import MediaStreamTrack, RTCConfiguration, RTCPeerConnection, RTCSes
 from aiortc.rtcconfiguration import RTCBundlePolicy
 from openrois_signaling.messages import Answer, Offer
 
-from openrois_streaming import stamp
 from openrois_streaming.clock import MediaClock, SystemClock, wall_at
-from openrois_streaming.receiving.receiver import ReceiverFigures, RtpReceiver
-from openrois_streaming.receiving.remote_time import RemoteClock
-from openrois_streaming.source import MediaSource, RawAudio, RawVideo
+from openrois_streaming.peer.receiver import RtpReceiver
+from openrois_streaming.receive.figures import ReceiverFigures
+from openrois_streaming.receive.remote_time import RemoteClock
+from openrois_streaming.source import stamp
+from openrois_streaming.source.source import MediaSource, RawAudio, RawVideo
 from openrois_streaming.tasks import OwnedTasks
 from openrois_streaming.testing.hands import Hands
 from openrois_streaming.testing.lipsync import LipSync, LipSyncFigures

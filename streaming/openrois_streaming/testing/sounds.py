@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from openrois_streaming.source import SAMPLE_RATE
+from openrois_streaming.source.source import SAMPLE_RATE
 from openrois_streaming.testing.clicks import ClickFinder
 from openrois_streaming.testing.delays import Delays
 from openrois_streaming.testing.pictures import KEPT

@@ -7,11 +7,11 @@ from contextlib import asynccontextmanager
 
 from openrois_signaling.messages import Downward, IceServer, Offer
 
-from openrois_streaming.channels import InputSink
 from openrois_streaming.clock import SystemClock
-from openrois_streaming.feed import MediaPublisher
 from openrois_streaming.network.settings import NetworkSettings
-from openrois_streaming.session import StreamSession
+from openrois_streaming.peer.input_channels import InputSink
+from openrois_streaming.publish.rendition_feed import MediaPublisher
+from openrois_streaming.session.session import StreamSession
 from openrois_streaming.testing.sink import MeasuringSink
 
 VIDEO, AUDIO = "video", "audio"

@@ -1,6 +1,6 @@
 import pytest
 from openrois_avatar.bench.observation import Observation, Sightings, missed
-from openrois_streaming.stamp import NUMBER_MODULUS
+from openrois_streaming.source.stamp import NUMBER_MODULUS
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ from openrois_avatar.vision.head_reader import HeadReader
 from openrois_avatar.vision.patterns import PatternRecognizer
 from openrois_avatar.vision.seen import Refs
 from openrois_avatar.vision.watch import Watch
-from openrois_streaming.source import RawVideo
+from openrois_streaming.source.source import RawVideo
 from pydantic import ValidationError
 
 from openrois.component.component import Component

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from openrois_avatar.components.sound_localization import ASSUMED_DISTANCE
 from openrois_avatar.hearing.recognizer import Expectation
 from openrois_avatar.microphone_senses import microphone_senses
-from openrois_streaming.source import SAMPLE_RATE
+from openrois_streaming.source.source import SAMPLE_RATE
 
 from openrois.contract import Event, Fault, SubscriptionLost
 from openrois.engine.registry import LocalRegistry

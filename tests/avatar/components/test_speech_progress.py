@@ -15,7 +15,7 @@ from openrois_avatar.link.messages import Command, Silence
 from openrois_avatar.sound import AvatarSound
 from openrois_avatar.speech.synthesizer import Synthesizer
 from openrois_avatar.voice import Voice
-from openrois_streaming.source import RawAudio
+from openrois_streaming.source.source import RawAudio
 
 from openrois.aio.listeners import Listeners
 from openrois.contract import Event, SubscriptionLost

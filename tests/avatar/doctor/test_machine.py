@@ -7,8 +7,8 @@ from openrois_avatar.doctor import machine
 from openrois_avatar.doctor.finding import Level
 from openrois_avatar.hearing.sphinx import Sphinx
 from openrois_avatar.vision.cascades import CascadeFinder
+from openrois_streaming.aiortc_internals import trial
 from openrois_streaming.codecs import OPUS, VP8
-from openrois_streaming.seams import trial
 
 
 async def test_libraries(monkeypatch: pytest.MonkeyPatch) -> None:

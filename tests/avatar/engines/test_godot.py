@@ -44,7 +44,7 @@ from openrois_avatar.link.messages import (
     Waypoint,
 )
 from openrois_avatar.link.server import LinkServer
-from openrois_streaming.source import RawAudio, RawVideo
+from openrois_streaming.source.source import RawAudio, RawVideo
 
 from openrois.gateway.server import run_gateway
 from openrois.gateway.settings import GatewaySettings

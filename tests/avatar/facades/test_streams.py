@@ -6,8 +6,8 @@ import pytest
 from openrois_avatar.facades.streamer import Offered
 from openrois_avatar.facades.streams import FacadeStreams
 from openrois_signaling.messages import Offer
+from openrois_streaming.network.places import PlaceRules
 from openrois_streaming.network.settings import NetworkSettings
-from openrois_streaming.places import PlaceRules
 
 from openrois.contract import Client
 from openrois.errors import OutOfResources

@@ -2,7 +2,7 @@ import asyncio
 
 import numpy as np
 from openrois_avatar.hearing.ear import GONE, Ear
-from openrois_streaming.source import RawAudio
+from openrois_streaming.source.source import RawAudio
 
 from tests.support.hearing import stereo_48k, voice
 from tests.support.listening import Listened

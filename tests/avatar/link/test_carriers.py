@@ -14,7 +14,7 @@ from openrois_avatar.link.messages import Completed, Event, Hello, LinkError, Lo
 from openrois_avatar.link.protocol import PixelFormat
 from openrois_avatar.link.ring import SLOTS, Ring
 from openrois_avatar.link.server import LinkServer
-from openrois_streaming.source import RawVideo
+from openrois_streaming.source.source import RawVideo
 
 from tests.support.avatar_link import HELLO
 from tests.support.streaming import settle

@@ -13,8 +13,8 @@ from openrois_avatar.child import TERMINATE_TIMEOUT
 from openrois_avatar.link import embedded
 from openrois_avatar.link.embedded import LONGEST_DELAY, QUIT_TIMEOUT, EmbeddedEngine
 from openrois_avatar.link.messages import Completed, Event, Hello, LinkError, Log, Pause, React, Silence
-from openrois_streaming.source import RawAudio
-from openrois_streaming.supervision import HUNG, LOOK_INTERVAL
+from openrois_streaming.source.source import RawAudio
+from openrois_streaming.source.supervision import HUNG, LOOK_INTERVAL
 
 from tests.support.streaming import VirtualClock, settle
 

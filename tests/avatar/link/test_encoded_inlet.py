@@ -8,8 +8,8 @@ from openrois_avatar.link.encoded_inlet import MAX_WAITING, EngineEncoded
 from openrois_avatar.link.media import Encoded
 from openrois_avatar.link.messages import Bitrate, Command, Demand, KeyFrame, LinkError, VideoShape
 from openrois_streaming.codecs import H264
-from openrois_streaming.encoder_video import VideoEncoder
-from openrois_streaming.source import EncodedVideo
+from openrois_streaming.publish.video_encoder import VideoEncoder
+from openrois_streaming.source.source import EncodedVideo
 
 from tests.support.streaming import VirtualClock, settle
 from tests.support.streaming import picture as raw_picture

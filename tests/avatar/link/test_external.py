@@ -15,7 +15,7 @@ from openrois_avatar.link.external import FIRST_PICTURE, ExternalEngine
 from openrois_avatar.link.messages import Demand, Hello, Idle, LinkError, Log, Pause, React, VideoShape
 from openrois_avatar.link.protocol import PixelFormat
 from openrois_avatar.link.reconnecting import connections
-from openrois_streaming.supervision import HUNG, LOOK_INTERVAL
+from openrois_streaming.source.supervision import HUNG, LOOK_INTERVAL
 
 from tests.support.avatar_link import HELLO
 from tests.support.streaming import VirtualClock, settle

@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 from openrois_avatar.link.demand import PictureDemand
 from openrois_avatar.link.inlet import MAX_AHEAD, EngineVideo, Timestamps, believed
-from openrois_streaming.source import RawVideo
+from openrois_streaming.source.source import RawVideo
 
 from tests.support.avatar_link import picture
 from tests.support.streaming import VirtualClock, settle

@@ -33,7 +33,7 @@ from openrois_avatar.link.messages import (
 from openrois_avatar.link.protocol import Audio, Doorbell, Encoded, Message, Parser, PixelFormat, Sender
 from openrois_avatar.link.server import MAX_STRANGERS, LinkServer
 from openrois_avatar.link.unheard import MAX_UNHEARD
-from openrois_streaming.source import RawAudio
+from openrois_streaming.source.source import RawAudio
 
 from tests.support.avatar_link import HELLO, picture, wire
 from tests.support.streaming import VirtualClock, settle

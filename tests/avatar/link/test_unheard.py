@@ -1,7 +1,7 @@
 import numpy as np
 from openrois_avatar.link.protocol import Audio
 from openrois_avatar.link.unheard import MAX_UNHEARD, Unheard
-from openrois_streaming.source import RawAudio
+from openrois_streaming.source.source import RawAudio
 
 
 def test_blocks_leave_in_mono_at_once_and_the_newest_after_a_pause() -> None:

@@ -22,8 +22,8 @@ from openrois_avatar.metrics.figures import (
     Source,
 )
 from openrois_avatar.sensing.figures import SenseFigures
-from openrois_streaming.receiving.receiver import ReceiverFigures
-from openrois_streaming.rendition import RenditionFigures
+from openrois_streaming.publish.rendition import RenditionFigures
+from openrois_streaming.receive.figures import ReceiverFigures
 from openrois_streaming.state import StreamStatus
 from openrois_streaming.stats import AdaptationStats, StreamStats
 from prometheus_client import Metric

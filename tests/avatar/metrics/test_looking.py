@@ -6,14 +6,14 @@ from openrois_avatar.metrics.looking import Looking
 from openrois_avatar.sensing.figures import SenseFigures
 from openrois_avatar.supervision import Supervised, seen_of
 from openrois_avatar.teleoperation.seat import Seat
-from openrois_streaming import peer as peer_module
 from openrois_streaming.errors import UnknownStream
 from openrois_streaming.network.guard import GuardFigures
-from openrois_streaming.places import SESSIONS_LIMIT
-from openrois_streaming.publisher import VideoPublisher
-from openrois_streaming.session import StreamSession
-from openrois_streaming.sessions import StreamSessions
-from openrois_streaming.source import RawVideo
+from openrois_streaming.network.places import SESSIONS_LIMIT
+from openrois_streaming.peer import peer as peer_module
+from openrois_streaming.publish.publisher import VideoPublisher
+from openrois_streaming.session.session import StreamSession
+from openrois_streaming.session.sessions import StreamSessions
+from openrois_streaming.source.source import RawVideo
 from openrois_streaming.state import StreamStatus
 
 from openrois.types.codes import ComponentStatus

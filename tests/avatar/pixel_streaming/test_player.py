@@ -12,9 +12,9 @@ from openrois_avatar.streams import AvatarStreams, Published
 from openrois_avatar.teleoperation.pilot import Pilot
 from openrois_avatar.teleoperation.seat import Seat
 from openrois_avatar.teleoperation.steering import Steering
-from openrois_streaming import peer as peer_module
-from openrois_streaming.announced import AnnouncedChannel
-from openrois_streaming.places import PlaceRules
+from openrois_streaming.network.places import PlaceRules
+from openrois_streaming.peer import peer as peer_module
+from openrois_streaming.peer.data_channel import AnnouncedChannel
 from openrois_streaming.state import Party
 
 from openrois.errors import OutOfResources

@@ -10,8 +10,8 @@ import pytest
 from openrois_avatar.teleoperation.pilot import PATIENCE, Pilot
 from openrois_avatar.teleoperation.seat import Seat
 from openrois_avatar.teleoperation.steering import STANDING, Steering
-from openrois_streaming.channels import InputSink
 from openrois_streaming.input.reader import AT_ONCE, MALFORMED_LIMIT
+from openrois_streaming.peer.input_channels import InputSink
 
 from openrois.contract import Client
 from openrois.errors import OutOfResources

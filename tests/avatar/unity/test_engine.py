@@ -20,8 +20,8 @@ from openrois_avatar.link.server import LinkServer
 from openrois_avatar.scene import external_scene
 from openrois_streaming.clock import SystemClock
 from openrois_streaming.codecs import H264
-from openrois_streaming.encoder_video import VideoEncoder
-from openrois_streaming.source import RawVideo
+from openrois_streaming.publish.video_encoder import VideoEncoder
+from openrois_streaming.source.source import RawVideo
 
 from openrois.testing import harness
 from tests.support.avatar_link import wire

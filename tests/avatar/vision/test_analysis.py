@@ -13,7 +13,7 @@ from openrois_avatar.vision.head_reader import GESTURE_REFS, HeadReader
 from openrois_avatar.vision.patterns import PatternRecognizer
 from openrois_avatar.vision.seen import Seen
 from openrois_avatar.vision.view import View
-from openrois_streaming.source import RawVideo
+from openrois_streaming.source.source import RawVideo
 
 from tests.support.people import Scene, Sitter, nodding, picture, shaking, tilting, video
 

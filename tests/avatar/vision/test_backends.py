@@ -12,7 +12,7 @@ from openrois_avatar.backends import chosen
 from openrois_avatar.vision.backends import FINDERS
 from openrois_avatar.vision.cascades import CascadeFinder
 from openrois_avatar.vision.view import View
-from openrois_streaming.source import RawVideo
+from openrois_streaming.source.source import RawVideo
 
 
 class Better(CascadeFinder):

@@ -16,7 +16,7 @@ from openrois_avatar.vision.cascades import CascadeFinder
 from openrois_avatar.vision.flow import motions
 from openrois_avatar.vision.patterns import PatternRecognizer
 from openrois_avatar.vision.view import View
-from openrois_streaming.source import PixelFormat, RawVideo
+from openrois_streaming.source.source import PixelFormat, RawVideo
 
 from tests.support.people import Sitter, nodding, picture, write_y4m
 

@@ -21,7 +21,7 @@ from openrois_avatar.vision.patterns import PatternRecognizer
 from openrois_avatar.vision.seen import Seen
 from openrois_avatar.vision.view import View
 from openrois_avatar.vision.watch import BLIND, RATE, Watch
-from openrois_streaming.source import RawVideo
+from openrois_streaming.source.source import RawVideo
 
 from tests.support.streaming import FedSource, VirtualClock, settle
 

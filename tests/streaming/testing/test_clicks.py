@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from openrois_streaming.source import SAMPLE_RATE
+from openrois_streaming.source.source import SAMPLE_RATE
 from openrois_streaming.testing.clicks import ClickFinder
 
 from tests.support.sounds import bursts

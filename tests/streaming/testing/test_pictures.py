@@ -2,7 +2,7 @@ import itertools
 from collections.abc import Iterable
 
 import pytest
-from openrois_streaming.stamp import NUMBER_MODULUS, Stamp
+from openrois_streaming.source.stamp import NUMBER_MODULUS, Stamp
 from openrois_streaming.testing.delays import Delays
 from openrois_streaming.testing.pictures import KEPT, SIZES_KEPT, PictureLog, SeenPicture
 

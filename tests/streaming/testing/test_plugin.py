@@ -4,7 +4,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from openrois_streaming.source import RawAudio, RawVideo
+from openrois_streaming.source.source import RawAudio, RawVideo
 from openrois_streaming.testing import Impairments
 from openrois_streaming.testing.plugin import MakePath, MakeSink, MakeSource
 

@@ -1,5 +1,5 @@
 import pytest
-from openrois_streaming.source import SAMPLE_RATE
+from openrois_streaming.source.source import SAMPLE_RATE
 from openrois_streaming.testing.sounds import HeardClick, SoundLog
 
 from tests.support.sounds import bursts

@@ -1,0 +1,1 @@
+"""Peer connections, their m-sections and data channels; which streams there are, `session` says."""

@@ -1,0 +1,134 @@
+"""The microphone of an application as a source: what arrives is played out in a thread while somebody reads it."""
+
+import threading
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+
+from openrois_streaming.clock import MediaClock
+from openrois_streaming.receive.decoder_audio import OpusDecoder
+from openrois_streaming.receive.handover import Handover
+from openrois_streaming.receive.playout import Block, Playout, PlayoutFigures, SoundPacket
+from openrois_streaming.receive.worker import Worker
+from openrois_streaming.source.source import SAMPLE_RATE, RawAudio
+
+_BLOCKS_WAITING = 20
+# A thread that is later than this does not catch up: what it missed is left out by the playout.
+_LATE = 0.1
+# How often it is looked whether the first packet's time has come.
+_BEGINNING = 0.001
+
+
+class AudioSource:
+    """A `MediaSource` of sound, stereo, in blocks of 10 ms at most that come at a steady pace from the first packet on.
+
+    `captured_at` turns the timestamp of a block into a capture time; it is called in the thread.
+    """
+
+    def __init__(self, clock: MediaClock, captured_at: Callable[[int, float], float]) -> None:
+        self._clock = clock
+        self._captured_at = captured_at
+        self._playing: _Playing | None = None
+        self._ended = False
+        self.decoded = 0
+        """Blocks that were played."""
+        self.dropped = 0
+        """Blocks that were not read in time."""
+
+    @asynccontextmanager
+    async def open(self) -> AsyncIterator[AsyncIterator[RawAudio]]:
+        """Play until the context is left; the iterator ends when the sender is gone for good.
+
+        Raises:
+            RuntimeError: it is open already.
+        """
+        if self._playing is not None:
+            raise RuntimeError("a source is never open twice at once")
+        blocks = Handover[RawAudio](_BLOCKS_WAITING)
+        playing = self._playing = _Playing(self, blocks)
+        try:
+            async with Worker("decode audio", playing.run, playing.stop, blocks.end):
+                if self._ended:
+                    blocks.end()
+                yield blocks
+        finally:
+            self._playing = None
+            self.dropped += blocks.lost
+
+    def offer(self, packet: SoundPacket, arrival: float) -> None:
+        """A packet that came at `arrival`, to be played if somebody reads."""
+        if self._playing is not None:
+            self._playing.offer(packet, arrival)
+
+    def end(self) -> None:
+        """No more will be offered."""
+        self._ended = True
+        if self._playing is not None:
+            self._playing.blocks.end()
+
+    @property
+    def delay(self) -> float:
+        """Seconds that the sound of now was held back; 0 while nobody reads."""
+        return 0.0 if self._playing is None else self._playing.delay
+
+    @property
+    def figures(self) -> PlayoutFigures:
+        """What is done to the sound since somebody reads it."""
+        return PlayoutFigures() if self._playing is None else self._playing.playout.figures
+
+    def now(self) -> float:
+        """The time of the media clock."""
+        return self._clock.now()
+
+    def date(self, block: Block, now: float) -> RawAudio:
+        """The block as the source yields it."""
+        self.decoded += 1
+        return RawAudio(block.samples, self._captured_at(block.timestamp, now))
+
+
+class _Playing:
+    """One opening of the source: its thread and its playout buffer."""
+
+    def __init__(self, source: AudioSource, blocks: Handover[RawAudio]) -> None:
+        self.blocks = blocks
+        self.delay = 0.0
+        self._source = source
+        # Both threads touch what follows, under this condition.
+        self._changed = threading.Condition()
+        self.playout = Playout(OpusDecoder())
+        self._arrived = self._stopping = False
+
+    def offer(self, packet: SoundPacket, arrival: float) -> None:
+        with self._changed:
+            self.playout.add(packet, arrival)
+            if not self._arrived:
+                self._arrived = True
+                self._changed.notify()
+
+    def stop(self) -> None:
+        with self._changed:
+            self._stopping = True
+            self._changed.notify()
+
+    def run(self) -> None:
+        with self._changed:
+            self._changed.wait_for(lambda: self._arrived or self._stopping)
+        due = self._source.now()
+        while self._wait_until(due):
+            now = self._source.now()
+            if now - due > _LATE:
+                due = now
+            with self._changed:
+                block = self.playout.play(due)
+                self.delay = self.playout.played_delay
+            if block is None:
+                due = now + _BEGINNING
+            else:
+                self.blocks.put(self._source.date(block, now))
+                due += len(block.samples) / SAMPLE_RATE
+
+    def _wait_until(self, due: float) -> bool:
+        """Whether to go on, when `due` has come."""
+        with self._changed:
+            while not self._stopping and (left := due - self._source.now()) > 0:
+                self._changed.wait(left)
+            return not self._stopping

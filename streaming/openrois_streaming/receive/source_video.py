@@ -1,0 +1,148 @@
+"""The camera of an application as a source: what arrives is decoded in a thread, for as long as somebody reads it."""
+
+import logging
+import threading
+from collections import deque
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from typing import NamedTuple
+
+from openrois_streaming.receive.decoder_video import UndecodablePicture, VideoDecoder
+from openrois_streaming.receive.handover import Handover
+from openrois_streaming.receive.worker import Worker
+from openrois_streaming.source.source import RawVideo
+
+WAITING_LIMIT = 16
+"""Pictures that wait to be decoded. Where there are more the decoder is too slow, and goes on with a key frame."""
+
+_log = logging.getLogger(__name__)
+
+
+class EncodedPicture(NamedTuple):
+    """A picture that can be decoded after the one before it, or by itself if it is a key frame."""
+
+    data: bytes
+    key_frame: bool
+    captured_at: float
+
+
+class VideoSource:
+    """A `MediaSource` of pictures in I420. A reader that is slower than the sender gets the newest picture.
+
+    `on_open` is called when it is opened: pictures are to be offered from then on, beginning with a key frame.
+    `on_lost` is called, from any thread, when the next picture that is offered has to be a key frame. `on_close` is
+    called when none are wanted any more.
+    """
+
+    def __init__(self, on_open: Callable[[], None], on_lost: Callable[[], None], on_close: Callable[[], None]) -> None:
+        self.mime_type = ""
+        """What the pictures that are offered next are encoded in."""
+        self.decoded = 0
+        self.dropped = 0
+        """Pictures that were not decoded, could not be, or were not read in time."""
+        self._on_open, self._on_lost, self._on_close = on_open, on_lost, on_close
+        self._decoding: _Decoding | None = None
+        self._ended = False
+
+    @asynccontextmanager
+    async def open(self) -> AsyncIterator[AsyncIterator[RawVideo]]:
+        """Decode until the context is left; the iterator ends when the sender is gone for good.
+
+        Raises:
+            RuntimeError: it is open already.
+        """
+        if self._decoding is not None:
+            raise RuntimeError("a source is never open twice at once")
+        pictures = Handover[RawVideo](1)
+        decoding = self._decoding = _Decoding(self, pictures)
+        try:
+            async with Worker("decode video", decoding.run, decoding.stop, pictures.end):
+                if self._ended:
+                    pictures.end()
+                self._on_open()
+                yield pictures
+        finally:
+            self._decoding = None
+            self.dropped += pictures.lost
+            self._on_close()
+
+    def offer(self, picture: EncodedPicture) -> None:
+        """A picture to be decoded, if somebody reads."""
+        if self._decoding is not None and not self._decoding.offer(picture, self.mime_type):
+            self._on_lost()
+
+    def end(self) -> None:
+        """No more will be offered."""
+        self._ended = True
+        if self._decoding is not None:
+            self._decoding.pictures.end()
+
+    def lost(self) -> None:
+        """Tell that a key frame is needed; from any thread."""
+        self._on_lost()
+
+
+class _Decoding:
+    """One opening of the source: its thread, and what waits for it."""
+
+    def __init__(self, source: VideoSource, pictures: Handover[RawVideo]) -> None:
+        self.pictures = pictures
+        self._source = source
+        self._sequence = 0
+        self._decoder: VideoDecoder | None = None
+        self._decodes = ""
+        # Both threads touch what follows, under this condition.
+        self._changed = threading.Condition()
+        self._waiting: deque[tuple[EncodedPicture, str]] = deque()
+        self._needs_key_frame = True
+        self._stopping = False
+
+    def offer(self, picture: EncodedPicture, mime_type: str) -> bool:
+        """Hand a picture over; whether it is of use."""
+        with self._changed:
+            if self._needs_key_frame and not picture.key_frame:
+                self._source.dropped += 1
+                return True
+            if len(self._waiting) >= WAITING_LIMIT:
+                self._source.dropped += len(self._waiting) + 1
+                self._waiting.clear()
+                self._needs_key_frame = True
+                return False
+            self._needs_key_frame = False
+            self._waiting.append((picture, mime_type))
+            self._changed.notify()
+            return True
+
+    def stop(self) -> None:
+        with self._changed:
+            self._stopping = True
+            self._changed.notify()
+
+    def run(self) -> None:
+        while (work := self._next()) is not None:
+            try:
+                self._decode(*work)
+            except UndecodablePicture as error:
+                self._fail(error)
+
+    def _next(self) -> tuple[EncodedPicture, str] | None:
+        with self._changed:
+            self._changed.wait_for(lambda: self._waiting or self._stopping)
+            return None if self._stopping else self._waiting.popleft()
+
+    def _decode(self, picture: EncodedPicture, mime_type: str) -> None:
+        if self._decoder is None or mime_type != self._decodes:
+            self._decoder, self._decodes = VideoDecoder(mime_type), mime_type
+        for data in self._decoder.decode(picture.data):
+            height, width = data.shape[0] * 2 // 3, data.shape[1]
+            self._source.decoded += 1
+            self.pictures.put(RawVideo(data, "i420", width, height, self._sequence, picture.captured_at))
+            self._sequence += 1
+
+    def _fail(self, error: UndecodablePicture) -> None:
+        _log.debug("a picture cannot be decoded: %s", error)
+        with self._changed:
+            self._source.dropped += 1 + len(self._waiting)
+            self._waiting.clear()
+            self._needs_key_frame = True
+        self._source.lost()

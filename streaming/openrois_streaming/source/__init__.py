@@ -1,0 +1,1 @@
+"""Raw frames, the contract of what makes them, and how one source serves many readers; nothing is encoded here."""
