@@ -26,7 +26,7 @@ TESTS = (
         for part in ("claims", "keys", "loopback", "principal", "revocations", "subject_quotas", "tokens")
     ),
     *(
-        f"tests/openrois/conformance/test_{part}.py"
+        f"tests/conformance_command/test_{part}.py"
         for part in ("command_ids", "manifest", "probe_engine", "strictness", "table")
     ),
     *(str(path.relative_to(ROOT)) for path in sorted((ROOT / "tests/openrois").glob("test_*.py"))),
@@ -95,7 +95,7 @@ def pure_modules() -> list[str]:
 def files_of(module: str) -> list[str]:
     """Return the patterns of a module's files: its own, and those below it if it is a package."""
     places = {"openrois_signaling": "signaling/", "openrois_streaming": "streaming/", "openrois_codegen": "codegen/"}
-    places["openrois_avatar"] = "avatar_adapter/"
+    places |= {"openrois_avatar": "avatar_adapter/", "openrois_conformance": "conformance/"}
     path = places.get(module.partition(".")[0], "") + module.replace(".", "/")
     return [f"{path}/*"] if (ROOT / path).is_dir() else [f"{path}.py"]
 

@@ -15,6 +15,7 @@ PACKAGES = (
     "streaming/openrois_streaming/",
     "avatar_adapter/openrois_avatar/",
     "web_demo/openrois_web_demo/",
+    "conformance/openrois_conformance/",
     "codegen/openrois_codegen/",
 )
 GENERATED = ("openrois/adapter/components.py", "openrois/client/components.py")

@@ -16,7 +16,7 @@ from openrois.gateway.socket import ADAPTER, APPLICATION
 
 ROOT = Path(__file__).parents[1]
 
-ELSEWHERE = ("bench", "client", "conformance", "profiles", "testing")
+ELSEWHERE = ("bench", "client", "profiles", "testing")
 """Packages that are no part of a gateway or of what an adapter is written with."""
 
 MEDIA = ("admission", "guard", "interfaces", "turns")

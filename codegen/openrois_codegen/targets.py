@@ -3,9 +3,10 @@
 from pathlib import Path
 from typing import Final
 
+from openrois_conformance.manifest import read_manifest
+from openrois_conformance.table import as_markdown
+
 from openrois.catalog.basic import BASIC_COMPONENTS
-from openrois.conformance.manifest import read_manifest
-from openrois.conformance.table import as_markdown
 from openrois.schema import VERSION
 from openrois_codegen import (
     corpus,

@@ -89,7 +89,7 @@ def test_a_gateway_needs_nothing_that_is_taken_out_of_it() -> None:
     modules = [{"opencv-python-headless": "cv2"}.get(name, name) for name in gone]
     program = (
         f"import sys; sys.modules.update(dict.fromkeys({modules!r}))\n"
-        "import openrois.gateway.command, openrois.auth.command, openrois.conformance.command, openrois.cli.__main__"
+        "import openrois.gateway.command, openrois.auth.command, openrois_conformance.command, openrois.cli.__main__"
     )
     subprocess.run([sys.executable, "-c", program], cwd=ROOT, check=True)
 

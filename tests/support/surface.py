@@ -33,7 +33,7 @@ PACKAGES: Final = (
     "openrois_streaming.testing",
 )
 """Packages whose `__all__` is promised."""
-PRODUCT: Final = ("openrois", "signaling", "streaming", "avatar_adapter", "codegen")
+PRODUCT: Final = ("openrois", "signaling", "streaming", "avatar_adapter", "conformance", "codegen")
 
 _BELOW: Final = re.compile(r"^ {4}([a-z][\w-]*)(?:  |$)", re.MULTILINE)
 """A command below another one, as argparse lists it."""
