@@ -15,6 +15,7 @@ I10 no task failed unheard, and nothing kept the loop busy for long
 import asyncio
 import gc
 import json
+import os
 import time
 from collections import Counter
 from collections.abc import AsyncIterator, Callable
@@ -351,12 +352,27 @@ def _descriptors() -> int:
 
 
 async def _watch_turns(longest: float) -> None:
-    """Look every few milliseconds at how much processor time the loop has had since the last look (I10)."""
+    """Look every few milliseconds at how much processor time the loop has had since the last look (I10).
+
+    What the host of a virtual machine takes in a turn counts as the turn's, so a turn that is too long is excused by as
+    much as was taken.
+    """
     while True:
-        began = time.thread_time()
-        await asyncio.sleep(0.002)
-        took = time.thread_time() - began
-        assert took < longest, f"the loop was busy for {took * 1000:.0f} ms without a pause (I10)"
+        taken = _taken_by_the_host()
+        # To read that takes long beside a turn.
+        for _ in range(20):
+            began = time.thread_time()
+            await asyncio.sleep(0.002)
+            took = time.thread_time() - began
+            if took >= longest:
+                took -= _taken_by_the_host() - taken
+            assert took < longest, f"the loop was busy for {took * 1000:.0f} ms without a pause (I10)"
+
+
+def _taken_by_the_host() -> float:
+    """Return for how many seconds, of all processors, others had them since this machine was started."""
+    figures = Path("/proc/stat").read_text(encoding="ascii").split(maxsplit=9)
+    return int(figures[8]) / os.sysconf("SC_CLK_TCK")
 
 
 def check_audit(path: Path, *, commands: int) -> None:
