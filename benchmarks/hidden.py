@@ -25,7 +25,7 @@ from openrois.contract import Directory
 from openrois.engine.engine import Engine
 from openrois.engine.registry import LocalRegistry
 from openrois.gateway.applications import serve_application
-from openrois.gateway.token_expiry import Tenure
+from openrois.gateway.token_expiry import TokenExpiry
 from openrois.session.session import EngineHost
 from openrois.transport.memory import memory_pair
 from openrois.types.profiles import HRIEngineProfile, RoISIdentifier
@@ -116,7 +116,7 @@ async def compare(times: int) -> dict[str, Compared]:
     async with gateway() as host:
         near, far = memory_pair()
         somebody = Principal("somebody", frozenset({Role.OPERATOR}), ("engine_00/*",))
-        serving = asyncio.ensure_future(serve_application(host, far, Tenure(somebody)))
+        serving = asyncio.ensure_future(serve_application(host, far, TokenExpiry(somebody)))
         number = 0
         for round_number in range(times):
             for method, build in ASKED.items():

@@ -12,7 +12,7 @@ from openrois.commands.stop import STOP_TIMEOUT
 from openrois.component.component import Component
 from openrois.contract import Client, Extension
 from openrois.errors import Aborted, RoISError, Unsupported
-from openrois.jsonrpc.heartbeat import Lifeline
+from openrois.jsonrpc.heartbeat import Heartbeat
 from openrois.types.codes import ComponentFunction
 from openrois.types.messages import Result
 from openrois.types.streams import HolderNotification
@@ -59,7 +59,7 @@ class DeadMan:
 
     def __init__(
         self,
-        lifeline: Lifeline,
+        lifeline: Heartbeat,
         tasks: TaskScope,
         clock: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], Awaitable[None]] = asyncio.sleep,

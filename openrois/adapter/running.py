@@ -19,7 +19,7 @@ from openrois.component.component import Component
 from openrois.contract import Extension
 from openrois.engine.engine import Engine
 from openrois.engine.registry import LocalRegistry
-from openrois.jsonrpc.heartbeat import Lifeline
+from openrois.jsonrpc.heartbeat import Heartbeat
 from openrois.observability.logs import set_up_logging
 from openrois.session.session import EngineHost
 from openrois.transport.address import adapter_url
@@ -58,7 +58,7 @@ async def hosted(
     await engine.attach(registry)
     # What runs is cancelled before anything is disconnected.
     async with connected(components), TaskScope() as tasks:
-        lifeline = Lifeline()
+        lifeline = Heartbeat()
         deadman = DeadMan(lifeline, tasks)
         registry.guard, registry.extension = deadman.guard, HolderExtension(deadman, extension)
         yield EngineHost(engine, tasks, lifeline=lifeline)

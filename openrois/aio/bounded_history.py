@@ -6,7 +6,7 @@ from typing import Final, Generic, TypeVar
 
 from openrois.types.messages import Result
 
-__all__ = ["MAX_TEXT", "RESULT_OVERHEAD", "Remembered"]
+__all__ = ["MAX_TEXT", "RESULT_OVERHEAD", "BoundedHistory"]
 
 MAX_TEXT: Final = 16 * 1024 * 1024
 """Characters of all entries together; messages are long enough to fill a memory with few entries."""
@@ -17,7 +17,7 @@ RESULT_OVERHEAD: Final = 256
 Entry = TypeVar("Entry")
 
 
-class Remembered(Generic[Entry]):
+class BoundedHistory(Generic[Entry]):
     """Entries by id; of too many, or of too much text, the oldest are forgotten.
 
     Args:

@@ -20,7 +20,7 @@ from openrois.client.rpc_call import ask, read_message
 from openrois.client.subscriptions import Asker, Subscriptions
 from openrois.jsonrpc.protocol import METHOD_NOT_FOUND
 from openrois.jsonrpc.session import NotificationHandler, RpcError, RpcSession
-from openrois.jsonrpc.token_renewal import renewing
+from openrois.jsonrpc.token_renewal import renew_token
 from openrois.transport.credentials import NO_CREDENTIALS, Credentials
 from openrois.types.leases import LEASES, LeaseState
 from openrois.types.messages import Completed, ErrorNotification, EventNotification, NoParams, ReturnResult
@@ -88,7 +88,7 @@ class Application:
     async def stay(self, session: RpcSession) -> None:
         """Keep bindings and subscriptions as they should be."""
         async with TaskScope() as tasks:
-            self._expiring = renewing(session, self._credentials, tasks)
+            self._expiring = renew_token(session, self._credentials, tasks)
             tasks.start(self._find_ends(session))
             try:
                 await self._restorer.run(session)

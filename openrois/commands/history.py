@@ -4,13 +4,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
-from openrois.aio.bounded_history import Remembered
-from openrois.commands.quota import AcceptedTogether, Allowance, CommandBudget
+from openrois.aio.bounded_history import BoundedHistory
+from openrois.commands.quota import AcceptedTogether, Allowance, CommandQuota
 from openrois.errors import BadParameter
 from openrois.types.codes import CompletedStatus
 from openrois.types.messages import Result
 
-__all__ = ["MAX_ID", "MAX_RUNNING", "MAX_RUNNING_TEXT", "STOP_RESERVE", "CommandLog"]
+__all__ = ["MAX_ID", "MAX_RUNNING", "MAX_RUNNING_TEXT", "STOP_RESERVE", "CommandHistory"]
 
 MAX_FINISHED: Final = 4096
 MAX_RUNNING: Final = 1024
@@ -33,7 +33,7 @@ class _Finished:
     reason: str
 
 
-class CommandLog:
+class CommandHistory:
     """Command ids belong to the application that chose them: two applications may use the same one.
 
     Args:
@@ -46,7 +46,7 @@ class CommandLog:
     def __init__(
         self,
         clock: Callable[[], float],
-        budget: CommandBudget,
+        budget: CommandQuota,
         most_running: int = MAX_RUNNING,
         most_text: int = MAX_RUNNING_TEXT,
     ) -> None:
@@ -55,7 +55,7 @@ class CommandLog:
         self._own = Allowance("one application", most_running, most_text)
         self._running: dict[str, str] = {}
         self._together: dict[str, AcceptedTogether] = {}
-        self._finished: Remembered[_Finished] = Remembered(max(MAX_FINISHED, most_running))
+        self._finished: BoundedHistory[_Finished] = BoundedHistory(max(MAX_FINISHED, most_running))
 
     def __contains__(self, command_id: str) -> bool:
         return command_id in self._running or command_id in self._finished

@@ -5,11 +5,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["AcceptedCommand", "AcceptedCommands"]
+__all__ = ["PendingCommand", "PendingCommands"]
 
 
 @dataclass(eq=False, slots=True)
-class AcceptedCommand:
+class PendingCommand:
     """One command.
 
     Attributes:
@@ -47,7 +47,7 @@ class AcceptedCommand:
         return bool(self.aborted) and self.task is not None and self.task.uncancel() == 0
 
 
-class AcceptedCommands:
+class PendingCommands:
     """The commands of one engine.
 
     Attributes:
@@ -58,7 +58,7 @@ class AcceptedCommands:
     def __init__(self) -> None:
         self.stops: dict[str, asyncio.Future[str]] = {}
         self.stopping: dict[str, asyncio.Future[str]] = {}
-        self._by_component: dict[str, set[AcceptedCommand]] = {}
+        self._by_component: dict[str, set[PendingCommand]] = {}
         self._sequences = 0
 
     def next_sequence(self) -> int:
@@ -66,11 +66,11 @@ class AcceptedCommands:
         self._sequences += 1
         return self._sequences
 
-    def add(self, command: AcceptedCommand) -> None:
+    def add(self, command: PendingCommand) -> None:
         """Note a command until `remove`."""
         self._by_component.setdefault(command.component_ref, set()).add(command)
 
-    def remove(self, command: AcceptedCommand) -> None:
+    def remove(self, command: PendingCommand) -> None:
         """Forget a command that has ended."""
         commands = self._by_component[command.component_ref]
         commands.remove(command)
@@ -87,7 +87,7 @@ class AcceptedCommands:
             if command.starts and command.task is None and command.sequence < before:
                 command.abort(f"{component_ref} was stopped before the turn of its start came")
 
-    def of(self, component_ref: str) -> tuple[AcceptedCommand, ...]:
+    def of(self, component_ref: str) -> tuple[PendingCommand, ...]:
         """Return the commands of a component."""
         return tuple(self._by_component.get(component_ref, ()))
 

@@ -19,7 +19,7 @@ __all__ = [
     "STOP_TEXT",
     "AcceptedTogether",
     "Allowance",
-    "CommandBudget",
+    "CommandQuota",
 ]
 
 MAX_UNFINISHED: Final = 16_384
@@ -102,7 +102,7 @@ class AcceptedTogether:
                 allowance.text -= self._text
 
 
-class CommandBudget(Allowance):
+class CommandQuota(Allowance):
     """What the unfinished commands of an engine take, whoever started them, and the share of each subject.
 
     Args:

@@ -7,7 +7,7 @@ from functools import partial
 from typing import Final
 
 from openrois.aio.tasks import TaskScope
-from openrois.commands.pending import AcceptedCommands
+from openrois.commands.pending import PendingCommands
 from openrois.engine.engine import Engine
 from openrois.errors import RoISError
 
@@ -23,7 +23,7 @@ PAUSE: Final = 0.05
 
 
 async def stop_components(
-    engine: Engine, accepted: AcceptedCommands, tasks: TaskScope, component_refs: Iterable[str], reason: str
+    engine: Engine, accepted: PendingCommands, tasks: TaskScope, component_refs: Iterable[str], reason: str
 ) -> dict[str, str]:
     """Stop components side by side; what is asked for several times before it has begun is done once.
 
@@ -51,7 +51,7 @@ async def stop_components(
 
 
 async def _stop(
-    engine: Engine, accepted: AcceptedCommands, component_ref: str, reason: str, outcome: asyncio.Future[str]
+    engine: Engine, accepted: PendingCommands, component_ref: str, reason: str, outcome: asyncio.Future[str]
 ) -> None:
     failure = ""
     try:

@@ -12,7 +12,7 @@ from openrois.catalog.payload import Payload
 from openrois.component.arguments import check_arguments
 from openrois.component.authoring.parameters import ParameterStore
 from openrois.component.authoring.reading import AuthoredType, Message, own_type, read_class
-from openrois.component.start_slot import Starts
+from openrois.component.start_slot import StartSlot
 from openrois.errors import Aborted, BadParameter, ComponentFailed, RoISError, TimedOut, Unsupported, require_usable
 from openrois.types.codes import ComponentFunction, ComponentStatus, ErrorType
 from openrois.types.messages import Argument, Result
@@ -82,7 +82,7 @@ class Component:
     __kind: ClassVar[ComponentType | None] = None
     __omitted: ClassVar[frozenset[str]] = frozenset()
     __running: int
-    __starts: Starts[tuple[Result, ...]]
+    __starts: StartSlot[tuple[Result, ...]]
     __loop: asyncio.AbstractEventLoop | None
     __report: Report
     __standing: ComponentStatus
@@ -113,7 +113,7 @@ class Component:
         self.report = _nobody_watches
         self.parameters = ParameterStore(cls.__authored.parameters)
         self.__running = 0
-        self.__starts = Starts()
+        self.__starts = StartSlot()
         self.__loop = None
         self.__standing = ComponentStatus.READY if cls.connect is Component.connect else ComponentStatus.UNINITIALIZED
         return self

@@ -7,12 +7,12 @@ from typing import Any, Generic, TypeVar
 
 from openrois.errors import Aborted
 
-__all__ = ["Starts"]
+__all__ = ["StartSlot"]
 
 T = TypeVar("T")
 
 
-class Starts(Generic[T]):
+class StartSlot(Generic[T]):
     """Runs each start once the one before it has ended, which it makes it do.
 
     Attributes:

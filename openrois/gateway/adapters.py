@@ -11,7 +11,7 @@ from openrois.errors import BadParameter, RoISError
 from openrois.gateway.heartbeat import Heartbeat
 from openrois.gateway.renewal import REFRESH, Renewal, expiring
 from openrois.gateway.sign_in import SignIns
-from openrois.gateway.token_expiry import Tenure
+from openrois.gateway.token_expiry import TokenExpiry
 from openrois.jsonrpc.session import CALL_TIMEOUT, RpcSession
 from openrois.observability.correlation import connection
 from openrois.remote.attachment import ATTACHED
@@ -36,7 +36,7 @@ async def serve_adapter(
     stream: MessageStream,
     answer_timeout: float = CALL_TIMEOUT,
     *,
-    tenure: Tenure | None = None,
+    tenure: TokenExpiry | None = None,
     renewal: Renewal | None = None,
     sign_ins: SignIns | None = None,
 ) -> StreamClosed:
@@ -53,7 +53,7 @@ async def serve_adapter(
         renewal: how that is made longer.
         sign_ins: records that it came and left.
     """
-    tenure = tenure or Tenure(LOCAL)
+    tenure = tenure or TokenExpiry(LOCAL)
     sign_ins = sign_ins or SignIns(host.audit)
     session = RpcSession(
         stream, call_timeout=answer_timeout, on_failure=host.crashed, call_latencies=host.traffic.call_latencies
@@ -98,7 +98,7 @@ async def serve_adapter(
 
 
 async def _keep_attached(
-    host: EngineHost, session: RpcSession, proxy: RemoteProxy, changed: asyncio.Event, tenure: Tenure
+    host: EngineHost, session: RpcSession, proxy: RemoteProxy, changed: asyncio.Event, tenure: TokenExpiry
 ) -> None:
     try:
         await host.engine.attach(proxy, own=False)
@@ -131,7 +131,7 @@ def _require_scope(principal: Principal, directory: Directory) -> None:
             raise BadParameter(f"{ref[:300]!r} is out of the scope of the adapter's token")
 
 
-async def _refuse(host: EngineHost, session: RpcSession, tenure: Tenure, reason: str) -> None:
+async def _refuse(host: EngineHost, session: RpcSession, tenure: TokenExpiry, reason: str) -> None:
     _log.warning("an adapter was refused: %s", reason)
     host.audit.refused(tenure.principal, "/adapter", "", reason)
     host.traffic.turn_away("profile")

@@ -12,7 +12,7 @@ from aiohttp import web
 from openrois.auth.principal import LOCAL, Principal
 from openrois.auth.refusal import Refusal, TokenRefused
 from openrois.auth.tokens import TokenVerifier
-from openrois.gateway.audit_rate import Flood
+from openrois.gateway.audit_rate import AuditRate
 from openrois.gateway.origins import OriginRules, parse_origin
 from openrois.gateway.settings import GatewaySettings
 from openrois.observability.audit import Audit
@@ -78,7 +78,7 @@ class Admission:
     def __post_init__(self) -> None:
         self._tally = Tally(_log, "refused connections")
         # Strangers, however many, do not hide who has a token, and nobody fills a disk.
-        self._floods = {known: Flood(REFUSED_AT_ONCE, REFUSED_PER_SECOND, self.clock) for known in (False, True)}
+        self._floods = {known: AuditRate(REFUSED_AT_ONCE, REFUSED_PER_SECOND, self.clock) for known in (False, True)}
 
     async def application(self, request: web.Request) -> Principal:
         """Return who wants to connect as an application.

@@ -20,11 +20,11 @@ from openrois.errors import RoISError
 from openrois.gateway.refusals import RefusalNotes
 from openrois.gateway.renewal import Renewal, expiring
 from openrois.gateway.sign_in import SignIns
-from openrois.gateway.token_expiry import Tenure
+from openrois.gateway.token_expiry import TokenExpiry
 from openrois.interfaces import base_methods, lease_methods, stream_methods
 from openrois.interfaces.enforcement import enforced
 from openrois.interfaces.operation import reply_first
-from openrois.interfaces.overload_rules import intake_rules
+from openrois.interfaces.overload_rules import queue_rules
 from openrois.jsonrpc.session import Handler, InvalidParams, Reply, RpcSession
 from openrois.observability.correlation import connection
 from openrois.observability.logs import Tally
@@ -58,7 +58,7 @@ REQUESTS_AT_ONCE: Final = 10_000
 async def serve_application(
     host: EngineHost,
     stream: MessageStream,
-    tenure: Tenure | None = None,
+    tenure: TokenExpiry | None = None,
     renewal: Renewal | None = None,
     sign_ins: SignIns | None = None,
 ) -> StreamClosed:
@@ -71,10 +71,10 @@ async def serve_application(
         renewal: how that is made longer.
         sign_ins: records that it came and left.
     """
-    tenure = tenure or Tenure(LOCAL)
+    tenure = tenure or TokenExpiry(LOCAL)
     sign_ins = sign_ins or SignIns(host.audit)
     rate = RateLimit(REQUESTS_AT_ONCE, REQUESTS_PER_SECOND, time.monotonic)
-    session = RpcSession(stream, rules=intake_rules(rate), latencies=host.traffic.latencies)
+    session = RpcSession(stream, rules=queue_rules(rate), latencies=host.traffic.latencies)
     signaling = _Signaling(host)
     app = ApplicationSession(
         host, session.notify, passes=signaling.passes, left=signaling.forget_peers, principal=tenure.principal

@@ -4,10 +4,10 @@ from collections.abc import Callable
 
 from openrois.aio.rate import RateLimit
 
-__all__ = ["Flood"]
+__all__ = ["AuditRate"]
 
 
-class Flood:
+class AuditRate:
     """Records of one kind.
 
     Args:

@@ -20,17 +20,17 @@ from openrois.gateway.reloading import Reloader
 from openrois.gateway.renewal import Renewal
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.sign_in import SignIns
-from openrois.gateway.token_expiry import Tenures
+from openrois.gateway.token_expiry import TokenExpiries
 from openrois.observability.audit import Audit
 
-__all__ = ["Entrance"]
+__all__ = ["AuthSetup"]
 
 _LONGEST_LIST: Final = 16 << 20
 """Characters of a list of revocations."""
 
 
 @dataclass(frozen=True, slots=True)
-class Entrance:
+class AuthSetup:
     """The way into a gateway.
 
     Attributes:
@@ -43,7 +43,7 @@ class Entrance:
     """
 
     admission: Admission
-    tenures: Tenures
+    tenures: TokenExpiries
     renewal: Renewal
     sign_ins: SignIns
     certificate: Certificate | None
@@ -57,7 +57,7 @@ class Entrance:
         tasks: TaskScope,
         turned_away: Callable[[str], None],
         clock: Callable[[], float] = time.time,
-    ) -> "Entrance":
+    ) -> "AuthSetup":
         """Read keys and lists and begin to watch them, and everyone who is let in.
 
         Args:
@@ -80,7 +80,7 @@ class Entrance:
         if settings.tls_cert is not None and settings.tls_key is not None:
             certificate = Certificate(settings.tls_cert, settings.tls_key, clock)
             reloader.add((settings.tls_cert, settings.tls_key), certificate.load, "the certificate")
-        tenures = Tenures(clock, revoked.covers, audit, tasks)
+        tenures = TokenExpiries(clock, revoked.covers, audit, tasks)
         tasks.start(reloader.run())
         tasks.start(tenures.watch())
         admission = Admission(origin_rules(settings), verifier, audit, turned_away)

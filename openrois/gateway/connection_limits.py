@@ -8,7 +8,7 @@ from typing import Final
 
 from aiohttp import web
 
-__all__ = ["ENTERING", "MAX_ADAPTERS", "MAX_APPLICATIONS", "MAX_PER_ADDRESS", "Places"]
+__all__ = ["ENTERING", "MAX_ADAPTERS", "MAX_APPLICATIONS", "MAX_PER_ADDRESS", "ConnectionLimits"]
 
 MAX_APPLICATIONS: Final = 8192
 """Applications at a time; one more is answered 503."""
@@ -28,7 +28,7 @@ async def _at_once() -> None:
     """Wait for nothing."""
 
 
-class Places:
+class ConnectionLimits:
     """The places of one gateway.
 
     Args:

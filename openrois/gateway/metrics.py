@@ -12,10 +12,10 @@ from prometheus_client.core import HistogramMetricFamily, Metric
 from openrois.aio.loop_lag import LoopLag
 from openrois.auth.jwks import KeySetCache
 from openrois.auth.keys import KeySource
-from openrois.gateway.connection_limits import MAX_ADAPTERS, MAX_APPLICATIONS, Places
+from openrois.gateway.connection_limits import MAX_ADAPTERS, MAX_APPLICATIONS, ConnectionLimits
 from openrois.gateway.encryption import Certificate
 from openrois.gateway.reloading import Reloader
-from openrois.http_limits.header_timeout import Heads
+from openrois.http_limits.header_timeout import HeaderTimeouts
 from openrois.jsonrpc.connection_stats import Seen
 from openrois.jsonrpc.latencies import BOUNDS, Latencies
 from openrois.metrics.exposition import families, written
@@ -240,7 +240,7 @@ LAG: Final[tuple[Figure[LoopLag], ...]] = (
     ),
 )
 
-HEADS: Final[tuple[Figure[Heads], ...]] = (
+HEADS: Final[tuple[Figure[HeaderTimeouts], ...]] = (
     Figure(
         "openrois_gateway_silent_connections",
         "gauge",
@@ -255,7 +255,7 @@ HEADS: Final[tuple[Figure[Heads], ...]] = (
     ),
 )
 
-PLACES: Final[tuple[Figure[Places], ...]] = (
+PLACES: Final[tuple[Figure[ConnectionLimits], ...]] = (
     Figure(
         "openrois_gateway_entering_connections",
         "gauge",
@@ -353,8 +353,8 @@ class Sources:
 
     host: EngineHost
     lag: LoopLag
-    heads: Heads
-    places: Places
+    heads: HeaderTimeouts
+    places: ConnectionLimits
     keys: KeySource | None
     reloader: Reloader
     certificate: Certificate | None

@@ -5,7 +5,7 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
-from openrois.gateway.audit_rate import Flood
+from openrois.gateway.audit_rate import AuditRate
 from openrois.gateway.renewal import REFRESH
 from openrois.session.session import ApplicationSession
 from openrois.types.codes import ReturnCode
@@ -37,7 +37,7 @@ class RefusalNotes:
 
     def __init__(self, app: ApplicationSession, clock: Callable[[], float] = time.monotonic) -> None:
         self._app = app
-        self._flood = Flood(REFUSALS_AT_ONCE, REFUSALS_PER_SECOND, clock)
+        self._flood = AuditRate(REFUSALS_AT_ONCE, REFUSALS_PER_SECOND, clock)
 
     def note(self, method: str, params: Mapping[str, Any], result: Any, reason: str) -> None:
         """Record that a call was refused, if its result is a refusal and no failure.

@@ -7,7 +7,7 @@ from openrois.auth.principal import Principal
 from openrois.auth.refusal import Refusal, TokenRefused
 from openrois.auth.tokens import TokenVerifier
 from openrois.errors import BadParameter, Unsupported
-from openrois.gateway.token_expiry import Tenure
+from openrois.gateway.token_expiry import TokenExpiry
 from openrois.interfaces.operation import operation
 from openrois.jsonrpc.session import Handler
 from openrois.observability.audit import Audit
@@ -33,7 +33,7 @@ class Renewal:
         self._audit = audit
 
     def method(
-        self, tenure: Tenure, fits: Callable[[Principal], bool], refused: Callable[[str], None]
+        self, tenure: TokenExpiry, fits: Callable[[Principal], bool], refused: Callable[[str], None]
     ) -> dict[str, Handler]:
         """Return the method for one connection.
 

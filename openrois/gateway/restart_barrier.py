@@ -8,7 +8,7 @@ from typing import Final
 
 from openrois.session.session import EngineHost
 
-__all__ = ["Returning"]
+__all__ = ["RestartBarrier"]
 
 _log = logging.getLogger(__name__)
 
@@ -16,7 +16,7 @@ RETURN_TIME: Final = 3.0
 """Seconds that they have: an adapter looks for its gateway at least every second."""
 
 
-class Returning:
+class RestartBarrier:
     """The engines that the journal knows of, and those that are there now.
 
     Args:

@@ -28,18 +28,18 @@ from openrois.errors import OutOfResources
 from openrois.gateway.adapters import serve_adapter
 from openrois.gateway.admission import guard
 from openrois.gateway.applications import serve_application
-from openrois.gateway.auth_setup import Entrance
-from openrois.gateway.connection_limits import Places
+from openrois.gateway.auth_setup import AuthSetup
+from openrois.gateway.connection_limits import ConnectionLimits
 from openrois.gateway.draining import RETRY_AFTER, Drain
 from openrois.gateway.ice import IceServers
 from openrois.gateway.metrics import Sources, figures
 from openrois.gateway.page import page_response
-from openrois.gateway.restart_barrier import Returning
+from openrois.gateway.restart_barrier import RestartBarrier
 from openrois.gateway.settings import GatewaySettings
 from openrois.gateway.socket import ADAPTER, APPLICATION, ServerSocket, SocketProfile
 from openrois.gateway.stalling import Stalling
-from openrois.gateway.token_expiry import Tenure
-from openrois.http_limits.header_timeout import OPTIONS, Heads
+from openrois.gateway.token_expiry import TokenExpiry
+from openrois.http_limits.header_timeout import OPTIONS, HeaderTimeouts
 from openrois.http_limits.http_connection import HttpConnection
 from openrois.http_limits.tcp_server import serving_tcp
 from openrois.journal.journal import Journal
@@ -121,17 +121,17 @@ async def run_gateway(
             unread=UnreadBudget(settings.unread),
             quotas=SubjectQuotas(settings.subject_connections, settings.subject_sessions, settings.subject_streams),
         )
-        entrance = Entrance.open(settings, audit, tasks, host.traffic.turn_away)
+        entrance = AuthSetup.open(settings, audit, tasks, host.traffic.turn_away)
         readiness = Readiness()
         readiness.require("time: it is draining", lambda: not host.draining)
         readiness.require("audit trail", lambda: audit.is_kept)
         readiness.require("journal", lambda: not journal.failing)
         if (verifier := entrance.admission.verifier) is not None:
             readiness.require("keys for tokens", verifier.keys.is_usable)
-        heads = Heads(host.traffic.turn_away, settings.silent, settings.silent_per_address)
-        returning = Returning(host)
+        heads = HeaderTimeouts(host.traffic.turn_away, settings.silent, settings.silent_per_address)
+        returning = RestartBarrier(host)
         readiness.require("adapters: those of before the restart", lambda: returning.is_over)
-        places = Places(host.traffic.turn_away, settings.per_address, returning.wait)
+        places = ConnectionLimits(host.traffic.turn_away, settings.per_address, returning.wait)
         readiness.require("room for connections", lambda: not places.is_full)
         server = _Server(settings, host, entrance, places, heads, readiness, application, adapter)
         runner = web.AppRunner(server.app, shutdown_timeout=_SHUTDOWN_TIMEOUT)
@@ -168,9 +168,9 @@ class _Server:
         self,
         settings: GatewaySettings,
         host: EngineHost,
-        entrance: Entrance,
-        places: Places,
-        heads: Heads,
+        entrance: AuthSetup,
+        places: ConnectionLimits,
+        heads: HeaderTimeouts,
         readiness: Readiness,
         application: SocketProfile,
         adapter: SocketProfile,
@@ -193,7 +193,7 @@ class _Server:
 
     async def _page_or_application(self, request: web.Request) -> web.StreamResponse:
         if _wants_websocket(request):
-            tenure = Tenure(await self._entrance.admission.application(request), address=request.remote or "")
+            tenure = TokenExpiry(await self._entrance.admission.application(request), address=request.remote or "")
             return await self._serve(
                 request,
                 self._application_profile,
@@ -210,7 +210,7 @@ class _Server:
         return page_response(path)
 
     @contextmanager
-    def _place_of_application(self, tenure: Tenure) -> Iterator[None]:
+    def _place_of_application(self, tenure: TokenExpiry) -> Iterator[None]:
         with ExitStack() as stack:
             stack.enter_context(self._places.of_application(tenure.address))
             if tenure.principal is not LOCAL:
@@ -230,7 +230,7 @@ class _Server:
     async def _adapter(self, request: web.Request) -> web.StreamResponse:
         if not _wants_websocket(request):
             raise web.HTTPUpgradeRequired(text="adapters connect here by WebSocket\n")
-        tenure = Tenure(await self._entrance.admission.adapter(request), address=request.remote or "")
+        tenure = TokenExpiry(await self._entrance.admission.adapter(request), address=request.remote or "")
         return await self._serve(
             request,
             self._adapter_profile,
@@ -251,7 +251,7 @@ class _Server:
         self,
         request: web.Request,
         profile: SocketProfile,
-        tenure: Tenure,
+        tenure: TokenExpiry,
         place: AbstractContextManager[None],
         entering: AbstractAsyncContextManager[None],
         serve: Callable[[MessageStream], Awaitable[object]],

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from openrois.auth.principal import Principal
-from openrois.gateway.audit_rate import Flood
+from openrois.gateway.audit_rate import AuditRate
 from openrois.observability.audit import Audit
 
 __all__ = ["SignIns", "Visit"]
@@ -40,8 +40,8 @@ class SignIns:
 
     def __init__(self, audit: Audit, clock: Callable[[], float] = time.monotonic) -> None:
         self._audit = audit
-        self._in = Flood(RECORDED_AT_ONCE, RECORDED_PER_SECOND, clock, "sign-ins")
-        self._out = Flood(RECORDED_AT_ONCE, RECORDED_PER_SECOND, clock, "sign-outs")
+        self._in = AuditRate(RECORDED_AT_ONCE, RECORDED_PER_SECOND, clock, "sign-ins")
+        self._out = AuditRate(RECORDED_AT_ONCE, RECORDED_PER_SECOND, clock, "sign-outs")
 
     @contextmanager
     def visit(self, principal: Principal, path: str, address: str) -> Iterator[Visit]:

@@ -12,7 +12,7 @@ from openrois.auth.principal import Principal
 from openrois.auth.refusal import Refusal
 from openrois.observability.audit import Audit
 
-__all__ = ["TOKEN_ENDED", "Tenure", "Tenures"]
+__all__ = ["TOKEN_ENDED", "TokenExpiries", "TokenExpiry"]
 
 _log = logging.getLogger(__name__)
 
@@ -37,7 +37,7 @@ class Closing(Protocol):
 
 
 @dataclass(eq=False)
-class Tenure:
+class TokenExpiry:
     """What one connection is allowed, and for how long.
 
     Attributes:
@@ -63,7 +63,7 @@ class Tenure:
         self.on_principal(principal)
 
 
-class Tenures:
+class TokenExpiries:
     """Every connection that there is.
 
     Args:
@@ -87,11 +87,11 @@ class Tenures:
         self._audit = audit
         self._tasks = tasks
         self._sleep = sleep
-        self._connections: dict[Tenure, Closing] = {}
+        self._connections: dict[TokenExpiry, Closing] = {}
         self.ended = 0
 
     @contextmanager
-    def holding(self, tenure: Tenure, connection: Closing) -> Iterator[None]:
+    def holding(self, tenure: TokenExpiry, connection: Closing) -> Iterator[None]:
         """Watch a connection while the block runs."""
         self._connections[tenure] = connection
         try:
@@ -122,7 +122,7 @@ class Tenures:
             return Refusal.EXPIRED
         return Refusal.REVOKED if self._is_revoked(principal) else None
 
-    def _end(self, tenure: Tenure, reason: Refusal) -> None:
+    def _end(self, tenure: TokenExpiry, reason: Refusal) -> None:
         former, connection = tenure.principal, self._connections.pop(tenure)
         self.ended += 1
         self._audit.refused(former, "session", "", reason.value)

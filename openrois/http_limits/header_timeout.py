@@ -14,7 +14,7 @@ from aiohttp.typedefs import Middleware
 
 from openrois.observability.http_log import HTTP_LOG
 
-__all__ = ["HEAD_TIMEOUT", "MAX_SILENT", "MAX_SILENT_PER_ADDRESS", "OPTIONS", "Connection", "Heads"]
+__all__ = ["HEAD_TIMEOUT", "MAX_SILENT", "MAX_SILENT_PER_ADDRESS", "OPTIONS", "Connection", "HeaderTimeouts"]
 
 HEAD_TIMEOUT: Final = 10.0
 """Seconds from the accepted connection, or the last answer on it, to the end of a request's head; the TLS handshake
@@ -53,7 +53,7 @@ class _Waiting:
     room: int = MAX_HEAD
 
 
-class Heads:
+class HeaderTimeouts:
     """The connections of one port, and those of them whose next request has not come.
 
     Args:
@@ -186,7 +186,7 @@ class Connection(web.RequestHandler):
 
     __slots__ = ("_heads", "address", "unopened")
 
-    def __init__(self, manager: web.Server, heads: Heads, address: str, **options: Any) -> None:
+    def __init__(self, manager: web.Server, heads: HeaderTimeouts, address: str, **options: Any) -> None:
         super().__init__(manager, **options)
         self._heads = heads
         self.address = address

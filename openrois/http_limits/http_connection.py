@@ -6,7 +6,7 @@ from typing import Any, Final, Protocol
 
 from aiohttp import WSCloseCode, web
 
-from openrois.http_limits.header_timeout import Connection, Heads
+from openrois.http_limits.header_timeout import Connection, HeaderTimeouts
 from openrois.http_limits.websocket_frames import FrameRules
 
 __all__ = ["HttpConnection"]
@@ -27,7 +27,7 @@ class HttpConnection(Connection):
 
     rules: FrameRules
 
-    def __init__(self, manager: web.Server, heads: Heads, address: str, **options: Any) -> None:
+    def __init__(self, manager: web.Server, heads: HeaderTimeouts, address: str, **options: Any) -> None:
         super().__init__(manager, heads, address, **options)
         # An upgrade that is refused leaves a connection that takes heads.
         self._takes_frames = False

@@ -10,7 +10,7 @@ from contextlib import ExitStack, asynccontextmanager
 from typing import Final
 
 from openrois.aio.tasks import TaskScope
-from openrois.http_limits.header_timeout import HEAD_TIMEOUT, Connection, Heads
+from openrois.http_limits.header_timeout import HEAD_TIMEOUT, Connection, HeaderTimeouts
 from openrois.observability.logs import Tally
 
 __all__ = ["serving_tcp"]
@@ -36,7 +36,7 @@ _CUT_TIMEOUT: Final = 1.0
 async def serving_tcp(
     host: str,
     port: int,
-    heads: Heads,
+    heads: HeaderTimeouts,
     connection: Callable[[str], Connection],
     context: ssl.SSLContext | None = None,
 ) -> AsyncIterator[int]:
@@ -87,7 +87,7 @@ class _Accepting:
 
     def __init__(
         self,
-        heads: Heads,
+        heads: HeaderTimeouts,
         connection: Callable[[str], Connection],
         context: ssl.SSLContext | None,
         opening: TaskScope,

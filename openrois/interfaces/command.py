@@ -8,7 +8,7 @@ from functools import partial
 from typing import Final
 
 from openrois.commands.history import MAX_ID, STOP_RESERVE
-from openrois.commands.pending import AcceptedCommand
+from openrois.commands.pending import PendingCommand
 from openrois.commands.sequence import commands_of, run_sequence, size_of
 from openrois.component.arguments import check_arguments
 from openrois.engine.condition import parse_condition
@@ -83,7 +83,7 @@ class _Commands:
 
     def __init__(self, app: ApplicationSession) -> None:
         self._app = app
-        self._accepted: dict[str, AcceptedCommand] = {}
+        self._accepted: dict[str, PendingCommand] = {}
         self._unreplied: set[str] = set()
         self._sequences: dict[str, _Sequence] = {}
 
@@ -163,7 +163,7 @@ class _Commands:
         self._sequences |= dict.fromkeys(commands, _Sequence(len(units)))
         for unit in units:
             starts = unit.command_type == "start"
-            command = AcceptedCommand(unit.component_ref, app, partial(self._end_early, unit), sequence, starts)
+            command = PendingCommand(unit.component_ref, app, partial(self._end_early, unit), sequence, starts)
             self._accepted[unit.command_id] = command
             app.host.accepted.add(command)
         self._unreplied.update(commands)

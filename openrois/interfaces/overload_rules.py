@@ -9,12 +9,12 @@ from typing import Any, Final
 
 from openrois.aio.rate import RateLimit
 from openrois.jsonrpc.protocol import Request
-from openrois.jsonrpc.request_queue import IntakeRules
+from openrois.jsonrpc.request_queue import QueueRules
 from openrois.types.codes import ReturnCode
 from openrois.types.messages import ReturnResult
 from openrois.types.methods import METHODS
 
-__all__ = ["intake_rules", "is_stop", "is_urgent", "meant", "named", "refusal"]
+__all__ = ["is_stop", "is_urgent", "meant", "named", "queue_rules", "refusal"]
 
 MAX_UNITS: Final = 64
 """Commands of a sequence that may pass others, if all of them are `stop`."""
@@ -28,9 +28,9 @@ _ACTING: Final = frozenset({_EXECUTE, "rois.command.set_parameter", "rois.comman
 _RESULTS: Final = {method.name: method.result for method in METHODS}
 
 
-def intake_rules(rate: RateLimit | None = None) -> IntakeRules:
+def queue_rules(rate: RateLimit | None = None) -> QueueRules:
     """Return the rules of a connection that speaks RoIS."""
-    return IntakeRules(is_urgent, meant, named, refusal, rate)
+    return QueueRules(is_urgent, meant, named, refusal, rate)
 
 
 def refusal(method: str) -> ReturnResult | None:

@@ -5,7 +5,7 @@ from typing import Final
 
 from openrois.engine.condition import Condition
 from openrois.errors import BadParameter, Unsupported
-from openrois.scope.scoped_engine import VisibleEngine
+from openrois.scope.scoped_engine import ScopedEngine
 from openrois.types.profiles import HRIComponentProfile
 
 __all__ = ["COMPONENT_PROPERTIES", "matching", "the_one"]
@@ -14,7 +14,7 @@ COMPONENT_PROPERTIES: Final = frozenset({"component_ref", "component_type"})
 """The properties of a component that a condition can ask for; `component_type` is the URN of authority and code."""
 
 
-def matching(engine: VisibleEngine, condition: Condition) -> list[str]:
+def matching(engine: ScopedEngine, condition: Condition) -> list[str]:
     """Return the refs of the components that satisfy a condition, in the order of the profile."""
     profiles = engine.directory.component_profiles
     named = condition.value_of("component_ref")
@@ -28,7 +28,7 @@ def matching(engine: VisibleEngine, condition: Condition) -> list[str]:
     ]
 
 
-def the_one(engine: VisibleEngine, condition: Condition, declares: Callable[[HRIComponentProfile], bool]) -> str:
+def the_one(engine: ScopedEngine, condition: Condition, declares: Callable[[HRIComponentProfile], bool]) -> str:
     """Return the ref of the only component that satisfies a condition and declares a message.
 
     Raises:

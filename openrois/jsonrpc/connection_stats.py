@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from openrois.jsonrpc.latencies import Latencies
 from openrois.jsonrpc.session import RpcSession
 
-__all__ = ["Seen", "Traffic"]
+__all__ = ["ConnectionStats", "Seen"]
 
 
 @dataclass(slots=True)
@@ -72,7 +72,7 @@ class Seen:
         self.subscriptions += subscriptions
 
 
-class Traffic:
+class ConnectionStats:
     """The connections of all kinds.
 
     Attributes:

@@ -6,7 +6,7 @@ from typing import Final
 
 from openrois.aio.listeners import Listeners
 
-__all__ = ["ALIVE", "INTERVAL", "WATCH", "Lifeline"]
+__all__ = ["ALIVE", "INTERVAL", "WATCH", "Heartbeat"]
 
 ALIVE: Final = "openrois.alive"
 """Notification of a gateway to its adapter: it is there. Without params."""
@@ -18,7 +18,7 @@ INTERVAL: Final = 0.1
 """Seconds between two signs of life."""
 
 
-class Lifeline:
+class Heartbeat:
     """The adapter's end.
 
     Args:

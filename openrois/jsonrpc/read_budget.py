@@ -5,7 +5,7 @@ from collections.abc import Awaitable, Callable
 from time import perf_counter
 from typing import Final, NoReturn
 
-__all__ = ["FAIR_SHARE", "FAIR_TEXT", "FAIR_TIME", "fair_share", "take_fairly"]
+__all__ = ["FAIR_SHARE", "FAIR_TEXT", "FAIR_TIME", "fair_share", "read_fairly"]
 
 FAIR_SHARE: Final = 64
 """Messages of one connection that are taken in a row at most; then others have their turn."""
@@ -17,7 +17,7 @@ FAIR_TIME: Final = 0.01
 """Seconds that a turn of the loop may take until fewer are taken in a row: some cost a thousand times others."""
 
 
-async def take_fairly(receive: Callable[[], Awaitable[str]], take: Callable[[str], None]) -> NoReturn:
+async def read_fairly(receive: Callable[[], Awaitable[str]], take: Callable[[str], None]) -> NoReturn:
     """Take messages for ever.
 
     Args:

@@ -9,7 +9,7 @@ from typing import Any, Final
 from openrois.aio.rate import RateLimit
 from openrois.jsonrpc.protocol import Request
 
-__all__ = ["MAX_RUNNING_REQUESTS", "Intake", "IntakeRules"]
+__all__ = ["MAX_RUNNING_REQUESTS", "QueueRules", "RequestQueue"]
 
 MAX_RUNNING_REQUESTS: Final = 256
 """Requests of one connection that run at a time."""
@@ -25,7 +25,7 @@ MAX_URGENT_REQUESTS: Final = 64
 
 
 @dataclass(frozen=True, slots=True)
-class IntakeRules:
+class QueueRules:
     """What is special about the requests of a connection.
 
     Attributes:
@@ -56,7 +56,7 @@ class _Waiting:
         return self.named is not None and (not meant or not self.named or not self.named.isdisjoint(meant))
 
 
-class Intake:
+class RequestQueue:
     """The requests of one connection.
 
     Args:
@@ -73,7 +73,7 @@ class Intake:
         self,
         start: Callable[[Request, Callable[[], None]], object],
         refuse: Callable[[Request, str], None],
-        rules: IntakeRules,
+        rules: QueueRules,
     ) -> None:
         self._start = start
         self._refuse = refuse

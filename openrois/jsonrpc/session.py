@@ -23,8 +23,8 @@ from openrois.jsonrpc.handler import Handler, InvalidParams, NotificationHandler
 from openrois.jsonrpc.latencies import Latencies
 from openrois.jsonrpc.outbox import Outbox, OutboxOverflow
 from openrois.jsonrpc.protocol import Peer, RequestId
-from openrois.jsonrpc.read_budget import take_fairly
-from openrois.jsonrpc.request_queue import Intake, IntakeRules
+from openrois.jsonrpc.read_budget import read_fairly
+from openrois.jsonrpc.request_queue import QueueRules, RequestQueue
 from openrois.jsonrpc.writing import Writer
 from openrois.observability import correlation
 from openrois.observability.logs import Tally
@@ -91,7 +91,7 @@ class RpcSession:
     on_failure: Callable[[str], None] = lambda _what: None
     explain: Callable[[RequestId, str], None] = lambda _request_id, _reason: None
     on_refusal: Callable[[str, Mapping[str, Any], Any, str], None] = lambda _method, _params, _result, _reason: None
-    rules: IntakeRules = field(default_factory=IntakeRules)
+    rules: QueueRules = field(default_factory=QueueRules)
     latencies: Latencies | None = None
     call_latencies: Latencies | None = None
     peer: str = ""
@@ -108,7 +108,7 @@ class RpcSession:
         self._closed: StreamClosed | None = None
         self._reading: asyncio.Timeout | None = None
         self._answered = 0
-        self.intake = Intake(
+        self.intake = RequestQueue(
             lambda request, over: self._tasks.create_task(self._serve(request, over)), self._turn_away, self.rules
         )
 
@@ -179,7 +179,7 @@ class RpcSession:
         """Take messages until the connection ends, or `end` ends it."""
         try:
             async with asyncio.timeout(None) as self._reading:
-                await take_fairly(self.stream.receive, self._take)
+                await read_fairly(self.stream.receive, self._take)
         except TimeoutError:
             if self._closed is None:
                 raise

@@ -10,7 +10,7 @@ from openrois.jsonrpc.session import NotificationHandler, RpcError, RpcSession, 
 from openrois.transport.credentials import Credentials
 from openrois.types.access import AuthExpiringNotification
 
-__all__ = ["renewing"]
+__all__ = ["renew_token"]
 
 _log = logging.getLogger(__name__)
 
@@ -22,7 +22,7 @@ ATTEMPTS: Final = 6
 _ENOUGH: Final = 60
 
 
-def renewing(
+def renew_token(
     session: RpcSession,
     credentials: Credentials,
     tasks: TaskScope,

@@ -1,9 +1,9 @@
 """Fencing: where two gateways believe to be in charge of one adapter, the one with the earlier holder is refused."""
 
-__all__ = ["Fence"]
+__all__ = ["EpochFence"]
 
 
-class Fence:
+class EpochFence:
     """The epochs of holders, as the parents of an engine told them; a parent that has gone counts no more."""
 
     def __init__(self) -> None:

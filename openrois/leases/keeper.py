@@ -7,12 +7,12 @@ from typing import Final
 
 from openrois.aio.tasks import TaskScope
 from openrois.auth.principal import Principal
-from openrois.commands.pending import AcceptedCommands
+from openrois.commands.pending import PendingCommands
 from openrois.commands.stop import stop_components
 from openrois.engine.engine import Engine
 from openrois.leases.alarm import Alarm
 from openrois.leases.changes import Change, Gained, Lost, Queued, Why
-from openrois.leases.lease_notifications import SENTENCES, Holder, Telling, session_of
+from openrois.leases.lease_notifications import SENTENCES, Holder, LeaseNotifications, session_of
 from openrois.leases.model import LeaseModel, Replayed, Rules
 
 __all__ = ["LeaseKeeper"]
@@ -45,7 +45,7 @@ class LeaseKeeper:
         self,
         engine: Engine,
         tasks: TaskScope,
-        accepted: AcceptedCommands,
+        accepted: PendingCommands,
         *,
         rules: Rules | None = None,
         first_epoch: int = 1,
@@ -61,7 +61,7 @@ class LeaseKeeper:
         self._engine = engine
         self._tasks = tasks
         self._accepted = accepted
-        self.telling = Telling(self.model, engine, tasks, clock)
+        self.telling = LeaseNotifications(self.model, engine, tasks, clock)
         self._clearing: dict[str, asyncio.Task[None]] = {}
         self._alarm = Alarm(self._advance, tasks, clock, sleep)
         self._now = clock

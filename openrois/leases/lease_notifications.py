@@ -1,4 +1,4 @@
-"""Telling of leases: sessions how things stand as they see it, adapters who holds what."""
+"""Tells of leases: sessions how things stand as they see it, adapters who holds what."""
 
 import asyncio
 from collections.abc import Callable, Mapping
@@ -9,7 +9,7 @@ from openrois.auth.principal import Principal
 from openrois.contract import Client
 from openrois.engine.engine import Engine
 from openrois.leases.changes import Asked, Declined, Why, Withdrawn
-from openrois.leases.lease_notify import tell_holder
+from openrois.leases.lease_notify import notify_holder
 from openrois.leases.model import LeaseModel
 from openrois.types.leases import (
     LeaseChangedNotification,
@@ -21,7 +21,7 @@ from openrois.types.leases import (
 )
 from openrois.types.streams import HolderNotification
 
-__all__ = ["SENTENCES", "Holder", "Telling", "session_of"]
+__all__ = ["SENTENCES", "Holder", "LeaseNotifications", "session_of"]
 
 SENTENCES: Final[Mapping[Why, str]] = {
     Why.BOUND: "it was free",
@@ -55,7 +55,7 @@ class Holder(Protocol):
         ...
 
 
-class Telling:
+class LeaseNotifications:
     """Tells of the leases of one engine.
 
     Args:
@@ -100,7 +100,7 @@ class Telling:
     def adapter(self, component_ref: str, holder: Holder, epoch: int, *, holds: bool) -> None:
         """Tell the adapter of a component whether somebody holds it."""
         told = HolderNotification(component_ref=component_ref, holds=holds, epoch=epoch)
-        self._tasks.start(tell_holder(self._engine, told, holder.client))
+        self._tasks.start(notify_holder(self._engine, told, holder.client))
 
     def of_request(self, change: Asked | Declined | Withdrawn) -> None:
         """Tell the holder, or who asks, what became of a request."""

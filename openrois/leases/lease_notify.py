@@ -7,12 +7,12 @@ from openrois.engine.engine import Engine
 from openrois.errors import RoISError
 from openrois.types.streams import HolderNotification
 
-__all__ = ["tell_holder"]
+__all__ = ["notify_holder"]
 
 _log = logging.getLogger(__name__)
 
 
-async def tell_holder(engine: Engine, told: HolderNotification, client: Client) -> None:
+async def notify_holder(engine: Engine, told: HolderNotification, client: Client) -> None:
     """Tell the engine of a component whether `client` holds it; one that does not want to know is left alone."""
     try:
         await engine.extension.call(told.method, told.model_dump(mode="json"), client)

@@ -11,7 +11,7 @@ from typing import Final
 
 from aiohttp import web
 
-from openrois.http_limits.header_timeout import OPTIONS, Connection, Heads
+from openrois.http_limits.header_timeout import OPTIONS, Connection, HeaderTimeouts
 from openrois.http_limits.tcp_server import serving_tcp
 
 __all__ = ["LOOPBACK", "MetricsUnavailable", "metrics_address", "serving_metrics"]
@@ -65,7 +65,7 @@ async def serving_metrics(
     """
     one_at_a_time = asyncio.Lock()
     scrapes = 0
-    heads = Heads(turned_away)
+    heads = HeaderTimeouts(turned_away)
 
     async def answer(request: web.Request) -> web.Response:
         shown = request.headers.get("Authorization", "")

@@ -6,7 +6,7 @@ import secrets
 from collections.abc import Callable
 from typing import Any, Final
 
-from openrois.aio.bounded_history import Remembered
+from openrois.aio.bounded_history import BoundedHistory
 from openrois.commands.history import MAX_ID
 from openrois.errors import Aborted
 from openrois.observability.logs import Tally
@@ -65,7 +65,7 @@ class RemoteCommands:
         self.strays = Tally(_log, "ends of commands that are not waited for")
         self._running: dict[str, RemoteCommand] = {}
         self._unsent: set[RemoteCommand] = set()
-        self._used: Remembered[None] = Remembered(MAX_USED, MAX_USED_TEXT)
+        self._used: BoundedHistory[None] = BoundedHistory(MAX_USED, MAX_USED_TEXT)
 
     def __contains__(self, command_id: str) -> bool:
         return command_id in self._running

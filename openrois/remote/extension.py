@@ -12,7 +12,7 @@ from openrois.errors import ComponentFailed
 from openrois.jsonrpc.outbox import Outbox
 from openrois.jsonrpc.session import NotificationHandler
 from openrois.observability.logs import Tally
-from openrois.remote.lease_outbox import ToldHolders
+from openrois.remote.lease_outbox import LeaseOutbox
 from openrois.types.streams import STREAM_METHODS, HolderNotification
 
 __all__ = ["CLIENT_GONE", "EXTENSION_METHODS", "EXTENSION_NOTIFICATIONS", "MAY_BIND", "RemoteExtension"]
@@ -95,7 +95,7 @@ class RemoteExtension:
         self._outbox = outbox
         self._tasks = tasks
         self.takes_may_bind = False
-        self._holders = ToldHolders(self._named, notify, outbox, tasks)
+        self._holders = LeaseOutbox(self._named, notify, outbox, tasks)
         self._foreign = Tally(_log, "notifications that name a reference or id of another engine")
 
     def engines(self) -> frozenset[str]:

@@ -10,7 +10,7 @@ from openrois.contract import Fault, OnFault, ignore_fault
 from openrois.engine.faults import MAX_DESCRIPTION, fault_limit
 from openrois.errors import RoISError
 from openrois.observability.logs import Tally
-from openrois.remote.remote_profile import Claims
+from openrois.remote.remote_profile import RemoteProfile
 from openrois.types.messages import ErrorNotification, ResultsResult
 from openrois.types.values import date_time
 
@@ -33,7 +33,7 @@ class RemoteFaults:
         on_fault: is told.
     """
 
-    def __init__(self, ask: Callable[[str], Awaitable[ResultsResult]], claims: Claims, tasks: TaskScope) -> None:
+    def __init__(self, ask: Callable[[str], Awaitable[ResultsResult]], claims: RemoteProfile, tasks: TaskScope) -> None:
         self.on_fault: OnFault = ignore_fault
         self._ask = ask
         self._claims = claims

@@ -8,10 +8,10 @@ from openrois.contract import Client
 from openrois.jsonrpc.outbox import Outbox
 from openrois.types.streams import HolderNotification
 
-__all__ = ["ToldHolders"]
+__all__ = ["LeaseOutbox"]
 
 
-class ToldHolders:
+class LeaseOutbox:
     """Who holds what, and what the other side was told of it.
 
     However often components change hands, of each at most its former holder's end and its present holder are told as

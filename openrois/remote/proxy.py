@@ -29,8 +29,8 @@ from openrois.remote.attachment import ATTACHED
 from openrois.remote.commands import RemoteCommand, RemoteCommands
 from openrois.remote.extension import MAY_BIND, RemoteExtension
 from openrois.remote.faults import RemoteFaults
-from openrois.remote.remote_profile import Claims
-from openrois.remote.rpc_call import Asking, read_result
+from openrois.remote.remote_profile import RemoteProfile
+from openrois.remote.rpc_call import RpcCalls, read_result
 from openrois.remote.stops import SharedStops
 from openrois.remote.subscriptions import SharedSubscriptions
 from openrois.types.codes import CompletedStatus, ReturnCode
@@ -92,8 +92,8 @@ class RemoteProxy:
         self.extension: Extension | None = None
         self._session = session
         self._profile_changed = profile_changed
-        self._asking = Asking(session)
-        self._claims = Claims()
+        self._asking = RpcCalls(session)
+        self._claims = RemoteProfile()
         self._remote_extension = RemoteExtension(
             self._asking.ask_unread, session.post, session.notify, self._claims.is_own, session.outbox, tasks
         )
@@ -358,7 +358,7 @@ class RemoteProxy:
         self._subscriptions.emit(key, event)
 
 
-async def _error_details(asking: Asking, error_id: str) -> ResultsResult:
+async def _error_details(asking: RpcCalls, error_id: str) -> ResultsResult:
     params = {"error_id": error_id, "condition": ""}
     return await asking.ask("rois.system.get_error_detail", params, ResultsResult)
 

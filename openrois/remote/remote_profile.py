@@ -18,7 +18,7 @@ from openrois.types.profiles import (
 from openrois.types.references import engine_of
 from openrois.types.values import check_value
 
-__all__ = ["Claims", "Kind", "first_misfit", "promise_of"]
+__all__ = ["Kind", "RemoteProfile", "first_misfit", "promise_of"]
 
 Kind = Literal["command", "query", "event", "parameters"]
 
@@ -29,7 +29,7 @@ _LONGEST: Final = 10**10
 """Milliseconds that a command may take by its profile; who says more says any number."""
 
 
-class Claims:
+class RemoteProfile:
     """The latest profile of a remote engine. Ids of other engines are refused; results that do not fit are counted."""
 
     def __init__(self) -> None:

@@ -12,7 +12,7 @@ from openrois.jsonrpc.session import RpcError, RpcSession, SessionClosed
 from openrois.types.codes import ReturnCode
 from openrois.types.messages import ReturnResult
 
-__all__ = ["Asking", "read_result"]
+__all__ = ["RpcCalls", "read_result"]
 
 _log = logging.getLogger(__name__)
 
@@ -37,7 +37,7 @@ def _refusal(name: str, code: ReturnCode, reason: _Latest) -> RoISError:
     return error_for(code, reason.line or f"the engine answered {name} with {code}")
 
 
-class Asking:
+class RpcCalls:
     """Asks over a session until it is told that the other side is lost."""
 
     def __init__(self, session: RpcSession) -> None:

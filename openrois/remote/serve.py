@@ -9,12 +9,12 @@ from openrois.contract import Client
 from openrois.engine.engine import Engine, leads_to
 from openrois.errors import Aborted, EngineUnreachable, RoISError
 from openrois.interfaces import base_methods
-from openrois.interfaces.overload_rules import intake_rules
+from openrois.interfaces.overload_rules import queue_rules
 from openrois.jsonrpc.heartbeat import ALIVE, WATCH
 from openrois.jsonrpc.reply_order import ReplyFirst
 from openrois.jsonrpc.session import Handler, InvalidParams, NotificationHandler, Reply, RpcSession, method
-from openrois.jsonrpc.token_renewal import renewing
-from openrois.leases.lease_notify import tell_holder
+from openrois.jsonrpc.token_renewal import renew_token
+from openrois.leases.lease_notify import notify_holder
 from openrois.observability.correlation import connection
 from openrois.remote.attachment import ATTACHED, QUESTIONS_ALONE, Attachment
 from openrois.remote.extension import CLIENT_GONE, EXTENSION_METHODS, MAY_BIND
@@ -72,7 +72,7 @@ async def serve_engine(
         url: where the parent was reached, for the log.
         attached: told when the parent has taken the engine in, and when the connection ends after that.
     """
-    session = RpcSession(stream, rules=intake_rules())
+    session = RpcSession(stream, rules=queue_rules())
     loop, attachment = asyncio.get_running_loop(), Attachment(attached)
     unasked = loop.call_later(UNASKED, _tell_unasked, session, url)
     ungreeted = loop.call_later(QUESTIONS_ALONE, lambda: attachment.assume(was_asked=bool(session.requests)))
@@ -83,7 +83,7 @@ async def serve_engine(
     session.methods = {**base_methods(app), **served.methods()}
     session.notifications = {
         **served.notifications(),
-        **renewing(session, credentials, host.tasks),
+        **renew_token(session, credentials, host.tasks),
         ALIVE: lambda _params: host.lifeline.sign(),
         ATTACHED: lambda _params: attachment.confirm(),
     }
@@ -269,7 +269,7 @@ class _Holders:
             self._held[told.component_ref] = told, client
         elif self._held.get(told.component_ref, (None, None))[1] is client:
             del self._held[told.component_ref]
-        await tell_holder(self._engine, told, client)
+        await notify_holder(self._engine, told, client)
 
     def forget(self, client: Client) -> None:
         """Drop what a client held that is gone; the engines hear of its end anyway."""
@@ -279,4 +279,4 @@ class _Holders:
         """End all of it."""
         held, self._held = self._held, {}
         for told, client in held.values():
-            await tell_holder(self._engine, told.model_copy(update={"holds": False}), client)
+            await notify_holder(self._engine, told.model_copy(update={"holds": False}), client)

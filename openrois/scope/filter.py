@@ -9,7 +9,7 @@ from openrois.contract import Directory, Fault
 from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile
 from openrois.types.references import engine_of
 
-__all__ = ["ShownDirectories", "shown_directory", "shown_fault"]
+__all__ = ["ScopedDirectories", "scoped_directory", "scoped_fault"]
 
 MAX_SCOPES: Final = 1024
 """Directories that are kept; there are as many as scopes of those who are connected."""
@@ -21,7 +21,7 @@ def _sees_everything(principal: Principal) -> bool:
     return principal.is_administrator and "*" in principal.scope
 
 
-def shown_directory(directory: Directory, principal: Principal) -> Directory:
+def scoped_directory(directory: Directory, principal: Principal) -> Directory:
     """Return a directory without what is out of scope.
 
     An engine without a component in scope, its own or below it, is not there either, but for administrators whose scope
@@ -55,7 +55,7 @@ def _shown_engine(profile: HRIEngineProfile, components: Collection[str]) -> HRI
     )
 
 
-def shown_fault(fault: Fault, directory: Directory, shown: Directory, principal: Principal) -> Fault | None:
+def scoped_fault(fault: Fault, directory: Directory, shown: Directory, principal: Principal) -> Fault | None:
     """Return a fault as the principal may hear of it, None where it may not.
 
     The sentence about a fault of an engine may name any component: who is not shown all of them reads another.
@@ -74,7 +74,7 @@ def shown_fault(fault: Fault, directory: Directory, shown: Directory, principal:
     return fault if whole else replace(fault, description=_UNNAMED)
 
 
-class ShownDirectories:
+class ScopedDirectories:
     """What everybody who is connected is shown of one engine: those with the same scope share a directory."""
 
     def __init__(self) -> None:
@@ -89,5 +89,5 @@ class ShownDirectories:
         key = (principal.is_administrator, principal.scope)
         shown = self._by_scope.get(key)
         if shown is None:
-            shown = self._by_scope[key] = shown_directory(directory, principal)
+            shown = self._by_scope[key] = scoped_directory(directory, principal)
         return shown

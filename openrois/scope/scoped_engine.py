@@ -9,16 +9,16 @@ from openrois.auth.principal import Principal
 from openrois.contract import Client, ComponentBus, Extension, Fault
 from openrois.engine.engine import Engine, leads_to
 from openrois.errors import NotResponding, TimedOut, Unsupported
-from openrois.scope.filter import ShownDirectories, shown_fault
+from openrois.scope.filter import ScopedDirectories, scoped_fault
 from openrois.types.messages import Argument, Result
 from openrois.types.profiles import HRIComponentProfile
 from openrois.types.references import engine_of
 from openrois.types.streams import subject_of
 
-__all__ = ["VisibleEngine"]
+__all__ = ["ScopedEngine"]
 
 
-class VisibleEngine:
+class ScopedEngine:
     """What a principal is shown of an engine, and how it reaches it.
 
     What is out of scope is refused by the look-up that refuses what does not exist, with the same words.
@@ -33,7 +33,7 @@ class VisibleEngine:
         engine_ids: the engines in it.
     """
 
-    def __init__(self, engine: Engine, principal: Principal, shown: ShownDirectories) -> None:
+    def __init__(self, engine: Engine, principal: Principal, shown: ScopedDirectories) -> None:
         self._engine = engine
         self._principal = principal
         self._shown = shown
@@ -103,9 +103,9 @@ class VisibleEngine:
         """Tell whether a component is in scope whose engine went away without a word."""
         return component_ref is not None and component_ref in self._engine.lost and self.sees(component_ref)
 
-    def shown_fault(self, fault: Fault) -> Fault | None:
+    def scoped_fault(self, fault: Fault) -> Fault | None:
         """Return a fault as the principal may hear of it, None where it may not."""
-        return shown_fault(fault, self._engine.directory, self.directory, self._principal)
+        return scoped_fault(fault, self._engine.directory, self.directory, self._principal)
 
     def route(self, ref_or_id: str) -> ComponentBus:
         """Return the bus behind which the engine stands that leads `ref_or_id`.
@@ -154,7 +154,7 @@ class VisibleEngine:
 class _VisibleExtension:
     """The extension of what is shown."""
 
-    visible: VisibleEngine
+    visible: ScopedEngine
     extension: Extension
 
     def engines(self) -> frozenset[str]:

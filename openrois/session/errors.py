@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
-from openrois.aio.bounded_history import Remembered
+from openrois.aio.bounded_history import BoundedHistory
 from openrois.contract import Fault
 from openrois.errors import BadParameter
 from openrois.types.messages import Result
@@ -24,7 +24,7 @@ class ErrorLog:
     """Error ids that this application was told: those of others look like ones that do not exist."""
 
     def __init__(self) -> None:
-        self._told: Remembered[_Told] = Remembered(MAX_ERRORS)
+        self._told: BoundedHistory[_Told] = BoundedHistory(MAX_ERRORS)
 
     def note(self, fault: Fault) -> None:
         """Remember a fault; the oldest of too many is forgotten."""

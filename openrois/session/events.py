@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from datetime import UTC
 from typing import Any, Final
 
-from openrois.aio.bounded_history import Remembered
+from openrois.aio.bounded_history import BoundedHistory
 from openrois.contract import Event, SubscriptionLost
 from openrois.engine.engine import Engine
 from openrois.errors import BadParameter, EngineUnreachable, OutOfResources
@@ -74,7 +74,7 @@ class EventLog:
         self._clock = clock
         self._wall_clock = wall_clock
         self._subscriptions: dict[str, _Subscription] = {}
-        self._details: Remembered[_Told] = Remembered(MAX_DETAILS)
+        self._details: BoundedHistory[_Told] = BoundedHistory(MAX_DETAILS)
 
     def count(self) -> int:
         """Return how many subscriptions there are."""

@@ -15,25 +15,25 @@ from typing import Any, Final, cast
 from openrois.aio.tasks import TaskScope
 from openrois.auth.principal import LOCAL, Principal, quota_name
 from openrois.auth.subject_quotas import SubjectQuotas
-from openrois.commands.history import MAX_RUNNING, MAX_RUNNING_TEXT, CommandLog
-from openrois.commands.pending import AcceptedCommands
-from openrois.commands.quota import MAX_UNFINISHED, MAX_UNFINISHED_TEXT, CommandBudget
+from openrois.commands.history import MAX_RUNNING, MAX_RUNNING_TEXT, CommandHistory
+from openrois.commands.pending import PendingCommands
+from openrois.commands.quota import MAX_UNFINISHED, MAX_UNFINISHED_TEXT, CommandQuota
 from openrois.contract import Client, Fault
 from openrois.engine.engine import Engine
 from openrois.journal.journal import Journal
-from openrois.jsonrpc.connection_stats import Traffic
-from openrois.jsonrpc.heartbeat import Lifeline
+from openrois.jsonrpc.connection_stats import ConnectionStats
+from openrois.jsonrpc.heartbeat import Heartbeat
 from openrois.jsonrpc.protocol import Peer, RequestId
 from openrois.jsonrpc.reply_order import ReplyFirst
 from openrois.jsonrpc.unread import UnreadBudget
-from openrois.leases.epoch_fence import Fence
+from openrois.leases.epoch_fence import EpochFence
 from openrois.leases.keeper import LeaseKeeper
 from openrois.leases.lease_notifications import Holder
 from openrois.leases.model import Rules
 from openrois.observability.audit import Audit
-from openrois.scope.filter import ShownDirectories
+from openrois.scope.filter import ScopedDirectories
 from openrois.scope.revocation import Claims, end_streams, lost_uplinks
-from openrois.scope.scoped_engine import VisibleEngine
+from openrois.scope.scoped_engine import ScopedEngine
 from openrois.session.change_notice import ChangeNotice
 from openrois.session.errors import ErrorLog
 from openrois.session.events import EventLog
@@ -87,8 +87,8 @@ class EngineHost:
 
     engine: Engine
     tasks: TaskScope
-    shown: ShownDirectories = field(default_factory=ShownDirectories)
-    commands: CommandBudget = field(default_factory=CommandBudget)
+    shown: ScopedDirectories = field(default_factory=ScopedDirectories)
+    commands: CommandQuota = field(default_factory=CommandQuota)
     unread: UnreadBudget = field(default_factory=UnreadBudget)
     quotas: SubjectQuotas = field(default_factory=SubjectQuotas)
     sleep: Callable[[float], Awaitable[None]] = asyncio.sleep
@@ -96,14 +96,14 @@ class EngineHost:
     ice_servers: Callable[[str], tuple[Mapping[str, Any], ...]] = lambda _user: ()
     ice_ttl: int = 3600
     audit: Audit = field(default_factory=Audit)
-    traffic: Traffic = field(default_factory=Traffic)
+    traffic: ConnectionStats = field(default_factory=ConnectionStats)
     journal: Journal = field(default_factory=Journal)
-    accepted: AcceptedCommands = field(default_factory=AcceptedCommands)
+    accepted: PendingCommands = field(default_factory=PendingCommands)
     lease_rules: Rules = field(default_factory=Rules)
     first_epoch: int = 1
     draining: bool = False
-    lifeline: Lifeline = field(default_factory=Lifeline)
-    fence: Fence = field(default_factory=Fence)
+    lifeline: Heartbeat = field(default_factory=Heartbeat)
+    fence: EpochFence = field(default_factory=EpochFence)
     leases: LeaseKeeper = field(init=False)
 
     def __post_init__(self) -> None:
@@ -162,11 +162,11 @@ class ApplicationSession:
         principal: Principal = LOCAL,
     ) -> None:
         self.host = host
-        self.engine = VisibleEngine(host.engine, principal, host.shown)
+        self.engine = ScopedEngine(host.engine, principal, host.shown)
         self.trusted = trusted
         # A parent speaks for many applications: the share of one is kept where they are known apart.
         own = (MAX_UNFINISHED, MAX_UNFINISHED_TEXT) if trusted else (MAX_RUNNING, MAX_RUNNING_TEXT)
-        self.commands = CommandLog(time.monotonic, host.commands, *own)
+        self.commands = CommandHistory(time.monotonic, host.commands, *own)
         self.events = EventLog(host.engine, notify, wall_clock=host.wall_clock)
         self.errors = ErrorLog()
         self.bound: set[str] = set()
@@ -278,7 +278,7 @@ class ApplicationSession:
         return Peer.notification(told.method, told.model_dump(mode="json"))
 
     def _take_fault(self, fault: Fault) -> None:
-        shown = self.engine.shown_fault(fault) if self._is_concerned_by(fault) else None
+        shown = self.engine.scoped_fault(fault) if self._is_concerned_by(fault) else None
         if shown is None:
             return
         self.errors.note(shown)

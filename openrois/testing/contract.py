@@ -11,7 +11,7 @@ from openrois.contract import Client, ComponentBus
 from openrois.engine.engine import Engine
 from openrois.engine.registry import LocalRegistry
 from openrois.errors import Unsupported
-from openrois.leases.lease_notify import tell_holder
+from openrois.leases.lease_notify import notify_holder
 from openrois.testing import event_rules, life_rules, message_rules, parameter_rules, profile_rules
 from openrois.testing.subject import Broken, Ears, LocalSubject, Subject
 from openrois.types.references import reference
@@ -207,11 +207,11 @@ async def _held(bus: ComponentBus, component_ref: str) -> AsyncIterator[None]:
         return
     tester = Client("tester", lambda _method, _params: None)
     told = HolderNotification(component_ref=component_ref, holds=True, epoch=1)
-    await tell_holder(bus, told, tester)
+    await notify_holder(bus, told, tester)
     try:
         yield
     finally:
-        await tell_holder(bus, told.model_copy(update={"holds": False}), tester)
+        await notify_holder(bus, told.model_copy(update={"holds": False}), tester)
         await bus.extension.forget(tester)
 
 

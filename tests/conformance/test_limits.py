@@ -435,7 +435,7 @@ class TestCommands:
             assert (command_id, answer["return_code"]) == (command_id, code)
 
     async def test_unfinished_commands_of_all(self) -> None:
-        budget, own = quota.CommandBudget(), quota.Allowance("one application", 100_000, 0)
+        budget, own = quota.CommandQuota(), quota.Allowance("one application", 100_000, 0)
         taken = budget.take(own, quota.MAX_UNFINISHED)
         with pytest.raises(OutOfResources, match="the engine has at most 16384 unfinished commands"):
             budget.take(own, 1)
@@ -444,7 +444,7 @@ class TestCommands:
 
     async def test_text_of_unfinished_commands_of_all(self) -> None:
         most = quota.MAX_UNFINISHED_TEXT
-        budget, own = quota.CommandBudget(), quota.Allowance("one application", 10, 2 * most)
+        budget, own = quota.CommandQuota(), quota.Allowance("one application", 10, 2 * most)
         taken = budget.take(own, 2, most)
         for _ in range(2):
             with pytest.raises(OutOfResources, match=f"at most {most} bytes .* of the engine"):
@@ -469,7 +469,7 @@ class TestCommands:
 
     async def test_those_of_applications_that_are_gone_count(self, host: EngineHost, door: Door) -> None:
         """So nobody can pile up work by coming again and again."""
-        host.commands = quota.CommandBudget(most=4)
+        host.commands = quota.CommandQuota(most=4)
         door.may_answer.clear()
         for _ in range(2):
             async with wire.application(host) as leaving:

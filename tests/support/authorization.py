@@ -15,7 +15,7 @@ from openrois.contract import Client, Sink
 from openrois.engine.engine import Engine
 from openrois.engine.registry import LocalRegistry
 from openrois.gateway.applications import serve_application
-from openrois.gateway.token_expiry import Tenure
+from openrois.gateway.token_expiry import TokenExpiry
 from openrois.observability.audit import Audit
 from openrois.session.session import EngineHost
 from openrois.transport.memory import memory_pair
@@ -149,10 +149,10 @@ class Place:
     robots: dict[str, Watched]
 
     @asynccontextmanager
-    async def application(self, who: Principal | Tenure) -> AsyncIterator[Wire]:
+    async def application(self, who: Principal | TokenExpiry) -> AsyncIterator[Wire]:
         """Connect an application of a principal, which a tenure can change."""
         near, far = memory_pair(capacity=4096)
-        tenure = Tenure(who) if isinstance(who, Principal) else who
+        tenure = TokenExpiry(who) if isinstance(who, Principal) else who
         serving = asyncio.ensure_future(serve_application(self.host, far, tenure))
         try:
             yield Wire(near)

@@ -8,7 +8,7 @@ from functools import partial
 from aiohttp import web
 
 from openrois.gateway.socket import APPLICATION, ServerSocket
-from openrois.http_limits.header_timeout import Heads
+from openrois.http_limits.header_timeout import HeaderTimeouts
 from openrois.http_limits.http_connection import HttpConnection
 from openrois.http_limits.tcp_server import serving_tcp
 
@@ -23,7 +23,7 @@ async def serving(serve: Callable[[ServerSocket], Awaitable[object]]) -> AsyncIt
         await serve(socket)
         return socket.response
 
-    heads = Heads(lambda _reason: None)
+    heads = HeaderTimeouts(lambda _reason: None)
     app = web.Application(middlewares=[heads.middleware()])
     app.router.add_get("/", accept)
     async with AsyncExitStack() as stack:

@@ -16,7 +16,7 @@ from openrois.contract import Client
 from openrois.engine.engine import Engine
 from openrois.engine.registry import LocalRegistry
 from openrois.errors import Aborted, Unsupported
-from openrois.jsonrpc.heartbeat import Lifeline
+from openrois.jsonrpc.heartbeat import Heartbeat
 from openrois.types.streams import HolderNotification
 from tests.support import wire
 from tests.support.components import Lamp, Rover
@@ -69,7 +69,7 @@ async def settle() -> None:
 @dataclass
 class Robot:
     time: Time
-    lifeline: Lifeline
+    lifeline: Heartbeat
     deadman: DeadMan
     registry: LocalRegistry
     rover: Rover
@@ -88,7 +88,7 @@ class Robot:
 @pytest.fixture
 async def robot() -> AsyncIterator[Robot]:
     time, asked = Time(), list[bool]()
-    lifeline, rover = Lifeline(time.clock), Rover()
+    lifeline, rover = Heartbeat(time.clock), Rover()
     async with TaskScope() as tasks:
         deadman = DeadMan(lifeline, tasks, time.clock, time.sleep)
         registry = LocalRegistry("r", (rover, Winch("winch"), Lamp()))

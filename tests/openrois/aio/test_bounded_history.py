@@ -1,6 +1,6 @@
 """What is kept, and what is forgotten first."""
 
-from openrois.aio.bounded_history import RESULT_OVERHEAD, Remembered
+from openrois.aio.bounded_history import RESULT_OVERHEAD, BoundedHistory
 from openrois.types.messages import Result
 
 
@@ -11,7 +11,7 @@ def text(length: int) -> tuple[Result, ...]:
 
 
 def test_entries_are_bounded() -> None:
-    kept: Remembered[int] = Remembered(2)
+    kept: BoundedHistory[int] = BoundedHistory(2)
     for number, key in enumerate("abc"):
         kept.put(key, number, ())
     assert [key in kept for key in "abc"] == [False, True, True]
@@ -20,7 +20,7 @@ def test_entries_are_bounded() -> None:
 
 
 def test_text_is_bounded() -> None:
-    kept: Remembered[str] = Remembered(10, most_text=1000)
+    kept: BoundedHistory[str] = BoundedHistory(10, most_text=1000)
     for key in "abc":
         kept.put(key, key, text(400))
     assert list(kept.newest_first()) == ["c", "b"]
@@ -40,13 +40,13 @@ def test_whatever_takes_room_counts() -> None:
         ("k", (Result(name="", data_type_ref="t" * 1000, value=""),)),
         ("k", (tiny,) * (1000 // RESULT_OVERHEAD + 1)),
     ):
-        kept: Remembered[str] = Remembered(10, most_text=1000)
+        kept: BoundedHistory[str] = BoundedHistory(10, most_text=1000)
         kept.put(key, "entry", results)
         assert key not in kept
 
 
 def test_an_entry_that_is_replaced_weighs_once() -> None:
-    kept: Remembered[int] = Remembered(10, most_text=1000)
+    kept: BoundedHistory[int] = BoundedHistory(10, most_text=1000)
     kept.put("b", 0, text(300))
     for number in range(5):
         kept.put("a", number, text(700))

@@ -24,7 +24,7 @@ from openrois.client import (
 )
 from openrois.errors import Aborted, ComponentFailed, OutOfResources, Unsupported
 from openrois.gateway.applications import serve_application
-from openrois.gateway.token_expiry import Tenure
+from openrois.gateway.token_expiry import TokenExpiry
 from openrois.journal.journal import Journal
 from openrois.session.session import EngineHost
 from openrois.transport.stream import StreamClosed
@@ -334,7 +334,7 @@ class TestHandover:
     async def test_what_is_not_shown_any_more_is_waited_for_no_more(self, line: Line, ann: Client) -> None:
         told = ann.notices(ControlRequested)
         await ann.bind(LAMP)
-        tenure = Tenure(principal("operator", "toys/*"))
+        tenure = TokenExpiry(principal("operator", "toys/*"))
         line.speaks = partial(serve_application, tenure=tenure)
         async with Client(dial=line.dial) as carl:
             asking = asyncio.ensure_future(carl.control.request(LAMP, wait=True))

@@ -2,8 +2,8 @@
 
 import pytest
 
-from openrois.commands.history import MAX_FINISHED, MAX_RUNNING, RECENT, CommandLog
-from openrois.commands.quota import CommandBudget
+from openrois.commands.history import MAX_FINISHED, MAX_RUNNING, RECENT, CommandHistory
+from openrois.commands.quota import CommandQuota
 from openrois.errors import BadParameter, OutOfResources
 from openrois.types.codes import CompletedStatus
 from openrois.types.messages import Result
@@ -22,11 +22,11 @@ def clock() -> Clock:
 
 
 @pytest.fixture
-def log(clock: Clock) -> CommandLog:
-    return CommandLog(clock, CommandBudget())
+def log(clock: Clock) -> CommandHistory:
+    return CommandHistory(clock, CommandQuota())
 
 
-def test_a_command_runs_then_has_results(log: CommandLog) -> None:
+def test_a_command_runs_then_has_results(log: CommandHistory) -> None:
     log.accept(on("lamp", "a", "b"))
     assert "a" in log
     assert log.results("a") == ()
@@ -37,8 +37,8 @@ def test_a_command_runs_then_has_results(log: CommandLog) -> None:
 
 
 def test_how_many_are_unfinished_and_how_one_ended(clock: Clock) -> None:
-    budget = CommandBudget(3)
-    log = CommandLog(clock, budget)
+    budget = CommandQuota(3)
+    log = CommandHistory(clock, budget)
     log.accept(on("lamp", "a", "b"))
     log.finish("a", TOTAL, CompletedStatus.ABORT, "it was stopped")
     assert (log.unfinished, budget.taken) == (1, 1)
@@ -46,13 +46,13 @@ def test_how_many_are_unfinished_and_how_one_ended(clock: Clock) -> None:
     assert log.ending("b") is None
 
 
-def test_an_unknown_command_has_none(log: CommandLog) -> None:
+def test_an_unknown_command_has_none(log: CommandHistory) -> None:
     assert "x" not in log
     with pytest.raises(BadParameter):
         log.results("x")
 
 
-def test_finished_commands_are_forgotten_oldest_first_and_running_ones_never(log: CommandLog) -> None:
+def test_finished_commands_are_forgotten_oldest_first_and_running_ones_never(log: CommandHistory) -> None:
     log.accept(on("lamp", "running"))
     for number in range(MAX_FINISHED + 1):
         log.accept(on("lamp", str(number)))
@@ -60,7 +60,7 @@ def test_finished_commands_are_forgotten_oldest_first_and_running_ones_never(log
     assert ["0" in log, "1" in log, "running" in log] == [False, True, True]
 
 
-def test_commands_that_run_are_bounded_all_or_none(log: CommandLog) -> None:
+def test_commands_that_run_are_bounded_all_or_none(log: CommandHistory) -> None:
     log.accept(on("lamp", *(str(number) for number in range(MAX_RUNNING - 1))))
     with pytest.raises(OutOfResources):
         log.accept(on("lamp", "b", "c"))
@@ -70,8 +70,8 @@ def test_commands_that_run_are_bounded_all_or_none(log: CommandLog) -> None:
 
 
 def test_the_commands_of_all_applications_are_bounded_all_or_none(clock: Clock) -> None:
-    budget = CommandBudget(most=3)
-    one, other = CommandLog(clock, budget), CommandLog(clock, budget)
+    budget = CommandQuota(most=3)
+    one, other = CommandHistory(clock, budget), CommandHistory(clock, budget)
     one.accept(on("lamp", "a", "b"))
     with pytest.raises(OutOfResources):
         other.accept(on("lamp", "a", "b"))
@@ -84,8 +84,8 @@ def test_the_commands_of_all_applications_are_bounded_all_or_none(clock: Clock) 
 
 
 def test_what_is_kept_of_commands_is_bounded_and_given_back_with_the_last_of_them(clock: Clock) -> None:
-    budget = CommandBudget()
-    log = CommandLog(clock, budget, most_text=10)
+    budget = CommandQuota()
+    log = CommandHistory(clock, budget, most_text=10)
     log.accept(on("lamp", "a", "b"), text=10)
     for command_id in ("a", "b"):
         with pytest.raises(OutOfResources, match="at most 10 bytes are kept of the unfinished commands of one appl"):
@@ -95,7 +95,7 @@ def test_what_is_kept_of_commands_is_bounded_and_given_back_with_the_last_of_the
     log.accept(on("lamp", "c"), text=10)
 
 
-def test_a_command_is_on_its_component_until_a_moment_after_its_end(log: CommandLog, clock: Clock) -> None:
+def test_a_command_is_on_its_component_until_a_moment_after_its_end(log: CommandHistory, clock: Clock) -> None:
     log.accept(on("lamp", "a") | on("bell", "b"))
     log.finish("a", ())
     clock.now += RECENT

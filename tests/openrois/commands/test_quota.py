@@ -11,7 +11,7 @@ from openrois.commands.quota import (
     RESERVED_TEXT,
     STOP_TEXT,
     Allowance,
-    CommandBudget,
+    CommandQuota,
 )
 from openrois.errors import OutOfResources
 
@@ -30,7 +30,7 @@ def somebody() -> Allowance:
     ],
 )
 def test_one_subject_has_a_share(count: int, text: int, reason: str) -> None:
-    budget = CommandBudget()
+    budget = CommandQuota()
     taken = budget.take(somebody(), count, text, "ann")
     own = somebody()
     with pytest.raises(OutOfResources, match=reason):
@@ -45,7 +45,7 @@ def test_one_subject_has_a_share(count: int, text: int, reason: str) -> None:
 
 @pytest.mark.parametrize("text", [0, 4096])
 def test_however_many_take_all_they_can_the_next_finds_something(text: int) -> None:
-    budget, taken = CommandBudget(), []
+    budget, taken = CommandQuota(), []
 
     def fill(subject: str) -> int:
         """Take until no more is given; return how often there was something."""
@@ -65,7 +65,7 @@ def test_however_many_take_all_they_can_the_next_finds_something(text: int) -> N
 
 @pytest.mark.parametrize("text", [0, FIRST_TEXT_OF_SUBJECT // FIRST_OF_SUBJECT])
 def test_what_is_reserved_is_for_the_first_commands_of_each_subject(text: int) -> None:
-    budget, taken = CommandBudget(), []
+    budget, taken = CommandQuota(), []
     # Whatever has filled the rest.
     taken.append(budget.take(somebody(), budget.most - RESERVED, budget.most_text - RESERVED_TEXT))
     subjects = [f"subject {number}" for number in range(RESERVED // FIRST_OF_SUBJECT)]
@@ -81,7 +81,7 @@ def test_what_is_reserved_is_for_the_first_commands_of_each_subject(text: int) -
 
 
 def test_a_first_command_that_is_too_long_has_no_share_of_what_is_reserved() -> None:
-    budget = CommandBudget()
+    budget = CommandQuota()
     budget.take(somebody(), 1, budget.most_text - RESERVED_TEXT)
     with pytest.raises(OutOfResources, match="a smaller share than usual"):
         budget.take(somebody(), 1, FIRST_TEXT_OF_SUBJECT + 1, "ann")
@@ -89,14 +89,14 @@ def test_a_first_command_that_is_too_long_has_no_share_of_what_is_reserved() -> 
 
 
 def test_who_is_the_only_subject_has_the_whole() -> None:
-    budget = CommandBudget()
+    budget = CommandQuota()
     budget.take(somebody(), budget.most, budget.most_text)
     with pytest.raises(OutOfResources, match="the engine has at most"):
         budget.take(somebody(), 1)
 
 
 def test_shares_that_nobody_uses_are_forgotten() -> None:
-    budget = CommandBudget()
+    budget = CommandQuota()
     for number in range(100):
         taken = budget.take(somebody(), 1, 1, f"subject {number}")
         assert len(budget._shares) <= 2
@@ -106,7 +106,7 @@ def test_shares_that_nobody_uses_are_forgotten() -> None:
 
 
 def test_a_stop_is_taken_when_nothing_else_is() -> None:
-    budget, own = CommandBudget(most=2, most_text=100), Allowance("one application", 2, 100)
+    budget, own = CommandQuota(most=2, most_text=100), Allowance("one application", 2, 100)
     budget.take(own, 2, 100)
     budget.take(own, 1, STOP_TEXT, "ann", beyond=1)
     with pytest.raises(OutOfResources):

@@ -6,7 +6,7 @@ import pytest
 
 from openrois.aio.tasks import TaskScope
 from openrois.commands import stop
-from openrois.commands.pending import AcceptedCommands
+from openrois.commands.pending import PendingCommands
 from openrois.commands.stop import PAUSE, STOP_TIMEOUT, stop_components
 from openrois.component.authoring.marks import command
 from openrois.component.component import Component
@@ -29,7 +29,7 @@ async def test_what_does_not_answer_is_not_waited_for(monkeypatch: pytest.Monkey
     await engine.attach(LocalRegistry("robot", [Deaf("arm"), Deaf("leg")]))
     refs = ("robot/arm", "robot/leg", "robot/none")
     async with TaskScope() as tasks:
-        failures = await stop_components(engine, AcceptedCommands(), tasks, refs, "everything stops")
+        failures = await stop_components(engine, PendingCommands(), tasks, refs, "everything stops")
     assert failures == {**dict.fromkeys(refs[:2], "no answer within 0.001 s"), "robot/none": ""}
 
 
@@ -43,7 +43,7 @@ async def test_what_several_ask_for_before_it_has_begun_is_done_once_and_goes_on
 
     await engine.attach(LocalRegistry("robot", [Arm("arm")]))
     async with TaskScope() as tasks:
-        accepted = AcceptedCommands()
+        accepted = PendingCommands()
 
         def ask() -> asyncio.Future[dict[str, str]]:
             return asyncio.ensure_future(stop_components(engine, accepted, tasks, ("robot/arm",), "everything stops"))
@@ -72,7 +72,7 @@ async def test_whoever_asks_while_it_stops_shares_the_next(monkeypatch: pytest.M
 
     await engine.attach(LocalRegistry("robot", [Arm("arm")]))
     async with TaskScope() as tasks:
-        accepted = AcceptedCommands()
+        accepted = PendingCommands()
 
         async def ask(count: int) -> list[asyncio.Task[dict[str, str]]]:
             asked = [

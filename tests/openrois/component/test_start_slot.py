@@ -4,7 +4,7 @@ import asyncio
 
 import pytest
 
-from openrois.component.start_slot import Starts
+from openrois.component.start_slot import StartSlot
 from openrois.errors import Aborted
 from tests.support.session import settle
 
@@ -25,7 +25,7 @@ class Work:
 
 
 async def test_the_next_start_begins_when_the_one_before_has_ended() -> None:
-    starts, work = Starts[int](), Work()
+    starts, work = StartSlot[int](), Work()
     first = asyncio.ensure_future(starts.run("arm", work))
     await settle()
     second = asyncio.ensure_future(starts.run("arm", work))
@@ -42,7 +42,7 @@ async def test_the_next_start_begins_when_the_one_before_has_ended() -> None:
 
 
 async def test_a_stop_ends_what_came_before_it_begun_or_not_and_nothing_else() -> None:
-    starts, work = Starts[int](), Work()
+    starts, work = StartSlot[int](), Work()
     before = [asyncio.ensure_future(starts.run("arm", work)) for _ in range(2)]
     await settle()
     came = starts.came

@@ -11,7 +11,7 @@ from websockets.asyncio.client import connect
 
 from openrois.gateway import connection_limits as module
 from openrois.gateway import server
-from openrois.gateway.connection_limits import ENTERING, Places
+from openrois.gateway.connection_limits import ENTERING, ConnectionLimits
 from openrois.gateway.server import run_gateway
 from openrois.gateway.settings import GatewaySettings
 from tests.support.plain import attached, plain_adapter
@@ -23,13 +23,13 @@ def turned_away() -> Counter[str]:
 
 
 @pytest.fixture
-def places(monkeypatch: pytest.MonkeyPatch, turned_away: Counter[str]) -> Places:
+def places(monkeypatch: pytest.MonkeyPatch, turned_away: Counter[str]) -> ConnectionLimits:
     monkeypatch.setattr(module, "MAX_APPLICATIONS", 3)
     monkeypatch.setattr(module, "MAX_ADAPTERS", 1)
-    return Places(lambda reason: turned_away.update((reason,)), per_address=2)
+    return ConnectionLimits(lambda reason: turned_away.update((reason,)), per_address=2)
 
 
-def test_adapters_have_places_of_their_own(places: Places, turned_away: Counter[str]) -> None:
+def test_adapters_have_places_of_their_own(places: ConnectionLimits, turned_away: Counter[str]) -> None:
     with places.of_application("a"), places.of_application("a"), places.of_application("b"):
         assert places.is_full
         with pytest.raises(web.HTTPServiceUnavailable), places.of_application("c"):
@@ -44,7 +44,7 @@ def test_adapters_have_places_of_their_own(places: Places, turned_away: Counter[
     assert turned_away == {"full": 2}
 
 
-def test_one_address_has_so_many(places: Places, turned_away: Counter[str]) -> None:
+def test_one_address_has_so_many(places: ConnectionLimits, turned_away: Counter[str]) -> None:
     with places.of_application("a"), places.of_application("a"):
         with pytest.raises(web.HTTPTooManyRequests), places.of_application("a"):
             pass
@@ -55,7 +55,7 @@ def test_one_address_has_so_many(places: Places, turned_away: Counter[str]) -> N
     assert turned_away == {"too many from one address": 1}
 
 
-async def test_of_a_crowd_a_few_come_in_at_a_time(places: Places) -> None:
+async def test_of_a_crowd_a_few_come_in_at_a_time(places: ConnectionLimits) -> None:
     inside: list[int] = []
     came: list[int] = []
     may_go = asyncio.Event()
@@ -82,14 +82,14 @@ async def test_of_a_crowd_a_few_come_in_at_a_time(places: Places) -> None:
 
 
 async def test_an_adapter_does_not_wait_behind_a_crowd(monkeypatch: pytest.MonkeyPatch) -> None:
-    made: list[Places] = []
+    made: list[ConnectionLimits] = []
 
-    class Noted(Places):
+    class Noted(ConnectionLimits):
         def __init__(self, *arguments: Any) -> None:
             super().__init__(*arguments)
             made.append(self)
 
-    monkeypatch.setattr(server, "Places", Noted)
+    monkeypatch.setattr(server, "ConnectionLimits", Noted)
     async with run_gateway(GatewaySettings(port=0)) as gateway, AsyncExitStack() as stack:
         async with AsyncExitStack() as crowd:
             for _ in range(ENTERING):

@@ -15,7 +15,7 @@ from openrois.aio.tasks import TaskScope
 from openrois.auth.principal import Principal, Role
 from openrois.auth.tokens import TokenVerifier
 from openrois.gateway.renewal import REFRESH, Renewal
-from openrois.gateway.token_expiry import TOKEN_ENDED, Tenure, Tenures
+from openrois.gateway.token_expiry import TOKEN_ENDED, TokenExpiries, TokenExpiry
 from openrois.observability.audit import Audit
 from openrois.types.access import MAX_TOKEN
 from tests.support.clock import Clock
@@ -41,7 +41,7 @@ class Watched:
         self.clock = Clock(1000.0)
         self.revoked: set[str] = set()
         self.audit = Audit()
-        self.tenures = Tenures(self.clock, lambda p: p.subject in self.revoked, self.audit, tasks)
+        self.tenures = TokenExpiries(self.clock, lambda p: p.subject in self.revoked, self.audit, tasks)
 
     def at(self, now: float) -> None:
         self.clock.now = now
@@ -59,7 +59,7 @@ async def test_whatever_goes_wrong_in_one_session_all_end_in_their_time(caplog: 
         raise ZeroDivisionError("a bug")
 
     async with watched() as here:
-        tenures = [Tenure(principal(1100), fail), Tenure(principal(1100))]
+        tenures = [TokenExpiry(principal(1100), fail), TokenExpiry(principal(1100))]
         connections = [Connection(), Connection()]
         with here.tenures.holding(tenures[0], connections[0]), here.tenures.holding(tenures[1], connections[1]):
             here.at(1100)
@@ -86,7 +86,7 @@ async def test_a_connection_ends_with_its_token() -> None:
     async with watched() as here:
         seen: list[Principal] = []
         warnings: list[float] = []
-        tenure = Tenure(principal(1100), seen.append, noting(warnings))
+        tenure = TokenExpiry(principal(1100), seen.append, noting(warnings))
         connection = Connection()
         with here.tenures.holding(tenure, connection):
             here.at(1039)
@@ -116,7 +116,7 @@ async def test_who_does_not_understand_is_told_once_it_does() -> None:
             told.append(seconds)
             return understood
 
-        with here.tenures.holding(Tenure(principal(1010), on_expiring=tell), Connection()):
+        with here.tenures.holding(TokenExpiry(principal(1010), on_expiring=tell), Connection()):
             here.at(1001)
             here.at(1002)
             understood = True
@@ -129,8 +129,8 @@ async def test_a_connection_ends_when_its_subject_is_revoked() -> None:
     async with watched() as here:
         alice, bob = Connection(), Connection()
         with (
-            here.tenures.holding(Tenure(principal(9999)), alice),
-            here.tenures.holding(Tenure(principal(None, "bob")), bob),
+            here.tenures.holding(TokenExpiry(principal(9999)), alice),
+            here.tenures.holding(TokenExpiry(principal(None, "bob")), bob),
         ):
             here.at(1001)
             here.revoked.add("alice")
@@ -144,7 +144,7 @@ async def test_a_connection_ends_when_its_subject_is_revoked() -> None:
 async def test_a_new_token_makes_it_longer_and_warns_again() -> None:
     async with watched() as here:
         told: list[float] = []
-        tenure = Tenure(principal(1030), on_expiring=noting(told))
+        tenure = TokenExpiry(principal(1030), on_expiring=noting(told))
         connection = Connection()
         with here.tenures.holding(tenure, connection):
             here.at(1000)
@@ -168,7 +168,7 @@ async def test_it_looks_every_second() -> None:
                 enough.set()
                 await asyncio.Event().wait()
 
-        tenures = Tenures(Clock(0), lambda _p: False, Audit(), tasks, sleep)
+        tenures = TokenExpiries(Clock(0), lambda _p: False, Audit(), tasks, sleep)
         tasks.start(tenures.watch())
         await enough.wait()
         assert slept == [1.0, 1.0, 1.0]
@@ -226,7 +226,7 @@ async def test_a_connection_that_has_ended_is_not_made_longer_by_a_token_that_wa
 
     async with watched() as here:
         seen: list[Principal] = []
-        tenure = Tenure(principal(1100), seen.append)
+        tenure = TokenExpiry(principal(1100), seen.append)
         renewal = Renewal(cast(TokenVerifier, Slow()), here.clock, here.audit)
         handler = renewal.method(tenure, lambda _principal: True, lambda _reason: None)[REFRESH]
         with here.tenures.holding(tenure, Connection()):

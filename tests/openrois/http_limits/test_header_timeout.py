@@ -151,7 +151,7 @@ async def never_asked(_request: web.BaseRequest) -> web.StreamResponse:
 
 async def test_of_too_many_from_one_address_its_oldest_is_cut() -> None:
     cut: list[str] = []
-    heads = module.Heads(lambda _reason: None, 4, 2)
+    heads = module.HeaderTimeouts(lambda _reason: None, 4, 2)
 
     class Silent(module.Connection):
         def __init__(self, name: str, address: str) -> None:

@@ -12,7 +12,7 @@ import pytest
 from openrois.auth.principal import Role
 from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.gateway.applications import serve_application
-from openrois.gateway.token_expiry import Tenure
+from openrois.gateway.token_expiry import TokenExpiry
 from openrois.transport.websocket import dial
 from openrois.types.codes import ErrorType
 from openrois.types.references import new_id
@@ -154,7 +154,7 @@ async def test_over_two_sockets() -> None:
     who = principal("operator", *SCOPE)
     async with (
         place("fleet", "hidden") as where,
-        serving(lambda socket: serve_application(where.host, socket, Tenure(who))) as url,
+        serving(lambda socket: serve_application(where.host, socket, TokenExpiry(who))) as url,
         dial(url) as near,
         dial(url) as far,
     ):

@@ -7,7 +7,7 @@ from typing import Any
 from openrois.aio.tasks import TaskScope
 from openrois.engine.engine import Engine
 from openrois.engine.registry import LocalRegistry
-from openrois.gateway.token_expiry import Tenure
+from openrois.gateway.token_expiry import TokenExpiry
 from openrois.session.session import EngineHost
 from tests.support.authorization import Place, principal
 from tests.support.components import Lamp
@@ -16,7 +16,7 @@ LAMP = "robot/lamp"
 
 
 async def test_events_errors_and_results_are_of_those_that_are_shown() -> None:
-    engine, tenure = Engine("gateway"), Tenure(principal("operator", "*"))
+    engine, tenure = Engine("gateway"), TokenExpiry(principal("operator", "*"))
     await engine.attach(LocalRegistry("robot", (Lamp(), Lamp("other"))))
     async with TaskScope() as tasks, Place(EngineHost(engine, tasks), {}).application(tenure) as app:
 

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from openrois.interfaces.overload_rules import MAX_UNITS, MOST_UNITS, intake_rules, is_urgent, meant, named, refusal
+from openrois.interfaces.overload_rules import MAX_UNITS, MOST_UNITS, is_urgent, meant, named, queue_rules, refusal
 from openrois.jsonrpc import request_queue
 from openrois.jsonrpc.protocol import Request
 from openrois.types.messages import ResultsResult
@@ -64,8 +64,8 @@ def test_what_is_urgent(request_: Request, urgent: bool) -> None:
 def test_what_it_overtakes(urgent: Request, waiting: Request, overtaken: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(request_queue, "MAX_RUNNING_REQUESTS", 0)
     refused: list[Request] = []
-    waits = request_queue.Intake(
-        lambda *_started: None, lambda request, _reason: refused.append(request), intake_rules()
+    waits = request_queue.RequestQueue(
+        lambda *_started: None, lambda request, _reason: refused.append(request), queue_rules()
     )
     waits.take(waiting, 1)
     waits.take(urgent, 1)

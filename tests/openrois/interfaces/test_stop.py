@@ -7,7 +7,7 @@ import pytest
 from openrois.aio.tasks import TaskScope
 from openrois.engine.engine import Engine
 from openrois.engine.registry import LocalRegistry
-from openrois.gateway.token_expiry import Tenure
+from openrois.gateway.token_expiry import TokenExpiry
 from openrois.session.session import EngineHost
 from tests.support.authorization import Place, principal
 from tests.support.components import Lamp
@@ -33,7 +33,7 @@ async def test_who_holds_nothing_of_an_engine_does_not_stop_it(params: dict[str,
 
 
 async def test_who_is_shown_a_component_no_more_does_not_wait_for_it() -> None:
-    engine, tenure = Engine("gateway"), Tenure(principal("operator", "*", subject="bob"))
+    engine, tenure = Engine("gateway"), TokenExpiry(principal("operator", "*", subject="bob"))
     await engine.attach(LocalRegistry("robot", (Lamp(),)))
     async with TaskScope() as tasks:
         here = Place(EngineHost(engine, tasks), {})

@@ -1,12 +1,12 @@
 """The adapter's end of the line to its gateway."""
 
-from openrois.jsonrpc.heartbeat import Lifeline
+from openrois.jsonrpc.heartbeat import Heartbeat
 from tests.support.clock import Clock
 
 
 def test_signs_are_asked_for_while_they_are_wanted() -> None:
     clock, asked, cuts = Clock(), list[bool](), list[str]()
-    line = Lifeline(clock)
+    line = Heartbeat(clock)
     line.on_cut.add(cuts.append)
     line.want(True)
     assert not line.is_alive

@@ -7,7 +7,7 @@ import pytest
 from openrois.aio.rate import RateLimit
 from openrois.jsonrpc import request_queue as module
 from openrois.jsonrpc.protocol import Request
-from openrois.jsonrpc.request_queue import Intake, IntakeRules
+from openrois.jsonrpc.request_queue import QueueRules, RequestQueue
 from tests.support.clock import Clock
 
 
@@ -19,13 +19,13 @@ class Door:
         self.over: dict[str, Callable[[], None]] = {}
         self.refused: dict[str, str] = {}
         self.read: list[str] = []
-        rules = IntakeRules(
+        rules = QueueRules(
             lambda request: request.method == "stop",
             lambda urgent: {urgent.params},
             lambda waiting: self._read(waiting),
             rate=rate,
         )
-        self.intake = Intake(self._start, self._refuse, rules)
+        self.intake = RequestQueue(self._start, self._refuse, rules)
 
     def _read(self, waiting: Request) -> set[str]:
         self.read.append(str(waiting.id))
@@ -136,10 +136,10 @@ def test_whoever_asks_too_often_reads_when_to_ask_again() -> None:
 
 def test_without_rules_nothing_is_urgent() -> None:
     started: list[Request] = []
-    intake = Intake(lambda request, _over: started.append(request), lambda _request, _reason: None, IntakeRules())
+    intake = RequestQueue(lambda request, _over: started.append(request), lambda _request, _reason: None, QueueRules())
     for number in range(4):
         intake.take(Request(number, "stop", {}), 1)
     assert ([request.id for request in started], len(intake), intake.urgent) == ([0, 1], 2, 0)
-    assert not IntakeRules().meant(started[0])
-    assert IntakeRules().named(started[0]) is None
-    assert IntakeRules().refusal("stop") is None
+    assert not QueueRules().meant(started[0])
+    assert QueueRules().named(started[0]) is None
+    assert QueueRules().refusal("stop") is None

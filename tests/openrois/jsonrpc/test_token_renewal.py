@@ -7,7 +7,7 @@ import pytest
 
 from openrois.aio.tasks import TaskScope
 from openrois.jsonrpc.session import SessionClosed
-from openrois.jsonrpc.token_renewal import ATTEMPTS, renewing
+from openrois.jsonrpc.token_renewal import ATTEMPTS, renew_token
 from openrois.transport.credentials import Credentials
 
 
@@ -58,7 +58,7 @@ async def test_until_it_is_a_new_one(answers: list[Any], shown: int) -> None:
 
     async with TaskScope() as tasks:
         session: Any = gateway
-        (expiring,) = renewing(session, Credentials(lambda: next(tokens)), tasks, sleep).values()
+        (expiring,) = renew_token(session, Credentials(lambda: next(tokens)), tasks, sleep).values()
         expiring({"seconds": 60})
         await settled()
     assert gateway.shown == [f"t{number}" for number in range(shown)]
@@ -79,7 +79,7 @@ async def test_a_file_that_is_gone_is_looked_for_again() -> None:
 
     gateway: Any = Gateway(GOOD)
     async with TaskScope() as tasks:
-        (expiring,) = renewing(gateway, Credentials(token), tasks, sleep).values()
+        (expiring,) = renew_token(gateway, Credentials(token), tasks, sleep).values()
         expiring({})
         await settled()
     assert gateway.shown == ["token"]
@@ -91,5 +91,5 @@ async def test_one_token_and_no_other() -> None:
 
     session: Any = Nothing()
     async with TaskScope() as tasks:
-        assert renewing(session, Credentials("only"), tasks) == {}
-        assert renewing(session, Credentials(), tasks) == {}
+        assert renew_token(session, Credentials("only"), tasks) == {}
+        assert renew_token(session, Credentials(), tasks) == {}

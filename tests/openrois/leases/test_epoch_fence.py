@@ -1,10 +1,10 @@
 """Two gateways that both believe to be in charge."""
 
-from openrois.leases.epoch_fence import Fence
+from openrois.leases.epoch_fence import EpochFence
 
 
 def test_the_later_holder_wins() -> None:
-    fence = Fence()
+    fence = EpochFence()
     assert fence.admits("old", "r/arm")
     assert fence.note("old", "r/arm", 5)
     assert fence.note("new", "r/arm", 7)

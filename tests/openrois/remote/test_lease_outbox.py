@@ -9,7 +9,7 @@ import pytest
 from openrois.aio.tasks import TaskScope
 from openrois.contract import Client
 from openrois.jsonrpc.outbox import Outbox
-from openrois.remote.lease_outbox import ToldHolders
+from openrois.remote.lease_outbox import LeaseOutbox
 
 ANN, BOB = (Client(name, lambda _method, _params: None) for name in ("ann", "bob"))
 
@@ -20,7 +20,7 @@ class OtherSide:
     def __init__(self, tasks: TaskScope) -> None:
         self.outbox = Outbox(control_limit=4)
         self.told: list[tuple[str, str, int, bool]] = []
-        self.holders = ToldHolders(lambda client: client.client_id, self._notify, self.outbox, tasks)
+        self.holders = LeaseOutbox(lambda client: client.client_id, self._notify, self.outbox, tasks)
 
     def _notify(self, _method: str, params: Mapping[str, Any]) -> None:
         self.told.append((params["component_ref"], params["client_id"], params["epoch"], params["holds"]))

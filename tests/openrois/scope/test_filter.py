@@ -6,7 +6,7 @@ import pytest
 
 from openrois.auth.principal import LOCAL, Principal, Role
 from openrois.contract import Directory, Fault
-from openrois.scope.filter import MAX_SCOPES, ShownDirectories, shown_directory, shown_fault
+from openrois.scope.filter import MAX_SCOPES, ScopedDirectories, scoped_directory, scoped_fault
 from openrois.types.codes import ErrorType
 from openrois.types.profiles import HRIComponentProfile, HRIEngineProfile, RoISIdentifier
 
@@ -51,17 +51,17 @@ def administrator(*scope: str) -> Principal:
     ],
 )
 def test_components_and_engines(principal: Principal, refs: list[str], engines: list[str]) -> None:
-    shown = shown_directory(tree(), principal)
+    shown = scoped_directory(tree(), principal)
     assert list(shown.component_profiles) == refs
     assert list(shown.profile.engine_ids()) == engines
     assert sorted(shown.profile.component_refs()) == sorted(refs)
 
 
 def test_parts_out_of_scope_are_not_named_whether_they_exist_or_not() -> None:
-    shown = shown_directory(tree(), viewer("robot/arm", "below/*"))
+    shown = scoped_directory(tree(), viewer("robot/arm", "below/*"))
     assert shown.component_profiles[ARM].sub_component_profiles == (DEEP, "urn:example:part")
     whole = tree()
-    assert shown_directory(whole, viewer("*")).component_profiles[ARM] is whole.component_profiles[ARM]
+    assert scoped_directory(whole, viewer("*")).component_profiles[ARM] is whole.component_profiles[ARM]
 
 
 def fault(error_id: str, component_ref: str = "") -> Fault:
@@ -83,12 +83,12 @@ def fault(error_id: str, component_ref: str = "") -> Fault:
     ],
 )
 def test_faults(principal: Principal, told: Fault, heard: str | None) -> None:
-    shown = shown_fault(told, tree(), shown_directory(tree(), principal), principal)
+    shown = scoped_fault(told, tree(), scoped_directory(tree(), principal), principal)
     assert shown == (None if heard is None else replace(told, description=heard))
 
 
 def test_those_with_the_same_scope_share_a_directory() -> None:
-    whole, shown = tree(), ShownDirectories()
+    whole, shown = tree(), ScopedDirectories()
     seen = shown.get(whole, viewer("robot/*"))
     assert shown.get(whole, replace(viewer("robot/*"), subject="another")) is seen
     assert shown.get(whole, administrator("robot/*")) is not seen

@@ -9,7 +9,7 @@ import pytest
 from openrois.auth.principal import Principal
 from openrois.catalog.basic import BASIC_COMPONENTS
 from openrois.errors import Unsupported
-from openrois.gateway.token_expiry import Tenure
+from openrois.gateway.token_expiry import TokenExpiry
 from openrois.scope.revocation import Claims
 from openrois.types.codes import ErrorType, StreamStatus
 from openrois.types.references import new_id
@@ -33,7 +33,7 @@ def test_claims() -> None:
 class Holder:
     """An application that has one of everything of an engine that it keeps and of one that it will lose."""
 
-    def __init__(self, where: Place, wire: Wire, tenure: Tenure) -> None:
+    def __init__(self, where: Place, wire: Wire, tenure: TokenExpiry) -> None:
         self.where, self.wire, self.tenure = where, wire, tenure
         self.streams: dict[str, str] = {}
         self.events: dict[str, str] = {}
@@ -71,7 +71,7 @@ EVERYTHING, NOTHING = (dict.fromkeys(("stream", "event", "result", "error"), eac
 
 @pytest.fixture
 async def holder() -> Any:
-    tenure = Tenure(principal("operator", "kept/*", "lost/*"))
+    tenure = TokenExpiry(principal("operator", "kept/*", "lost/*"))
     async with place(KEPT, LOST) as where, where.application(tenure) as wire:
         made = Holder(where, wire, tenure)
         for engine_id in (KEPT, LOST):
@@ -127,7 +127,7 @@ async def test_what_a_lesser_role_may_not_have(holder: Holder, role: str, binds:
 
 
 async def test_a_wider_scope_takes_nothing_and_shows_more() -> None:
-    tenure = Tenure(principal("operator", "kept/*"))
+    tenure = TokenExpiry(principal("operator", "kept/*"))
     async with place(KEPT, LOST) as where, where.application(tenure) as wire:
         holder = Holder(where, wire, tenure)
         await holder.take(KEPT)
@@ -173,7 +173,7 @@ def _delayed(robot: Any, gate: asyncio.Event) -> Any:
 
 
 async def test_what_is_being_made_when_the_scope_shrinks_is_not_had() -> None:
-    tenure = Tenure(principal("operator", "*"))
+    tenure = TokenExpiry(principal("operator", "*"))
     async with place(LOST) as where, where.application(tenure) as wire:
         streams = where.robots[LOST].streams
         streams.may_answer.clear()
@@ -213,7 +213,7 @@ async def test_what_is_out_of_sight_in_an_engine_that_is_not_is_not_told_of_eith
 
 
 async def test_who_does_not_see_it_does_not_wait_for_it_either() -> None:
-    tenure = Tenure(principal("operator", "*"))
+    tenure = TokenExpiry(principal("operator", "*"))
     async with place(LOST) as where, where.application(tenure) as wire:
         navigation = where.robots[LOST].robot.ref("Navigation")
         async with where.application(principal("operator", "*")) as other:

@@ -7,8 +7,8 @@ from openrois.contract import Client
 from openrois.engine.engine import Engine
 from openrois.engine.registry import LocalRegistry
 from openrois.errors import NotResponding, TimedOut, Unsupported
-from openrois.scope.filter import ShownDirectories
-from openrois.scope.scoped_engine import VisibleEngine
+from openrois.scope.filter import ScopedDirectories
+from openrois.scope.scoped_engine import ScopedEngine
 from openrois.types.references import new_id
 from tests.support.components import Bell, Lamp
 from tests.support.streams import Camera, FakeStreams
@@ -35,11 +35,11 @@ async def engine(streams: FakeStreams) -> Engine:
 
 
 @pytest.fixture
-def seen(engine: Engine) -> VisibleEngine:
-    return VisibleEngine(engine, operator("robot/*"), ShownDirectories())
+def seen(engine: Engine) -> ScopedEngine:
+    return ScopedEngine(engine, operator("robot/*"), ScopedDirectories())
 
 
-async def test_what_is_in_scope_is_reached(seen: VisibleEngine, engine: Engine) -> None:
+async def test_what_is_in_scope_is_reached(seen: ScopedEngine, engine: Engine) -> None:
     assert seen.require(LAMP).name == "lamp"
     assert [result.value for result in await seen.query(LAMP, "brightness")] == ["5"]
     assert [result.value for result in await seen.invoke(LAMP, "switch")] == ["1"]
@@ -49,7 +49,7 @@ async def test_what_is_in_scope_is_reached(seen: VisibleEngine, engine: Engine) 
 
 
 @pytest.mark.parametrize("ref", [HIDDEN, "secret/camera", "secret/none", "none/lamp", "robot/none", "lamp", ""])
-async def test_what_is_not_is_refused_with_the_words_for_what_is_not_there(seen: VisibleEngine, ref: str) -> None:
+async def test_what_is_not_is_refused_with_the_words_for_what_is_not_there(seen: ScopedEngine, ref: str) -> None:
     words = f"there is no component {ref!r}"
     with pytest.raises(Unsupported, match=words):
         seen.require(ref)
@@ -61,7 +61,7 @@ async def test_what_is_not_is_refused_with_the_words_for_what_is_not_there(seen:
         await seen.extension.call("rois.stream.connect_stream", {"component_ref": ref}, CLIENT)
 
 
-async def test_engines_and_what_they_mint(seen: VisibleEngine, engine: Engine, streams: FakeStreams) -> None:
+async def test_engines_and_what_they_mint(seen: ScopedEngine, engine: Engine, streams: FakeStreams) -> None:
     assert seen.extension.engines() == frozenset()
     for engine_id in ("secret", "none"):
         minted = new_id(engine_id)
@@ -80,7 +80,7 @@ async def test_engines_and_what_they_mint(seen: VisibleEngine, engine: Engine, s
     assert streams.forgotten == ["c"]
 
 
-async def test_who_listens_hears_whether_it_would_see_a_difference(seen: VisibleEngine, engine: Engine) -> None:
+async def test_who_listens_hears_whether_it_would_see_a_difference(seen: ScopedEngine, engine: Engine) -> None:
     heard: list[bool] = []
     seen.on_change(heard.append)
     more = LocalRegistry("more", [Lamp()])
@@ -100,7 +100,7 @@ async def test_who_listens_hears_whether_it_would_see_a_difference(seen: Visible
 
 async def test_whoever_is_shown_everything_hears_of_every_change(engine: Engine) -> None:
     everything = Principal("somebody", frozenset({Role.ADMINISTRATOR}), ("*",))
-    seen = VisibleEngine(engine, everything, ShownDirectories())
+    seen = ScopedEngine(engine, everything, ScopedDirectories())
     heard: list[bool] = []
     seen.on_change(heard.append)
     registry = LocalRegistry("idle", [])
@@ -109,12 +109,12 @@ async def test_whoever_is_shown_everything_hears_of_every_change(engine: Engine)
     assert heard == [True, True]
 
 
-async def test_what_only_the_audit_trail_may_know(seen: VisibleEngine) -> None:
+async def test_what_only_the_audit_trail_may_know(seen: ScopedEngine) -> None:
     assert [seen.hides(ref) for ref in (HIDDEN, LAMP, "none/lamp")] == [True, False, False]
     assert [seen.sees(ref) for ref in (HIDDEN, LAMP, "robot/none")] == [False, True, True]
 
 
-async def test_silence_is_blamed_on_the_component(seen: VisibleEngine, engine: Engine) -> None:
+async def test_silence_is_blamed_on_the_component(seen: ScopedEngine, engine: Engine) -> None:
     faults: list[str] = []
     engine.faults.add(lambda fault: faults.append(fault.component_ref))
     assert isinstance(seen.blame(LAMP, NotResponding("nothing came")), TimedOut)
