@@ -2,8 +2,8 @@
 
 import { RoISError } from "../../sdk/index.ts";
 import type { CommandMessageProfile, Command } from "../../sdk/index.ts";
-import { make } from "../dom.ts";
-import { formatTime } from "../format.ts";
+import { make } from "../dom/elements.ts";
+import { formatTime } from "../model/format.ts";
 import type { Card, ComponentBench } from "./component_bench.ts";
 import { button } from "./controls.ts";
 import { RequestPreview, messageHead } from "./message_head.ts";

@@ -2,7 +2,7 @@
 
 import { componentUrn } from "../../sdk/index.ts";
 import type { HRIComponentProfile, ComponentStatus, Client } from "../../sdk/index.ts";
-import { make, setText } from "../dom.ts";
+import { make, setText } from "../dom/elements.ts";
 import { CommandCard } from "./command_card.ts";
 import type { Card, ComponentBench } from "./component_bench.ts";
 import { arrange, disclosure, jsonBlock } from "./controls.ts";

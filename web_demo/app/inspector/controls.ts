@@ -1,6 +1,6 @@
 /** Small controls that all of the inspector is made of. */
 
-import { make, setText } from "../dom.ts";
+import { make, setText } from "../dom/elements.ts";
 import { drawing } from "./icons.ts";
 import type { IconName } from "./icons.ts";
 import { jsonPieces } from "./json_text.ts";

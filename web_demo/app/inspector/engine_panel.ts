@@ -1,7 +1,7 @@
 /** An engine: what is in it, what it says of itself, and the errors that it notified. */
 
 import { componentType } from "../../sdk/index.ts";
-import { make } from "../dom.ts";
+import { make } from "../dom/elements.ts";
 import { disclosure, jsonBlock } from "./controls.ts";
 import type { Fault } from "./fault_log.ts";
 import { drawing } from "./icons.ts";

@@ -2,8 +2,8 @@
 
 import { onlyComponent } from "../../sdk/index.ts";
 import type { Claim, EventMessageProfile, RoISEvent, Subscription } from "../../sdk/index.ts";
-import { make, setText } from "../dom.ts";
-import { formatTime } from "../format.ts";
+import { make, setText } from "../dom/elements.ts";
+import { formatTime } from "../model/format.ts";
 import type { Card, ComponentBench } from "./component_bench.ts";
 import { button } from "./controls.ts";
 import { eventDetail } from "./event_detail.ts";

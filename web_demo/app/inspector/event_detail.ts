@@ -1,7 +1,7 @@
 /** What an event or an error is known by, and its details as the engine remembers them. */
 
 import type { Client, RoISEvent } from "../../sdk/index.ts";
-import { make } from "../dom.ts";
+import { make } from "../dom/elements.ts";
 import { button } from "./controls.ts";
 import { OutcomeView } from "./outcome_view.ts";
 import { resultsTable } from "./results_view.ts";

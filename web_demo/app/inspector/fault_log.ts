@@ -2,8 +2,8 @@
 
 import { engineOf } from "../../sdk/index.ts";
 import type { Client, Result } from "../../sdk/index.ts";
-import { make } from "../dom.ts";
-import { formatTime } from "../format.ts";
+import { make } from "../dom/elements.ts";
+import { formatTime } from "../model/format.ts";
 import { resultsTable } from "./results_view.ts";
 import { refusal } from "./sentences.ts";
 import type { Refusal } from "./sentences.ts";

@@ -1,6 +1,6 @@
 /** The inspector's line drawings, as paths on 24 x 24 units. */
 
-import { icon } from "../dom.ts";
+import { icon } from "../dom/elements.ts";
 
 const PATHS = {
   back: "M14.5 6 8.500 12l6 6",

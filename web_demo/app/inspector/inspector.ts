@@ -1,7 +1,7 @@
 /** The inspector: every component of every engine, as its profile says it is. */
 
 import type { ComponentStatus, Profile, Client } from "../../sdk/index.ts";
-import { make } from "../dom.ts";
+import { make } from "../dom/elements.ts";
 import { ComponentPanel } from "./component_panel.ts";
 import type { Absence } from "./component_panel.ts";
 import { EnginePanel } from "./engine_panel.ts";

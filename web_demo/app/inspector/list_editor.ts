@@ -1,6 +1,6 @@
 /** A list, edited item by item. */
 
-import { make, setText } from "../dom.ts";
+import { make, setText } from "../dom/elements.ts";
 import { arrange, button, iconButton } from "./controls.ts";
 import { fieldKind, itemType, listItems, listText, misfit } from "./value_text.ts";
 

@@ -1,7 +1,7 @@
 /** The first line of a message's card: its name, what it gives, and what can be done with it. */
 
 import type { JsonObject, ParameterProfile } from "../../sdk/index.ts";
-import { make } from "../dom.ts";
+import { make } from "../dom/elements.ts";
 import { iconButton, jsonBlock } from "./controls.ts";
 
 /** @param notes what else is to be known of the message, such as its time limit */

@@ -1,7 +1,7 @@
 /** What became of a call: at work, done with results, or refused with a sentence. */
 
 import type { Result } from "../../sdk/index.ts";
-import { make } from "../dom.ts";
+import { make } from "../dom/elements.ts";
 import { copyButton } from "./controls.ts";
 import { resultsTable } from "./results_view.ts";
 import type { Refusal } from "./sentences.ts";

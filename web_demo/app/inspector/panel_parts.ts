@@ -1,6 +1,6 @@
 /** What the panels of components and engines are made of. */
 
-import { make } from "../dom.ts";
+import { make } from "../dom/elements.ts";
 import { copyButton, showCount } from "./controls.ts";
 import { faultRow } from "./fault_log.ts";
 import type { Fault } from "./fault_log.ts";

@@ -2,7 +2,7 @@
 
 import { RoISError } from "../../sdk/index.ts";
 import type { ParameterProfile } from "../../sdk/index.ts";
-import { make, setText } from "../dom.ts";
+import { make, setText } from "../dom/elements.ts";
 import type { Card, ComponentBench } from "./component_bench.ts";
 import { button, iconButton } from "./controls.ts";
 import { RequestPreview } from "./message_head.ts";

@@ -1,7 +1,7 @@
 /** Results as a table: names, values as their types say, and the types. */
 
 import type { Result } from "../../sdk/index.ts";
-import { make } from "../dom.ts";
+import { make } from "../dom/elements.ts";
 import { copyButton } from "./controls.ts";
 import { fieldKind, listItems } from "./value_text.ts";
 

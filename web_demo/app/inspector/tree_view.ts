@@ -1,7 +1,7 @@
 /** The tree of engines and components: searched, opened and closed, and walked through with the keyboard. */
 
 import type { ComponentStatus } from "../../sdk/index.ts";
-import { make, setText } from "../dom.ts";
+import { make, setText } from "../dom/elements.ts";
 import { arrange } from "./controls.ts";
 import { drawing } from "./icons.ts";
 import { componentsOf, statusQuery, visibleRows } from "./profile_tree.ts";

@@ -2,7 +2,7 @@
 
 import { ComponentStatus } from "../../sdk/index.ts";
 import type { ParameterProfile } from "../../sdk/index.ts";
-import { make, setText } from "../dom.ts";
+import { make, setText } from "../dom/elements.ts";
 import { button } from "./controls.ts";
 import { ListEditor } from "./list_editor.ts";
 import { fieldKind, misfit, sameValue } from "./value_text.ts";

@@ -1,7 +1,7 @@
 /** The fields of one message or of a component's parameters. */
 
 import type { ParameterProfile, Result } from "../../sdk/index.ts";
-import { make } from "../dom.ts";
+import { make } from "../dom/elements.ts";
 import { ValueField } from "./value_field.ts";
 
 /** What was typed, by field: it outlives the fields, which are made anew when their profile changes. */

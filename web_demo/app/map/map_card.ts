@@ -2,10 +2,10 @@
 
 import { SystemInformation } from "../../sdk/index.ts";
 import type { Client, Subscription } from "../../sdk/index.ts";
-import type { Avatar } from "../avatars.ts";
-import { ComponentWatch, isUsable } from "../component_status.ts";
-import { byRole, icon, make, setText } from "../dom.ts";
-import { Surroundings } from "../own_components.ts";
+import type { Avatar } from "../model/avatars.ts";
+import { ComponentWatch, isUsable } from "../model/component_status.ts";
+import { byRole, icon, make, setText } from "../dom/elements.ts";
+import { Surroundings } from "../model/own_components.ts";
 import { FloorView } from "./floor_view.ts";
 import type { Ground } from "./floor_view.ts";
 import {

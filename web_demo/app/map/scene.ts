@@ -1,6 +1,6 @@
 /** What is on the floor, out of what the avatar tells. Pure. */
 
-import type { Things } from "../own_components.ts";
+import type { Things } from "../model/own_components.ts";
 import { readPlace } from "./geometry.ts";
 import type { Place } from "./geometry.ts";
 

@@ -1,10 +1,10 @@
 /** From where the pictures show the avatar, to be chosen for all viewers. */
 
 import type { Client, Subscription } from "../../sdk/index.ts";
-import { ComponentWatch, isUsable } from "../component_status.ts";
-import { make } from "../dom.ts";
-import { Viewpoint } from "../own_components.ts";
-import { explain } from "../permission.ts";
+import { ComponentWatch, isUsable } from "../model/component_status.ts";
+import { make } from "../dom/elements.ts";
+import { Viewpoint } from "../model/own_components.ts";
+import { explain } from "../model/permission.ts";
 
 /** Of the engines that come with the avatar; others name theirs as they like. */
 const WORDS: Readonly<Record<string, string>> = {

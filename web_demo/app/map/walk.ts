@@ -2,8 +2,8 @@
 
 import { CommandFailed, Follow, Navigation } from "../../sdk/index.ts";
 import type { Client, Subscription } from "../../sdk/index.ts";
-import { describeFailure } from "../outcome.ts";
-import { plainReason, sentence } from "../plain_words.ts";
+import { describeFailure } from "../model/outcome.ts";
+import { plainReason, sentence } from "../model/plain_words.ts";
 import type { Place } from "./geometry.ts";
 import { ahead } from "./scene.ts";
 import type { Thing } from "./scene.ts";

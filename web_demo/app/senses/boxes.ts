@@ -1,6 +1,6 @@
 /** Where the faces that the avatar sees are drawn over the preview, and what stands beside them. Pure. */
 
-import type { Seen } from "../own_components.ts";
+import type { Seen } from "../model/own_components.ts";
 
 /** In shares of a picture, from its left top corner. */
 export interface Box {

@@ -1,11 +1,11 @@
 /** What the avatar hears: levels, what it understands if it is let, and whether it lets itself be interrupted. */
 
 import type { Client } from "../../sdk/index.ts";
-import { SILENCE } from "../decibels.ts";
-import { make, setText } from "../dom.ts";
-import { LevelBar, TrackLevel } from "../level_bar.ts";
-import { describeFailure } from "../outcome.ts";
-import { Hearing, Operator, SpeechProgress } from "../own_components.ts";
+import { SILENCE } from "../model/decibels.ts";
+import { make, setText } from "../dom/elements.ts";
+import { LevelBar, TrackLevel } from "../dom/level_bar.ts";
+import { describeFailure } from "../model/outcome.ts";
+import { Hearing, Operator, SpeechProgress } from "../model/own_components.ts";
 import { Switch } from "./switch.ts";
 import { Wanted } from "./wanted.ts";
 

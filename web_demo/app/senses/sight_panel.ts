@@ -2,9 +2,9 @@
 
 import { CommandFailed } from "../../sdk/index.ts";
 import type { Client } from "../../sdk/index.ts";
-import { make, setText } from "../dom.ts";
-import { describeFailure } from "../outcome.ts";
-import { Enrolment, Sight } from "../own_components.ts";
+import { make, setText } from "../dom/elements.ts";
+import { describeFailure } from "../model/outcome.ts";
+import { Enrolment, Sight } from "../model/own_components.ts";
 import { Faces, inMirror } from "./boxes.ts";
 import type { Box, Face } from "./boxes.ts";
 import { Switch } from "./switch.ts";

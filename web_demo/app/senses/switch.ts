@@ -1,6 +1,6 @@
 /** A switch with its words. */
 
-import { make } from "../dom.ts";
+import { make } from "../dom/elements.ts";
 
 export class Switch {
   readonly element: HTMLButtonElement;

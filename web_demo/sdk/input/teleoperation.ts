@@ -1,6 +1,6 @@
 /** Operating an avatar by hand: takes its component, collects what the person does, and sends it. */
 
-import { Emitter } from "../events.ts";
+import { Emitter } from "../jsonrpc/events.ts";
 import type { Client } from "../rois/client.ts";
 import { onlyComponent } from "../rois/conditions.ts";
 import { engineOf } from "../rois/discovery.ts";

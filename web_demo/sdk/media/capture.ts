@@ -1,6 +1,6 @@
 /** A microphone or camera of this machine, from the user's consent to the end of its use. */
 
-import { Emitter } from "../events.ts";
+import { Emitter } from "../jsonrpc/events.ts";
 import type { MediaKind } from "../rois/generated/types.ts";
 
 export interface CaptureProblem {

@@ -1,6 +1,6 @@
 /** What a video element presents, frame by frame, and the last picture for when there is none. */
 
-import { Emitter } from "../events.ts";
+import { Emitter } from "../jsonrpc/events.ts";
 
 /** Milliseconds that a frame takes to the screen at most, after the browser has told of it. */
 const SOON = 50;

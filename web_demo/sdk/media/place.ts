@@ -1,6 +1,6 @@
 /** Where a stream is carried. */
 
-import type { Emitter } from "../events.ts";
+import type { Emitter } from "../jsonrpc/events.ts";
 import type { MediaPeer } from "./peer.ts";
 import { figuresBetween } from "./statistics.ts";
 import type { Sample } from "./statistics.ts";

@@ -1,6 +1,6 @@
 /** One stream of this application: what it is wanted to be, and what it is. */
 
-import { Emitter } from "../events.ts";
+import { Emitter } from "../jsonrpc/events.ts";
 import type { BackoffOptions } from "../rois/backoff.ts";
 import type { Direction, MediaKind, StreamStatus } from "../rois/generated/types.ts";
 import { captureTime } from "./capture_time.ts";

@@ -1,6 +1,6 @@
 /** The run time of typed components: what `Navigation` and its like are made of. */
 
-import { tell } from "../events.ts";
+import { tell } from "../jsonrpc/events.ts";
 import type { Client } from "./client.ts";
 import { and, onlyComponent } from "./conditions.ts";
 import { CommandFailed } from "./errors.ts";

@@ -1,6 +1,6 @@
 /** A connection to one gateway that comes back by itself. */
 
-import { Emitter } from "../events.ts";
+import { Emitter } from "../jsonrpc/events.ts";
 import { ConnectionLost, JsonRpcSession } from "../jsonrpc/session.ts";
 import type { SocketLike, Traffic } from "../jsonrpc/session.ts";
 import type { Json, JsonObject, Notification } from "../jsonrpc/peer.ts";

@@ -1,6 +1,6 @@
 /** An application's end of one gateway: it connects, and again whenever the connection is lost, calls and is told. */
 
-import { Emitter } from "../events.ts";
+import { Emitter } from "../jsonrpc/events.ts";
 import { METHOD_NOT_FOUND } from "../jsonrpc/peer.ts";
 import type { Json, JsonObject, Notification } from "../jsonrpc/peer.ts";
 import { ConnectionLost, RpcError } from "../jsonrpc/session.ts";

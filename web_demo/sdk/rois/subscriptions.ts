@@ -1,6 +1,6 @@
 /** Subscriptions that outlive the session in which they were made. */
 
-import { tell } from "../events.ts";
+import { tell } from "../jsonrpc/events.ts";
 import type { Renewal, SubscriptionClaim } from "./claims.ts";
 import { RoISError } from "./errors.ts";
 import type { Call, RoISEvent } from "./link.ts";

@@ -1,7 +1,7 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
-import { AvatarDirectory } from "../../app/avatars.ts";
-import { ComponentWatch, isUsable } from "../../app/component_status.ts";
-import type { Availability } from "../../app/component_status.ts";
+import { AvatarDirectory } from "../../app/model/avatars.ts";
+import { ComponentWatch, isUsable } from "../../app/model/component_status.ts";
+import type { Availability } from "../../app/model/component_status.ts";
 import { Client } from "../../sdk/index.ts";
 import { FakeGateway } from "../support/fake_gateway.ts";
 

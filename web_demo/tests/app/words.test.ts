@@ -1,10 +1,10 @@
 import { describe, expect, it } from "vitest";
-import { bodyOf, findAvatars } from "../../app/avatars.ts";
-import { formatBitrate, formatLatency, formatTime, secondsUntil } from "../../app/format.ts";
-import { describeCompleted, describeFailure } from "../../app/outcome.ts";
-import { plainReason } from "../../app/plain_words.ts";
-import { bestColumns, reactionLook } from "../../app/reaction_names.ts";
-import { History } from "../../app/sparkline.ts";
+import { bodyOf, findAvatars } from "../../app/model/avatars.ts";
+import { formatBitrate, formatLatency, formatTime, secondsUntil } from "../../app/model/format.ts";
+import { describeCompleted, describeFailure } from "../../app/model/outcome.ts";
+import { plainReason } from "../../app/model/plain_words.ts";
+import { bestColumns, reactionLook } from "../../app/model/reaction_names.ts";
+import { History } from "../../app/dom/sparkline.ts";
 import { ConnectionLost, RoISError } from "../../sdk/index.ts";
 import type { Profile } from "../../sdk/index.ts";
 

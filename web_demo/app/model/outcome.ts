@@ -1,0 +1,61 @@
+/** What became of a command, in words. Pure. */
+
+import { CommandFailed, ConnectionLost, RoISError } from "../../sdk/index.ts";
+import type { CompletedStatus } from "../../sdk/index.ts";
+import { plainReason } from "./plain_words.ts";
+
+export interface Outcome {
+  readonly state: "done" | "stopped" | "failed" | "refused";
+  readonly text: string;
+}
+
+const BUSY = "another visitor has control";
+
+/**
+ * @param elapsed milliseconds from the start to the end
+ * @param reason why it did not end OK, where that was told
+ */
+export function describeCompleted(status: CompletedStatus, elapsed: number, reason = ""): Outcome {
+  const seconds = `${(elapsed / 1000).toFixed(1)} s`;
+  const why = plainReason(reason);
+  switch (status) {
+    case "OK":
+      return { state: "done", text: `done after ${seconds}` };
+    case "ABORT":
+      return { state: "stopped", text: why || `stopped after ${seconds}` };
+    case "TIMEOUT":
+      return { state: "failed", text: why || "it took too long" };
+    default:
+      return { state: "failed", text: `the avatar could not do it${why && `: ${why}`}` };
+  }
+}
+
+/**
+ * Waits for the end of a command and describes it.
+ *
+ * @param busy the sentence for a component that another session holds
+ */
+export async function describeEnd(command: Promise<void>, busy: string): Promise<Outcome> {
+  const startedAt = Date.now();
+  try {
+    await command;
+    return describeCompleted("OK", Date.now() - startedAt);
+  } catch (error) {
+    if (error instanceof CommandFailed)
+      return describeCompleted(error.status, Date.now() - startedAt, error.reason);
+    return describeFailure(error, busy);
+  }
+}
+
+/** @param busy the sentence for a component that another session holds */
+export function describeFailure(error: unknown, busy = BUSY): Outcome {
+  if (error instanceof RoISError) {
+    if (error.returnCode === "OUT_OF_RESOURCES") return { state: "refused", text: busy };
+    const why = plainReason(error.reason);
+    return { state: "failed", text: `the avatar refused it${why && `: ${why}`}` };
+  }
+  if (error instanceof ConnectionLost) {
+    return { state: "failed", text: "the connection ended before the avatar had finished" };
+  }
+  return { state: "failed", text: error instanceof Error ? error.message : String(error) };
+}

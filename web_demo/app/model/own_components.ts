@@ -1,0 +1,153 @@
+/** The avatar's components that are not the standard's, as proxies; docs/avatar.md says what they do. */
+
+import { RoISCommon } from "../../sdk/index.ts";
+import type { CompletedStatus } from "../../sdk/index.ts";
+
+const URN = "urn:x-rois:def:component:OpenRoIS::";
+
+export interface Floor {
+  /** Corners `x,y` in metres; empty where the engine tells no floor. */
+  readonly outline: readonly string[];
+  readonly obstacles: readonly (readonly string[])[];
+}
+
+/** What there is beside the figure, side by side. */
+export interface Things {
+  readonly thing_ref: readonly string[];
+  readonly kind: readonly string[];
+  readonly name: readonly string[];
+  /** Places `x,y,th`. */
+  readonly position_data: readonly string[];
+}
+
+/** The floor, and everything on it. */
+export class Surroundings extends RoISCommon {
+  static readonly componentType = `${URN}Surroundings`;
+  readonly figureMoved = this.event<{ readonly position_data: string }>("figure_moved", {
+    position_data: "string",
+  });
+  readonly floorChanged = this.event<object>("floor_changed", {});
+  readonly thingsChanged = this.event<object>("things_changed", {});
+
+  floor(): Promise<Floor> {
+    return this.query<Floor>("floor", { outline: "string[]", obstacles: "string[][]" });
+  }
+
+  things(): Promise<Things> {
+    const texts = "string[]";
+    return this.query<Things>("things", { thing_ref: texts, kind: texts, name: texts, position_data: texts });
+  }
+}
+
+export interface WordSpoken {
+  readonly speech_id: string;
+  readonly word: string;
+  /** Of its first character in the text, in Unicode code points. */
+  readonly position: number;
+  readonly length: number;
+}
+
+export interface SpeechBegan {
+  readonly speech_id: string;
+  readonly text: string;
+  readonly is_ssml: boolean;
+}
+
+export interface SpeechEnded {
+  readonly speech_id: string;
+  readonly status: CompletedStatus;
+}
+
+/** What of a text is heard, word by word. */
+export class SpeechProgress extends RoISCommon<{ readonly barge_in?: boolean }> {
+  static readonly componentType = `${URN}SpeechProgress`;
+  protected override readonly parameterTypes = { barge_in: "bool" };
+  readonly speechBegan = this.event<SpeechBegan>("speech_began", {
+    speech_id: "string",
+    text: "string",
+    is_ssml: "bool",
+  });
+  readonly wordSpoken = this.event<WordSpoken>("word_spoken", {
+    speech_id: "string",
+    word: "string",
+    position: "int",
+    length: "int",
+  });
+  readonly speechEnded = this.event<SpeechEnded>("speech_ended", { speech_id: "string", status: "string" });
+}
+
+/** Whom the avatar sees in a picture of the camera, side by side. */
+export interface Seen {
+  readonly person_ref: readonly string[];
+  /** `left,top,width,height` in shares of the picture, not mirrored. */
+  readonly box: readonly string[];
+  readonly name: readonly string[];
+  readonly gesture_ref: readonly string[];
+}
+
+/** What the avatar sees of its operator. */
+export class Sight extends RoISCommon {
+  static readonly componentType = `${URN}Sight`;
+  readonly seen = this.event<Seen>("seen", {
+    person_ref: "string[]",
+    box: "string[]",
+    name: "string[]",
+    gesture_ref: "string[]",
+  });
+}
+
+/** Whom it knows by name. */
+export class Enrolment extends RoISCommon {
+  static readonly componentType = `${URN}Enrolment`;
+
+  /** Remembers the only person in front of the camera. */
+  enrol(name: string): Promise<void> {
+    return this.execute("enrol", [{ name: "name", data_type_ref: "string", value: name }]);
+  }
+
+  forget(name: string): Promise<void> {
+    return this.execute("forget", [{ name: "name", data_type_ref: "string", value: name }]);
+  }
+
+  enrolled(): Promise<{ readonly names: readonly string[] }> {
+    return this.query<{ readonly names: readonly string[] }>("enrolled", { names: "string[]" });
+  }
+}
+
+/** From where the pictures show it. */
+export class Viewpoint extends RoISCommon {
+  static readonly componentType = `${URN}Viewpoint`;
+  readonly changed = this.event<{ readonly viewpoint: string }>("viewpoint_changed", { viewpoint: "string" });
+
+  available(): Promise<{ readonly available_viewpoints: readonly string[] }> {
+    return this.query<{ readonly available_viewpoints: readonly string[] }>("available_viewpoints", {
+      available_viewpoints: "string[]",
+    });
+  }
+
+  current(): Promise<{ readonly viewpoint: string }> {
+    return this.query<{ readonly viewpoint: string }>("viewpoint", { viewpoint: "string" });
+  }
+
+  choose(viewpoint: string): Promise<void> {
+    return this.execute("choose", [{ name: "viewpoint", data_type_ref: "string", value: viewpoint }]);
+  }
+}
+
+/** What it understands of what is said to it. */
+export class Hearing extends RoISCommon {
+  static readonly componentType = `${URN}Hearing`;
+  readonly heard = this.event<{ readonly text: string; readonly final: boolean }>("heard", {
+    text: "string",
+    final: "bool",
+  });
+}
+
+/** The avatar's component that tells what it hears and sees of its operator. */
+export class Operator extends RoISCommon {
+  static readonly componentType = `${URN}Operator`;
+  readonly microphoneLevel = this.event<{ readonly rms: number; readonly peak: number }>("microphone_level", {
+    rms: "double",
+    peak: "double",
+  });
+}

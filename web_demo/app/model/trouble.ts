@@ -1,0 +1,170 @@
+/** What is wrong, in words for the person in front of the page, and what to do about it. Pure. */
+
+import type { ConnectionState, StreamStatus } from "../../sdk/index.ts";
+import type { Problem } from "../../sdk/media/index.ts";
+import { plainReason } from "./plain_words.ts";
+
+/** `none`: without one. `ended`: with one that was good before. `refused`: with one that is not good. */
+export type Unwelcome = "none" | "ended" | "refused";
+
+export interface Situation {
+  /** The browser has WebRTC. */
+  readonly canStream: boolean;
+  readonly connection: ConnectionState;
+  /** The gateway is there and does not let the page in: with which token; null while nothing is known of that. */
+  readonly unwelcome: Unwelcome | null;
+  /** The gateway has the streaming extension; false for one that speaks plain RoIS. */
+  readonly streaming: boolean;
+  /** Null while the profile has not been read. */
+  readonly avatar: { readonly name: string; readonly present: boolean } | "none" | null;
+  /** The video codecs that the browser decodes. */
+  readonly codecs: readonly string[];
+  readonly video: {
+    readonly wanted: boolean;
+    readonly problem: Problem | null;
+    readonly status: StreamStatus | null;
+    /** Milliseconds since the last frame was shown; null before the first. */
+    readonly frameAge: number | null;
+  };
+}
+
+export interface Trouble {
+  readonly kind:
+    | "no-webrtc"
+    | "no-gateway"
+    | "no-token"
+    | "no-streaming"
+    | "no-adapter"
+    | "adapter-gone"
+    | "no-codec"
+    | "no-media"
+    | "refused"
+    | "stalled";
+  readonly title: string;
+  readonly text: string;
+  /** When the next try starts by itself, in milliseconds since the epoch; 0 while it runs. */
+  readonly retryAt?: number;
+}
+
+/** A picture that is older than this, in milliseconds, although the stream runs, has stopped. */
+export const STALLED_AFTER = 2500;
+
+const USABLE_CODECS = ["video/h264", "video/vp8"];
+
+const TOKEN_WORDS: Readonly<Record<Unwelcome, Pick<Trouble, "title" | "text">>> = {
+  none: {
+    title: "The gateway asks for a token",
+    text: "Paste the one that you were given. It stays in this tab, until the tab is closed or the token ends.",
+  },
+  ended: {
+    title: "Your token has ended",
+    text: "Its time is over, or it was revoked; microphone and camera are off. Paste a new one to go on.",
+  },
+  refused: {
+    title: "The gateway does not take this token",
+    text: "It may have ended, be revoked or be for another gateway, or a part of it is missing. Paste another one.",
+  },
+};
+
+/** Returns the trouble that stands before all others; null when all is well or still starting. */
+export function findTrouble(situation: Situation): Trouble | null {
+  return connectionTrouble(situation) ?? avatarTrouble(situation) ?? streamTrouble(situation);
+}
+
+function connectionTrouble({ canStream, connection, unwelcome, streaming }: Situation): Trouble | null {
+  if (!canStream) {
+    return {
+      kind: "no-webrtc",
+      title: "This browser has no WebRTC",
+      text: "Live pictures need it. Use a current Chrome, Edge, Firefox or Safari, or allow WebRTC in the settings.",
+    };
+  }
+  if (connection.name === "waiting" || (connection.name === "connecting" && connection.attempt > 0)) {
+    if (unwelcome) return { kind: "no-token", ...TOKEN_WORDS[unwelcome] };
+    return {
+      kind: "no-gateway",
+      title: "The gateway does not answer",
+      text: "Start it with “openrois demo”, or look at the terminal where it ran. The page connects by itself.",
+      retryAt: connection.name === "waiting" ? connection.retryAt : 0,
+    };
+  }
+  if (connection.name === "connected" && !streaming) {
+    return {
+      kind: "no-streaming",
+      title: "This gateway cannot stream",
+      text: "It speaks plain RoIS without the streaming extension. Speech and reactions may work; for the picture, run an OpenRoIS gateway.",
+    };
+  }
+  return null;
+}
+
+function avatarTrouble({ connection, avatar }: Situation): Trouble | null {
+  if (connection.name !== "connected" || avatar === null) return null;
+  if (avatar === "none") {
+    return {
+      kind: "no-adapter",
+      title: "No avatar is connected",
+      text: "The gateway runs, but no engine behind it offers video. Start one with “openrois avatar”; it appears here by itself. Other components stand in the Inspector.",
+    };
+  }
+  if (avatar.present) return null;
+  return {
+    kind: "adapter-gone",
+    title: `The avatar “${avatar.name}” has left`,
+    text: "Its adapter has stopped or lost the gateway. As soon as it is back, everything goes on by itself.",
+  };
+}
+
+function streamTrouble({ connection, avatar, codecs, video }: Situation): Trouble | null {
+  if (connection.name !== "connected" || avatar === null || !video.wanted) return null;
+  if (!codecs.some((codec) => USABLE_CODECS.includes(codec.toLowerCase()))) {
+    return {
+      kind: "no-codec",
+      title: "This browser decodes neither H.264 nor VP8",
+      text: "The avatar sends one of these. Install the browser's media codecs, or use another browser.",
+    };
+  }
+  if (video.problem) return problemTrouble(video.problem);
+  const stopped = video.frameAge !== null && video.frameAge > STALLED_AFTER;
+  if (video.status !== "STREAMING_RUNNING" || !stopped) return null;
+  return {
+    kind: "stalled",
+    title: "The picture has stopped",
+    text: "The avatar still sends, but nothing arrives. Another way through the network is being looked for.",
+  };
+}
+
+function problemTrouble(problem: Problem): Trouble {
+  switch (problem.kind) {
+    case "no-media":
+      return {
+        kind: "no-media",
+        title: "The picture does not get through",
+        text: `The avatar is connected, but its video packets do not arrive (${problem.detail}). A firewall or VPN may block UDP between this browser and the avatar. Other ways are being tried.`,
+      };
+    case "no-streaming":
+      return {
+        kind: "no-streaming",
+        title: "This gateway cannot stream",
+        text: "It does not know the streaming methods. Run an OpenRoIS gateway of this version.",
+      };
+    case "unsupported":
+      return {
+        kind: "no-codec",
+        title: "The avatar cannot send what this browser plays",
+        text: `${said(problem.detail) ?? "They have no video codec in common, or the avatar has no video right now."} The page goes on trying.`,
+      };
+    case "refused":
+      return {
+        kind: "refused",
+        title: "The avatar refuses the video",
+        text: `${said(problem.detail) ?? "The log of its adapter tells why."} The page goes on trying.`,
+      };
+  }
+}
+
+/** The engine's own words; null where it gave a return code and nothing else. */
+function said(detail: string): string | null {
+  const why = plainReason(detail);
+  return why === "" ? null : `It says: “${why}”.`;
+}

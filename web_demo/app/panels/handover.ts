@@ -1,0 +1,129 @@
+/** The strip that says who has control of the avatar: one may ask for it, and the holder is asked. */
+
+import type { BodyControl, GiveBack } from "../model/body_control.ts";
+import { byRole, byTestId, setText } from "../dom/elements.ts";
+import { named } from "../model/names.ts";
+import { WATCHING } from "../model/permission.ts";
+
+type Press = () => Promise<unknown>;
+type Choice = readonly [words: string, press: Press];
+
+export class Handover {
+  readonly #body: BodyControl;
+  /** Begins to drive with control that was granted; returns false where there is nothing to drive. */
+  readonly #drive: (giveBack: GiveBack) => boolean;
+  readonly #bar = byTestId("handover", HTMLElement);
+  readonly #words = byRole("handover-words", HTMLElement);
+  readonly #yes = byTestId("handover-yes", HTMLButtonElement);
+  readonly #no = byTestId("handover-no", HTMLButtonElement);
+  /** Gives back what was granted without anything to drive. */
+  #giveBack: GiveBack | null = null;
+  #held = "";
+  #watching = false;
+  #shown = false;
+  #press: { readonly yes: Press | null; readonly no: Press | null } = { yes: null, no: null };
+
+  constructor(body: BodyControl, drive: (giveBack: GiveBack) => boolean) {
+    this.#body = body;
+    this.#drive = drive;
+    this.#yes.addEventListener("click", (event) => this.#pressed(event, this.#press.yes));
+    this.#no.addEventListener("click", (event) => this.#pressed(event, this.#press.no));
+  }
+
+  /** What control is held for, in a sentence, as long as it is; empty for nothing. */
+  set held(held: string) {
+    this.#held = held;
+    this.render();
+  }
+
+  /** A visitor who may only watch asks for nothing, and is told so. */
+  set watching(watching: boolean) {
+    this.#watching = watching;
+    this.render();
+  }
+
+  /** Whether there is an avatar that can be controlled now. */
+  set shown(shown: boolean) {
+    this.#shown = shown;
+    this.render();
+  }
+
+  render(): void {
+    const { standing, asked } = this.#body;
+    if (standing.kind !== "mine") this.#giveBack = null;
+    if (!this.#shown) return this.#hide();
+    if (this.#watching) return this.#show(WATCHING, null, null);
+    if (asked) return this.#ask(asked.subject, asked.more);
+    switch (standing.kind) {
+      case "mine":
+        return this.#has();
+      case "free":
+        return this.#hide();
+      case "other": {
+        const away = standing.absent ? ", whose connection is lost," : "";
+        return this.#show(
+          `${named(standing.holder)}${away} has control`,
+          ["Ask for it", () => this.#request()],
+          null,
+        );
+      }
+      case "waiting":
+        return this.#wait(named(standing.holder), standing.position, standing.declined);
+    }
+  }
+
+  /** The second press of a double click was not meant for what stands there after the first. */
+  #pressed({ detail }: MouseEvent, press: Press | null): void {
+    if (detail < 2) void press?.().catch(() => this.render());
+  }
+
+  #ask(subject: string, more: number): void {
+    const others = more > 0 ? `, and ${more} more` : "";
+    this.#show(
+      `${subject} asks for control${others}`,
+      ["Hand over", () => this.#body.answer(true)],
+      ["Keep", () => this.#body.answer(false)],
+    );
+  }
+
+  /** While the avatar is driven the picture says so. */
+  #has(): void {
+    if (this.#held !== "") return this.#show(this.#held, null, null);
+    if (!this.#giveBack) return this.#hide();
+    const giveBack: Press = async () => {
+      this.#giveBack?.();
+      this.#giveBack = null;
+      this.render();
+    };
+    this.#show("You have control", null, ["Give back", giveBack]);
+  }
+
+  #wait(holder: string, position: number, declined: boolean): void {
+    const leave: Choice = ["Leave", () => this.#body.leave()];
+    const line = `number ${position} in line`;
+    if (!declined) return this.#show(`You wait for control: ${line}`, null, leave);
+    const again: Choice = ["Ask again", () => this.#body.askAgain()];
+    this.#show(`${holder} does not hand over control now. You wait: ${line}`, again, leave);
+  }
+
+  async #request(): Promise<void> {
+    const giveBack = await this.#body.request();
+    if (!this.#drive(giveBack)) this.#giveBack = giveBack;
+    this.render();
+  }
+
+  #hide(): void {
+    this.#bar.hidden = true;
+  }
+
+  #show(words: string, yes: Choice | null, no: Choice | null): void {
+    this.#bar.classList.toggle("asking", this.#body.asked !== null);
+    setText(this.#words, words);
+    setText(this.#yes, yes?.[0] ?? "");
+    setText(this.#no, no?.[0] ?? "");
+    this.#yes.hidden = yes === null;
+    this.#no.hidden = no === null;
+    this.#press = { yes: yes?.[1] ?? null, no: no?.[1] ?? null };
+    this.#bar.hidden = false;
+  }
+}

@@ -1,0 +1,64 @@
+/** The bar at the top: which avatar, whether connected, light or dark. */
+
+import type { ConnectionState } from "../../sdk/index.ts";
+import type { AvatarDirectory } from "../model/avatars.ts";
+import { byRole, byTestId, make, setText } from "../dom/elements.ts";
+
+export class Header {
+  readonly #directory: AvatarDirectory;
+  readonly #select = byTestId("avatar-select", HTMLSelectElement);
+  readonly #name = byRole("avatar-name", HTMLElement);
+  readonly #connection = byTestId("connection", HTMLElement);
+  readonly #connectionText = byRole("connection-text", HTMLElement);
+  #options = "";
+
+  constructor(directory: AvatarDirectory) {
+    this.#directory = directory;
+    this.#select.addEventListener("change", () => directory.choose(this.#select.value));
+    installThemeToggle();
+  }
+
+  render(connection: ConnectionState): void {
+    this.#connection.dataset["state"] = connection.name;
+    setText(this.#connectionText, connectionWords(connection));
+    const avatars = this.#directory.avatars ?? [];
+    const chosen = this.#directory.chosen?.engineId ?? "";
+    const ids = [...new Set([...avatars.map(({ engineId }) => engineId), chosen])].filter((id) => id !== "");
+    if (ids.join() !== this.#options) {
+      this.#options = ids.join();
+      this.#select.replaceChildren(...ids.map((id) => make("option", { value: id }, id)));
+    }
+    this.#select.value = chosen;
+    this.#select.hidden = ids.length < 2;
+    this.#name.hidden = !this.#select.hidden;
+    setText(this.#name, chosen);
+  }
+}
+
+function connectionWords(connection: ConnectionState): string {
+  switch (connection.name) {
+    case "connected":
+      return "Connected";
+    case "connecting":
+      return "Connecting";
+    case "waiting":
+      return "Offline";
+    case "closed":
+      return "Closed";
+  }
+}
+
+function installThemeToggle(): void {
+  const button = byTestId("theme-toggle", HTMLButtonElement);
+  const system = matchMedia("(prefers-color-scheme: dark)");
+  const { dataset } = document.documentElement;
+  const isDark = (): boolean => (dataset["theme"] ?? (system.matches ? "dark" : "light")) === "dark";
+  const render = (): void => button.setAttribute("aria-pressed", String(isDark()));
+  button.addEventListener("click", () => {
+    dataset["theme"] = isDark() ? "light" : "dark";
+    localStorage.setItem("openrois.theme", dataset["theme"]);
+    render();
+  });
+  system.addEventListener("change", render);
+  render();
+}

@@ -1,0 +1,115 @@
+/** The person at this machine: microphone and camera on their way to the avatar, and what arrives there. */
+
+import type { Client } from "../../sdk/index.ts";
+import type { LocalStream, MediaReceiver } from "../../sdk/media/index.ts";
+import type { Avatar } from "../model/avatars.ts";
+import type { GiveBack } from "../model/body_control.ts";
+import { DeviceControl } from "./device_control.ts";
+import { sendingWords } from "../model/device_words.ts";
+import { byRole, byTestId, make, setText } from "../dom/elements.ts";
+import { HearingPanel } from "../senses/hearing_panel.ts";
+import { SightPanel } from "../senses/sight_panel.ts";
+
+export class OperatorCard {
+  readonly #client: Client;
+  readonly #receiver: MediaReceiver;
+  readonly #element = byRole("card-operator", HTMLElement);
+  readonly #sending = byTestId("sending", HTMLElement);
+  readonly #sight: SightPanel;
+  readonly #hearing: HearingPanel;
+  readonly #microphone: DeviceControl;
+  readonly #camera: DeviceControl;
+  /** Components that have said that they take what is sent. */
+  readonly #taking = new Set<string>();
+  /** Is told when another device is on, or none. */
+  onChange: () => void = () => undefined;
+  readonly #on = { audio: false, video: false };
+
+  /** @param take takes control, which is held while a device is on */
+  constructor(client: Client, receiver: MediaReceiver, take: () => Promise<GiveBack>) {
+    this.#client = client;
+    this.#receiver = receiver;
+    this.#hearing = new HearingPanel(client, () => this.#tell());
+    this.#sight = new SightPanel(client, () => this.#tell());
+    this.#microphone = new DeviceControl("audio", this.#hearing.element, take, (track) => {
+      this.#on.audio = track !== null;
+      this.#hearing.show(track);
+      this.#tell();
+    });
+    this.#camera = new DeviceControl("video", this.#sight.element, take, (track) => {
+      this.#on.video = track !== null;
+      this.#sight.show(track);
+      this.#tell();
+    });
+    this.#element.append(
+      make("h2", { id: "operator-title" }, "You"),
+      make("div", { class: "devices" }, this.#microphone.element, this.#camera.element),
+    );
+  }
+
+  /** The streams to the avatar, for the browser's console; null where it takes none. */
+  async watch(avatar: Avatar): Promise<{ microphone: LocalStream | null; camera: LocalStream | null }> {
+    const { video, audio } = avatar;
+    await Promise.all([this.#ask(audio), this.#ask(video)]);
+    this.#hearing.setComponents(avatar.operator, avatar.hearing, avatar.progress);
+    this.#sight.setComponents(avatar.sight, avatar.enrolment);
+    const microphone =
+      audio !== null && this.#taking.has(audio) ? this.#receiver.sending(audio, "audio") : null;
+    const limits = { width: 640, height: 360, fps: 30, max_bitrate: 1_000_000 };
+    const camera = this.#taking.has(video) ? this.#receiver.sending(video, "video", { limits }) : null;
+    this.#microphone.watch(microphone);
+    this.#camera.watch(camera);
+    this.#element.hidden = microphone === null && camera === null;
+    this.#microphone.element.hidden = microphone === null;
+    this.#camera.element.hidden = camera === null;
+    return { microphone, camera };
+  }
+
+  /** Why nothing can be sent; empty where it can. */
+  set barred(barred: string) {
+    this.#microphone.barred = this.#camera.barred = barred;
+  }
+
+  /** What is on, in words; empty for nothing. */
+  get sending(): string {
+    return sendingWords(this.#on.audio, this.#on.video);
+  }
+
+  /** Lets go of the devices that are in use. @param why in a sentence */
+  off(why: string): void {
+    for (const device of [this.#microphone, this.#camera]) void device.off(why);
+  }
+
+  toggleMicrophone(): void {
+    void this.#microphone.toggle();
+  }
+
+  toggleCamera(): void {
+    void this.#camera.toggle();
+  }
+
+  /** Says where it is always seen what leaves this machine. */
+  #tell(): void {
+    // The panels tell while they are made.
+    if (!this.#camera) return;
+    this.#microphone.used = this.#hearing.listens ? "listened to" : "";
+    this.#camera.used = this.#sight.looks ? "looked at" : "";
+    const words = this.sending;
+    this.#sending.hidden = words === "";
+    setText(this.#sending, words);
+    this.onChange();
+  }
+
+  /** Asks a component whether applications may send to it; one that cannot be asked has not changed its mind. */
+  async #ask(componentRef: string | null): Promise<void> {
+    if (componentRef === null || this.#taking.has(componentRef)) return;
+    try {
+      const parameters = await this.#client.getParameter(componentRef);
+      const transports = parameters.find(({ name }) => name === "available_transports")?.value ?? "{}";
+      const { direction = [] } = JSON.parse(transports) as { direction?: string | string[] };
+      if (direction.includes("sendonly")) this.#taking.add(componentRef);
+    } catch {
+      // An engine that comes back changes the profile, and is asked again.
+    }
+  }
+}

@@ -1,0 +1,119 @@
+import { describe, expect, it, vi } from "vitest";
+import { PageToken, asksForTokens } from "../../../app/model/token.ts";
+
+const TOKEN = "eyJh.eyJz.c2ln_-";
+
+class Store {
+  text: string | null = null;
+  closed = false;
+  getItem(): string | null {
+    if (this.closed) throw new DOMException("", "SecurityError");
+    return this.text;
+  }
+  setItem(_: string, text: string): void {
+    if (this.closed) throw new DOMException("", "SecurityError");
+    this.text = text;
+  }
+}
+
+describe("the page's token", () => {
+  it("is kept for the tab", () => {
+    const store = new Store();
+    const token = new PageToken(store);
+    expect(token.value).toBeUndefined();
+    expect(token.give(`  Bearer ${TOKEN}\n`)).toBe(true);
+    expect(token.value).toBe(TOKEN);
+    expect(new PageToken(store).value).toBe(TOKEN);
+  });
+
+  it.each(["", "a", "a.b", "a.b.c.d", "a.b.c d", "a,b.c.d", "ä.b.c", `${"a".repeat(6144)}.b.c`])(
+    "is not %s",
+    (text) => {
+      const store = new Store();
+      const token = new PageToken(store);
+      token.give(TOKEN);
+      expect(token.give(text)).toBe(false);
+      expect(token.value).toBe(TOKEN);
+      store.text = text;
+      expect(new PageToken(store).value).toBeUndefined();
+    },
+  );
+
+  it("comes out of the address, and stands there no more", () => {
+    const token = new PageToken(new Store());
+    const history = { replaceState: vi.fn() };
+    token.takeFrom({ hash: `#token=${TOKEN}`, pathname: "/page", search: "?a" }, history);
+    expect(token.value).toBe(TOKEN);
+    expect(history.replaceState).toHaveBeenCalledWith(null, "", "/page?a");
+    token.takeFrom({ hash: "#inspector/token=x.y.z", pathname: "/", search: "" }, history);
+    expect(history.replaceState).toHaveBeenCalledTimes(1);
+    token.takeFrom({ hash: "#token=nonsense", pathname: "/", search: "" }, history);
+    expect(history.replaceState).toHaveBeenCalledTimes(2);
+    expect(token.value).toBe(TOKEN);
+  });
+
+  it.each([
+    [{ roles: "viewer" }, false],
+    [{ roles: ["viewer", "maintenance"] }, false],
+    [{ roles: ["viewer", "operator"] }, true],
+    [{ roles: "administrator" }, true],
+    [{}, true],
+    [null, true],
+    [{ roles: [7], sub: "Zoë ~~~???" }, false],
+  ])("says of %j whether its bearer may operate: %s", (claims, expected) => {
+    const token = new PageToken(new Store());
+    expect(token.mayOperate).toBe(true);
+    const bytes = new TextEncoder().encode(JSON.stringify(claims));
+    const payload = btoa(String.fromCharCode(...bytes))
+      .replaceAll("+", "-")
+      .replaceAll("/", "_");
+    token.give(`e30.${payload.replaceAll("=", "")}.c2ln`);
+    expect(token.mayOperate).toBe(expected);
+  });
+
+  it("counts where the gateway asks for one, and else bars nobody from anything", () => {
+    const token = new PageToken(new Store());
+    expect(token.counts).toBe(false);
+    token.give(`e30.${btoa('{"roles":"viewer"}').replaceAll("=", "")}.c2ln`);
+    expect([token.counts, token.mayOperate]).toEqual([true, false]);
+    token.asked = false;
+    expect([token.counts, token.mayOperate]).toEqual([false, true]);
+  });
+
+  it.each([
+    ['{"status": "ok", "tokens": false}', false],
+    ['{"status": "ok", "tokens": true}', true],
+    ['{"status": "ok"}', true],
+    ["null", true],
+    ["nonsense", true],
+    [null, true],
+  ])("is asked for by a gateway that says %s: %s", async (body, expected) => {
+    const fetched = vi.fn(() =>
+      body === null ? Promise.reject(new TypeError()) : Promise.resolve(new Response(body)),
+    );
+    vi.stubGlobal("fetch", fetched);
+    expect(await asksForTokens(TOKEN)).toBe(expected);
+    expect(fetched.mock.calls[0]).toMatchObject([
+      "admitted",
+      { headers: { Authorization: `Bearer ${TOKEN}` } },
+    ]);
+    vi.unstubAllGlobals();
+  });
+
+  it("knows when it has ended, where it can be read", () => {
+    const token = new PageToken(new Store());
+    expect(token.hasEnded(1e15)).toBe(false);
+    token.give(TOKEN);
+    expect(token.hasEnded(1e15)).toBe(false);
+    token.give(`e30.${btoa('{"exp": 100}').replaceAll("=", "")}.c2ln`);
+    expect([token.hasEnded(99_999), token.hasEnded(100_000)]).toEqual([false, true]);
+  });
+
+  it("holds without a place to keep it", () => {
+    const store = new Store();
+    store.closed = true;
+    const token = new PageToken(store);
+    expect(token.give(TOKEN)).toBe(true);
+    expect(token.value).toBe(TOKEN);
+  });
+});
