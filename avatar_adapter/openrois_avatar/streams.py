@@ -21,7 +21,7 @@ from openrois_streaming.peer.stream import StreamChange
 from openrois_streaming.publish.rendition_feed import MediaPublisher
 from openrois_streaming.session.session import StreamSession
 from openrois_streaming.session.sessions import StreamSessions
-from openrois_streaming.source.uplink_sink import MediaInlet
+from openrois_streaming.source.uplink_sink import UplinkSink
 from pydantic import ValidationError
 
 from openrois.contract import Client
@@ -73,7 +73,7 @@ class Published:
 
     publisher: MediaPublisher
     kind: MediaKind
-    inlet: MediaInlet | None = None
+    inlet: UplinkSink | None = None
     codecs: Callable[[], tuple[str, ...] | None] = lambda: None
     """The only media types that it can be had in now; None: all that can be encoded here."""
 

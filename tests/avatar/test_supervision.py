@@ -7,7 +7,7 @@ from openrois_avatar.health import Health, Observed
 from openrois_avatar.supervision import Supervised, seen_of, supervise
 from openrois_streaming.encoded import EncodedFrame
 from openrois_streaming.publish.publisher import VideoPublisher
-from openrois_streaming.publish.rendition_feed import Feed
+from openrois_streaming.publish.rendition_feed import RenditionFeed
 from openrois_streaming.source.fanout import SourceEnded
 from openrois_streaming.source.source import RawVideo
 from openrois_streaming.source.supervision import HUNG, QUIET
@@ -119,7 +119,7 @@ async def test_an_encoder_that_failed_is_nobodys_concern_when_its_viewers_have_g
     large, small = publisher.renditions("video/H264")
     shown: asyncio.Queue[EncodedFrame] = asyncio.Queue()
     tasks = OwnedTasks("test", lambda error: pytest.fail(repr(error)))
-    feed = Feed("video", shown.put_nowait, Counters(), tasks, clock)
+    feed = RenditionFeed("video", shown.put_nowait, Counters(), tasks, clock)
 
     async def show(number: int) -> None:
         await source.feed(picture(number, clock.now(), width=640, height=360))

@@ -25,7 +25,7 @@ from openrois_streaming.peer.h264_levels import level_of, with_levels
 from openrois_streaming.peer.input_channels import MakeChannels, OpenChannels, Take
 from openrois_streaming.peer.receiver import RtpReceiver
 from openrois_streaming.peer.sdp import OfferedSection, clean_answer, mids_of, read_candidate
-from openrois_streaming.peer.section import Leg, Section
+from openrois_streaming.peer.section import Section, StreamPath
 from openrois_streaming.peer.stereo import with_stereo
 from openrois_streaming.peer.stream import Stream
 from openrois_streaming.receive.remote_time import RemoteClock
@@ -239,7 +239,7 @@ class BundledConnection:
             _log.error("a peer connection is not closed after %.0f s", CLOSE_TIMEOUT)
 
 
-def _listed(section: Section, leg: Leg) -> StreamSection:
+def _listed(section: Section, leg: StreamPath) -> StreamSection:
     return StreamSection(
         mid=section.mid,
         stream_id=leg.stream.stream_id,

@@ -16,7 +16,7 @@ from openrois_streaming.clock import MediaClock
 from openrois_streaming.encoded import EncodedFrame
 from openrois_streaming.errors import NoEncoder
 from openrois_streaming.peer.stream import Stream
-from openrois_streaming.publish.rendition_feed import STILL_INTERVAL, Feed, SharedRendition
+from openrois_streaming.publish.rendition_feed import STILL_INTERVAL, RenditionFeed, SharedRendition
 from openrois_streaming.rtp.reports import ReceiverReport
 from openrois_streaming.stats import AdaptationStats
 from openrois_streaming.tasks import OwnedTasks, Task
@@ -89,7 +89,7 @@ class Downlink:
         self._round_trip = round_trip
         self._measuring: Task[None] | None = None
         self._asked = asyncio.Event()
-        self._feed = Feed(stream.kind, sender.send, stream.counters, tasks, clock)
+        self._feed = RenditionFeed(stream.kind, sender.send, stream.counters, tasks, clock)
         self._ticked = clock.now()
         self._codec: str | None = None
         self._preparing: Task[None] | None = None

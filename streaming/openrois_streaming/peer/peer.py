@@ -28,7 +28,7 @@ from openrois_streaming.network.settings import NetworkSettings
 from openrois_streaming.network.turns import Ingress
 from openrois_streaming.peer.connection import BundledConnection
 from openrois_streaming.peer.input_channels import InputPath, MakeChannels
-from openrois_streaming.peer.section import Leg
+from openrois_streaming.peer.section import StreamPath
 from openrois_streaming.peer.stream import Stream
 from openrois_streaming.tasks import OwnedTasks, Task
 
@@ -90,7 +90,7 @@ class Peer:
         channels: MakeChannels,
     ) -> None:
         self.peer_id = peer_id
-        self.legs: dict[Stream, Leg] = {}
+        self.legs: dict[Stream, StreamPath] = {}
         self.viewer: Viewer | None = None
         """The other end; None until media can pass."""
         self._clock = clock
@@ -132,7 +132,7 @@ class Peer:
             PeerClosed: the application has closed it.
         """
         section = self._connection.section_for(stream)
-        section.leg = self.legs[stream] = Leg(stream, section, self._tasks, self._clock)
+        section.leg = self.legs[stream] = StreamPath(stream, section, self._tasks, self._clock)
         self._renegotiate()
 
     def detach(self, stream: Stream) -> None:

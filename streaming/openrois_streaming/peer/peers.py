@@ -9,7 +9,7 @@ from openrois_streaming.errors import PeerClosed, TooManySections, UnknownPeer
 from openrois_streaming.liveness import Verdict
 from openrois_streaming.peer.input_channels import InputSink, SessionInput
 from openrois_streaming.peer.peer import Peer, PeerOwner
-from openrois_streaming.peer.section import Leg
+from openrois_streaming.peer.section import StreamPath
 from openrois_streaming.peer.stream import Stream, StreamTable
 
 REPLACE_TIMEOUT = 5.0
@@ -80,7 +80,7 @@ class Peers:
         for peer in self.all():
             peer.follow()
 
-    def leg(self, stream: Stream) -> Leg:
+    def leg(self, stream: Stream) -> StreamPath:
         """The way of `stream` over the present one."""
         assert self._present is not None, "a stream ends with its last peer connection"
         return self._present.legs[stream]

@@ -38,7 +38,7 @@ _RECEIVING: Final = frozenset({"recvonly", "sendrecv"})
 _SENDING: Final = frozenset({"sendonly", "sendrecv"})
 
 
-class Leg:
+class StreamPath:
     """A stream on its way over one m-section."""
 
     __slots__ = (
@@ -237,7 +237,7 @@ class Section:
         """What the application does in it as it last said."""
         self.reception: Reception | None = None
         """What receives, where the application sends."""
-        self.leg: Leg | None = None
+        self.leg: StreamPath | None = None
         self.codec: str | None = None
         """The negotiated media type; None before the first answer."""
         self.highest_sequence: int | None = None

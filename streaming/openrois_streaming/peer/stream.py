@@ -11,7 +11,7 @@ from openrois_streaming.codecs import available_codecs
 from openrois_streaming.errors import NoCommonCodec, UnknownStream
 from openrois_streaming.liveness import Verdict
 from openrois_streaming.publish.rendition_feed import MediaPublisher
-from openrois_streaming.source.uplink_sink import Intake
+from openrois_streaming.source.uplink_sink import UplinkSelector
 from openrois_streaming.state import OPEN, STATUS, Party, StreamInput, StreamPhase, StreamStatus, following, resumption
 from openrois_streaming.stats import Counters
 
@@ -56,7 +56,7 @@ class Stream:
     codecs: tuple[str, ...]
     counters: Counters
     direction: Direction = "recvonly"
-    intake: Intake | None = None
+    intake: UplinkSelector | None = None
     caps: Caps = field(default_factory=Caps)
     stereo: bool = False
     alternatives: tuple[str, ...] = ()

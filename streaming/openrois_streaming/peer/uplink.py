@@ -7,7 +7,7 @@ from openrois_streaming.liveness import Verdict
 from openrois_streaming.peer.arrival import Arrival
 from openrois_streaming.receive.figures import ReceiverFigures
 from openrois_streaming.source.source import MediaSource
-from openrois_streaming.source.uplink_sink import Intake
+from openrois_streaming.source.uplink_sink import UplinkSelector
 
 
 class Reception(Protocol):
@@ -41,7 +41,7 @@ class Reception(Protocol):
 class Uplink:
     """One way of a stream into the engine. It is plugged in while there is a media path, suspended or not."""
 
-    def __init__(self, reception: Reception, intake: Intake, clock: MediaClock) -> None:
+    def __init__(self, reception: Reception, intake: UplinkSelector, clock: MediaClock) -> None:
         self._reception = reception
         self._intake = intake
         self._clock = clock

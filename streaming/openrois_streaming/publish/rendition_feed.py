@@ -112,7 +112,7 @@ class _Part:
             self.task.cancel()
 
 
-class Feed:
+class RenditionFeed:
     """Gives one viewer the frames of one rendition at a time, in growing times, and never one it could not decode.
 
     When another rendition is to be played, the present one goes on until the first key frame of the other is there.

@@ -18,7 +18,7 @@ from openrois_streaming.peer.peer import Peer, PeerOwner
 from openrois_streaming.peer.peers import Peers
 from openrois_streaming.peer.stream import Stream, StreamChange, StreamTable, choose_codecs
 from openrois_streaming.publish.rendition_feed import MediaPublisher
-from openrois_streaming.source.uplink_sink import Intake, MediaInlet
+from openrois_streaming.source.uplink_sink import UplinkSelector, UplinkSink
 from openrois_streaming.state import Party, StreamStatus
 from openrois_streaming.stats import Counters, StreamStats
 from openrois_streaming.tasks import OwnedTasks, Task
@@ -158,7 +158,7 @@ class StreamSession:
         codecs: Sequence[str] | None = None,
         *,
         direction: Direction = "recvonly",
-        inlet: MediaInlet | None = None,
+        inlet: UplinkSink | None = None,
         caps: Caps | None = None,
         stereo: bool = False,
     ) -> None:
@@ -188,7 +188,7 @@ class StreamSession:
             raise ValueError(f"a {direction} stream has other ends")
         if direction == "sendrecv" and kind != "audio":
             raise ValueError("only audio goes both ways in one stream")
-        intake = None if inlet is None else Intake(stream_id, inlet)
+        intake = None if inlet is None else UplinkSelector(stream_id, inlet)
         known = chosen = choose_codecs(kind, codecs)
         if publisher is not None:
             names = ", ".join(chosen)

@@ -5,7 +5,7 @@ from typing import Any, Protocol
 from openrois_streaming.source.source import MediaSource
 
 
-class MediaInlet(Protocol):
+class UplinkSink(Protocol):
     """What takes the media of applications in. All calls are made in the event loop and must not block."""
 
     def plug(self, stream_id: str, source: MediaSource[Any]) -> None:
@@ -20,10 +20,10 @@ class MediaInlet(Protocol):
         ...
 
 
-class Intake:
+class UplinkSelector:
     """Which of its media paths brings a stream to its inlet: of those that play, the one that was added last."""
 
-    def __init__(self, stream_id: str, inlet: MediaInlet) -> None:
+    def __init__(self, stream_id: str, inlet: UplinkSink) -> None:
         self._stream_id = stream_id
         self._inlet = inlet
         self._sources: list[MediaSource[Any]] = []

@@ -5,7 +5,7 @@ from openrois_streaming.errors import NoCommonCodec, UnknownStream
 from openrois_streaming.liveness import Verdict
 from openrois_streaming.peer import stream as stream_module
 from openrois_streaming.peer.stream import Stream, StreamChange, StreamTable, choose_codecs
-from openrois_streaming.source.uplink_sink import Intake
+from openrois_streaming.source.uplink_sink import UplinkSelector
 from openrois_streaming.state import TRANSITIONS, Party, StreamInput, StreamPhase, StreamStatus
 from openrois_streaming.stats import Counters
 
@@ -126,7 +126,7 @@ def test_no_order_of_wishes_passes_media_of_what_somebody_suspended(
 
 def test_who_has_to_send_hears_of_its_turn_before_anything_arrives() -> None:
     stream = make()
-    stream.intake = Intake("s", FakeInlet())
+    stream.intake = UplinkSelector("s", FakeInlet())
     stream.judge([Verdict.FLOWING])
     stream.suspend(Party.ENGINE)
     stream.resume(Party.ENGINE)

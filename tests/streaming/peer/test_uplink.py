@@ -9,7 +9,7 @@ from openrois_streaming.liveness import STALL, Verdict
 from openrois_streaming.peer import peer as peer_module
 from openrois_streaming.peer.peers import REPLACE_TIMEOUT
 from openrois_streaming.peer.uplink import Uplink
-from openrois_streaming.source.uplink_sink import Intake
+from openrois_streaming.source.uplink_sink import UplinkSelector
 from openrois_streaming.state import StreamStatus
 
 from tests.support.streaming import VirtualClock, settle
@@ -83,7 +83,7 @@ async def operator(monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Operator]:
 
 async def test_a_way_is_plugged_in_while_it_is_there_and_read_while_it_is_wanted() -> None:
     clock, reception, inlet = VirtualClock(), FakeReception(), FakeInlet()
-    uplink = Uplink(reception, Intake("s", inlet), clock)
+    uplink = Uplink(reception, UplinkSelector("s", inlet), clock)
     uplink.follow(there=True, wanted=False)
     assert (reception.passing, inlet.sources) == (False, {"s": reception.source})
     assert uplink.judge(clock.now()) is Verdict.UNDECIDED
@@ -101,7 +101,7 @@ async def test_a_way_is_plugged_in_while_it_is_there_and_read_while_it_is_wanted
 async def test_an_uplink_counts_what_came_since_it_was_made() -> None:
     reception = FakeReception()
     reception.figures = replace(reception.figures, packets=10, packets_lost=1, concealed=0.5, jitter=0.001)
-    uplink = Uplink(reception, Intake("s", FakeInlet()), VirtualClock())
+    uplink = Uplink(reception, UplinkSelector("s", FakeInlet()), VirtualClock())
     assert (uplink.figures.packets, uplink.figures.concealed) == (0, 0.0)
     reception.figures = replace(reception.figures, packets=15, packets_lost=3, jitter=0.002, playout_delay=0.03)
     assert (uplink.figures.packets, uplink.figures.packets_lost) == (5, 2)

@@ -6,7 +6,7 @@ import pytest
 from openrois_streaming.codecs import CodecUnavailable
 from openrois_streaming.publish.encoder_limit import ENCODERS_LIMIT
 from openrois_streaming.publish.publisher import AudioPublisher, VideoPublisher
-from openrois_streaming.publish.rendition_feed import Feed
+from openrois_streaming.publish.rendition_feed import RenditionFeed
 from openrois_streaming.publish.video_encoder import VideoEncoder
 from openrois_streaming.source import stamp
 from openrois_streaming.source.fanout import SourceEnded
@@ -246,10 +246,10 @@ async def test_many_viewers_that_want_many_paces_share_a_few_encoders(clock: Vir
     source: FedSource[RawVideo] = FedSource()
     publisher = VideoPublisher(source, clock=clock, size=(640, 360))
     tasks = OwnedTasks("viewers", lambda error: pytest.fail(repr(error)))
-    feeds: list[Feed] = []
+    feeds: list[RenditionFeed] = []
     for number in range(64):
         codec, fps = ("video/H264", "video/VP8")[number % 2], 30 / (1 + number // 4 % 8)
-        feed = Feed("video", lambda frame: None, Counters(), tasks, clock)
+        feed = RenditionFeed("video", lambda frame: None, Counters(), tasks, clock)
         feed.play(publisher.renditions(codec, fps)[number // 2 % 2], 300_000)
         feeds.append(feed)
     await settle()

@@ -7,7 +7,7 @@ from random import Random
 import pytest
 from openrois_streaming.encoded import EncodedFrame
 from openrois_streaming.publish.key_frames import KeyFrameBudget, KeyFrameCause
-from openrois_streaming.publish.rendition_feed import FIRST_RETRY, RETRY, STILL_INTERVAL, STILL_LEAST, Feed
+from openrois_streaming.publish.rendition_feed import FIRST_RETRY, RETRY, STILL_INTERVAL, STILL_LEAST, RenditionFeed
 from openrois_streaming.stats import Counters
 from openrois_streaming.tasks import OwnedTasks
 
@@ -25,7 +25,7 @@ class Feeding:
         self.times: list[int] = []
         self.rendition = FedRendition("video/VP8")
         self.tasks = OwnedTasks("test", lambda error: pytest.fail(repr(error)))
-        self.feed = Feed("video", self.send, self.counters, self.tasks, self.clock)
+        self.feed = RenditionFeed("video", self.send, self.counters, self.tasks, self.clock)
 
     def send(self, each: EncodedFrame) -> None:
         self.taken.append(each.sequence)

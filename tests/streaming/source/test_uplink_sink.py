@@ -1,12 +1,12 @@
-from openrois_streaming.source.uplink_sink import Intake
+from openrois_streaming.source.uplink_sink import UplinkSelector
 
 from tests.support.streaming import FedSource
 from tests.support.viewing import FakeInlet
 
 
-def ways() -> tuple[FakeInlet, Intake, FedSource[int], FedSource[int]]:
+def ways() -> tuple[FakeInlet, UplinkSelector, FedSource[int], FedSource[int]]:
     inlet = FakeInlet()
-    return inlet, Intake("s", inlet), FedSource(), FedSource()
+    return inlet, UplinkSelector("s", inlet), FedSource(), FedSource()
 
 
 def test_the_first_way_is_plugged_and_another_when_it_plays() -> None:
