@@ -17,9 +17,11 @@ from hypothesis import HealthCheck, settings
 
 from tests.support.canary import leak
 from tests.support.mono import Mono
-from tests.support.namespaces import missing
+from tests.support.namespaces import hide_cables_of_others, missing
 
 pytest_plugins = ["openrois_streaming.testing.plugin"]
+
+hide_cables_of_others()
 
 WEB_DEMO = Path(__file__).parents[1] / "web_demo"
 

@@ -2,14 +2,36 @@
 
 import itertools
 import os
+import re
 import shutil
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
+from typing import Any, Final
 
-__all__ = ["Namespace", "missing", "namespace"]
+import ifaddr
+
+__all__ = ["Namespace", "hide_cables_of_others", "missing", "namespace"]
+
+_CABLE: Final = re.compile(r"or\d+-\d+-a")
 
 _numbers = itertools.count(1)
+_own: set[str] = set()
+"""The interfaces by which the namespaces of this process are reached."""
+
+
+def hide_cables_of_others() -> None:
+    """Have this process use no address of a namespace that a test in another process has made.
+
+    Media over it would end without a word when that test ends and its cable is taken away.
+    """
+    find = ifaddr.get_adapters
+
+    def get_adapters(*arguments: Any, **options: Any) -> Iterable[ifaddr.Adapter]:
+        adapters = find(*arguments, **options)
+        return [each for each in adapters if not _CABLE.fullmatch(each.name) or each.name in _own]
+
+    ifaddr.get_adapters = get_adapters
 
 
 class Namespace:
@@ -66,6 +88,7 @@ def namespace() -> Iterator[Namespace]:
     name = f"or{os.getpid() % 10**7}-{number}"
     made = Namespace(name, f"10.{64 + os.getpid() // 256 % 128}.{(os.getpid() + 61 * number) % 256}")
     _ip("netns", "add", name)
+    _own.add(f"{name}-a")
     try:
         _ip("link", "add", f"{name}-a", "type", "veth", "peer", "name", made.cable, "netns", name)
         _ip("addr", "add", f"{made.here}/24", "dev", f"{name}-a")
@@ -78,6 +101,7 @@ def namespace() -> Iterator[Namespace]:
         with suppress(subprocess.CalledProcessError):
             _ip("link", "del", f"{name}-a")
         _ip("netns", "del", name)
+        _own.discard(f"{name}-a")
 
 
 def _ip(*arguments: str) -> None:
