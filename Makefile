@@ -9,18 +9,18 @@ UNIT := not media and not browser and not engine$(SHORT)
 UNIT_TESTS = -n auto --dist worksteal $(if $(LONG),-p tests.branches) -m "$(UNIT)"
 MEDIA_TESTS = -n 3 --dist loadfile -m "(media or engine) and not browser$(SHORT)" $(call marked,media\|engine)
 BROWSER_TESTS = -m "browser$(SHORT)" $(call marked,browser)
+# Of a long run all stages are seen, whatever fails in one of them.
+stage = $(1) || $(if $(LONG),failed=1,exit 1);
 marked = $(shell grep -rl --include="test_*.py" "mark\.\($(1)\)" tests)
 export PATH := $(if $(shell command -v npm),,$(CURDIR)/.venv/bin:)$(PATH)
 .PHONY: demo test unit faults nightly check lint fmt generate page
 demo: .venv/demo.stamp $(PAGE)
 	@.venv/bin/openrois demo $(ARGS)
 test: .venv/dev.stamp $(NODE_MODULES) $(PAGE)
-	cd web_demo && npm run --silent test
-	@failed=0; $(if $(ARGS),$(PY) -m pytest $(ARGS),$(foreach each,UNIT_TESTS MEDIA_TESTS BROWSER_TESTS,$(PY) -m pytest $($(each)) || $(if $(LONG),failed=1,exit 1); ) exit $$failed)
+	@failed=0; $(call stage,(cd web_demo && npm run --silent test)) $(if $(ARGS),$(call stage,$(PY) -m pytest $(ARGS)),$(foreach each,UNIT MEDIA BROWSER,$(call stage,$(PY) -m pytest $($(each)_TESTS)))) exit $$failed
 unit: .venv/dev.stamp
 	$(PY) -m pytest -n auto --dist worksteal -m "$(UNIT)" $(ARGS)
 faults: .venv/dev.stamp; OPENROIS_SEEDS=20 $(PY) -m pytest -n 4 --dist worksteal tests/faults $(ARGS)
-# Of a long run all stages are seen, whatever fails in one of them.
 nightly:; OPENROIS_SEEDS=20 $(MAKE) test LONG=1
 check: lint test
 lint: .venv/dev.stamp $(NODE_MODULES)

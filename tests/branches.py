@@ -13,7 +13,8 @@ from typing import Final
 import pytest
 from coverage import Coverage
 
-from tests.test_branches import ROOT, TESTS, files_of, pure_modules
+from tests.support.packages import ROOT
+from tests.test_branches import TESTS, files_of, pure_modules
 
 _FOLDER: Final = "branches_folder"
 """The key under which a worker of pytest-xdist is told where its data go."""

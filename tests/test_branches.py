@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[1]
+from tests.support.packages import ROOT, packages
+
 # Whole processes and sockets are others' business: what is pure is tested by itself.
 TESTS = (
     *(
@@ -94,9 +95,9 @@ def pure_modules() -> list[str]:
 
 def files_of(module: str) -> list[str]:
     """Return the patterns of a module's files: its own, and those below it if it is a package."""
-    places = {"openrois_signaling": "signaling/", "openrois_streaming": "streaming/", "openrois_codegen": "codegen/"}
-    places |= {"openrois_avatar": "avatar_adapter/", "openrois_conformance": "conformance/"}
-    path = places.get(module.partition(".")[0], "") + module.replace(".", "/")
+    package, _, rest = module.partition(".")
+    (folder,) = (each for each in packages() if Path(each).name == package)
+    path = f"{folder}/{rest.replace('.', '/')}".rstrip("/")
     return [f"{path}/*"] if (ROOT / path).is_dir() else [f"{path}.py"]
 
 

@@ -8,16 +8,10 @@ from pathlib import Path
 
 import pytest
 
+from tests.support.packages import packages
+
 ROOT = Path(__file__).parents[1]
-PACKAGES = (
-    "openrois/",
-    "signaling/openrois_signaling/",
-    "streaming/openrois_streaming/",
-    "avatar_adapter/openrois_avatar/",
-    "web_demo/openrois_web_demo/",
-    "conformance/openrois_conformance/",
-    "codegen/openrois_codegen/",
-)
+PACKAGES = tuple(f"{package}/" for package in packages())
 GENERATED = ("openrois/adapter/components.py", "openrois/client/components.py")
 MODULE_LINES, CLASS_LINES, METHODS = 500, 400, 25
 

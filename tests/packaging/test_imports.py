@@ -2,18 +2,9 @@
 
 import subprocess
 import sys
-from pathlib import Path
 
-ROOT = Path(__file__).parents[2]
-PACKAGES = (
-    "openrois",
-    "signaling/openrois_signaling",
-    "streaming/openrois_streaming",
-    "avatar_adapter/openrois_avatar",
-    "web_demo/openrois_web_demo",
-    "conformance/openrois_conformance",
-    "codegen/openrois_codegen",
-)
+from tests.support.packages import ROOT, packages
+
 IMPORTING = """
 import importlib, sys
 
@@ -33,7 +24,7 @@ print(len(sys.argv) - 1)
 def modules() -> list[str]:
     """Return the dotted name of every module; those that are programs are not imported by anybody."""
     found = []
-    for package in PACKAGES:
+    for package in packages():
         folder = ROOT / package
         for path in sorted(folder.rglob("*.py")):
             parts = path.relative_to(folder.parent).with_suffix("").parts

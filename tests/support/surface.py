@@ -18,10 +18,10 @@ from unittest import mock
 
 from openrois.cli.__main__ import main
 from openrois.gateway.configuration import settings_of
+from tests.support.packages import ROOT, packages
 
 __all__ = ["RECORD", "surface"]
 
-ROOT: Final = Path(__file__).parents[2]
 RECORD: Final = ROOT / "tests/public_surface.json"
 PACKAGES: Final = (
     "openrois",
@@ -33,7 +33,6 @@ PACKAGES: Final = (
     "openrois_streaming.testing",
 )
 """Packages whose `__all__` is promised."""
-PRODUCT: Final = ("openrois", "signaling", "streaming", "avatar_adapter", "conformance", "codegen")
 
 _BELOW: Final = re.compile(r"^ {4}([a-z][\w-]*)(?:  |$)", re.MULTILINE)
 """A command below another one, as argparse lists it."""
@@ -51,7 +50,7 @@ def surface() -> dict[str, object]:
     return {
         "commands": dict(_commands()),
         "entry points": _entry_points(),
-        "environment": sorted(_found(_ENVIRONMENT, *PRODUCT)),
+        "environment": sorted(_found(_ENVIRONMENT)),
         "gateway settings": sorted(f"{each.table}.{each.key}" for each in settings_of()),
         "metrics": sorted(_metrics()),
         "names": {name: sorted(importlib.import_module(name).__all__) for name in PACKAGES},
@@ -88,19 +87,13 @@ def _entry_points() -> Mapping[str, list[str]]:
     return {group: sorted({each.name for each in entry_points(group=group)}) for group in groups}
 
 
-def _found(pattern: re.Pattern[str], *folders: str) -> set[str]:
-    return {found for folder in folders for path in (ROOT / folder).rglob("*.py") for found in _in(path, pattern)}
-
-
-def _in(path: Path, pattern: re.Pattern[str]) -> list[str]:
-    return pattern.findall(path.read_text(encoding="utf-8"))
+def _found(pattern: re.Pattern[str]) -> set[str]:
+    files = (path for package in packages() for path in (ROOT / package).rglob("*.py"))
+    return {found for path in files for found in pattern.findall(path.read_text(encoding="utf-8"))}
 
 
 def _metrics() -> set[str]:
-    packages = {
-        path.parent.name for folder in (".", *PRODUCT) for path in (ROOT / folder).glob("openrois_*/__init__.py")
-    }
-    return {name for name in _found(_METRIC, *PRODUCT) if name not in packages}
+    return _found(_METRIC) - {Path(package).name for package in packages()}
 
 
 def _digests(folder: Path, pattern: str) -> Mapping[str, str]:
